@@ -1,0 +1,258 @@
+/* What a scene is made of: plain structs with defaults. Fill one from shv_…_default(), never from zero bytes:
+   `cookie` marks a struct that started from its default, and a zeroed one is refused rather than run with zero
+   toughness. SI units; angles in degrees where a name ends in _degrees. Arrays and strings stay the caller's
+   (or the ShvScene's that parsed them) and must outlive the simulation made from them. */
+#ifndef SHIVER_DEFINITION_H
+#define SHIVER_DEFINITION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SHV_DEFINITION_COOKIE 0x53484956u
+
+/* ---- materials ---------------------------------------------------------------------------------------- */
+
+typedef enum ShvKinematics {
+    SHV_GREEN_STRAIN, /* St. Venant-Kirchhoff */
+    SHV_COROTATIONAL  /* linear elastic in the element's rotated frame */
+} ShvKinematics;
+
+typedef enum ShvCohesiveLaw { SHV_PPR, SHV_CAMACHO_ORTIZ } ShvCohesiveLaw;
+
+typedef struct ShvMaterialDefinition {
+    uint32_t cookie;
+    const char *name;
+    double density;                /* kg/m³, > 0 */
+    double youngs_modulus;         /* Pa, > 0 */
+    double poissons_ratio;         /* −1 < ν < 0.5 */
+    ShvKinematics kinematics;      /* Green strain */
+    bool breakable;                /* false: no facet of it ever opens */
+    ShvCohesiveLaw law;            /* PPR */
+    double fracture_energy;        /* J/m², mode I, ≥ 0 */
+    double cohesive_strength;      /* Pa, mode I, ≥ 0; infinity: never opens */
+    double fracture_energy_shear;  /* J/m²; NaN: as mode I */
+    double cohesive_strength_shear;/* Pa; NaN: as mode I */
+    double ppr_shape;              /* α > 1: 2 softens linearly in pure opening */
+    double ppr_shape_shear;        /* β > 1; NaN: as α */
+    double weibull_modulus;        /* spread of strength from facet to facet; 0: none */
+    double weibull_volume;         /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
+} ShvMaterialDefinition;
+ShvMaterialDefinition shv_material_default(void);
+
+/* ---- meshes ------------------------------------------------------------------------------------------- */
+
+typedef enum ShvMeshKind {
+    SHV_MESH_BOX,
+    SHV_MESH_BALL,
+    SHV_MESH_HOLLOW_BALL,
+    SHV_MESH_CYLINDER,
+    SHV_MESH_NOTCHED_BEAM,
+    SHV_MESH_GMSH,   /* .msh 2.2 ASCII, 4.1 ASCII and binary */
+    SHV_MESH_TETGEN, /* .node and .ele */
+    SHV_MESH_SHELL   /* prisms extruded from a closed triangle surface, three tets a prism */
+} ShvMeshKind;
+
+typedef struct ShvMeshDefinition {
+    uint32_t cookie;
+    ShvMeshKind kind;
+    double size[3];         /* box, notched beam: length (x), depth (y), height (z), m; centred on the origin */
+    double radius;          /* ball, hollow ball, cylinder: outer radius, m */
+    double inner_radius;    /* hollow ball: > 0; cylinder: 0 (solid) or > 0 */
+    double height;          /* cylinder: along z, m */
+    double edge;            /* target edge length, m */
+    double notch_depth;     /* notched beam: from the bottom face (−z) upwards, m */
+    double notch_offset;    /* notched beam: along x from midspan, m */
+    double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
+    double jitter;          /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
+                               the surface; no tet is inverted */
+    uint64_t seed;          /* of the jitter */
+    const char *file;       /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY) */
+    double scale;           /* multiplies every coordinate of a file, > 0; 1 */
+    double thickness;       /* shell: inwards, m (after scale) */
+    int32_t layers;         /* shell: ≥ 1 */
+    int64_t refine_to;      /* shell: split the longest edges until the surface has at least this many triangles; 0: as it is */
+} ShvMeshDefinition;
+ShvMeshDefinition shv_mesh_default(void);
+
+/* ---- objects, sets of nodes, conditions --------------------------------------------------------------- */
+
+typedef struct ShvPlacement {
+    double position[3];         /* m: where the mesh's origin goes */
+    double rotation_axis[3];    /* need not be a unit vector */
+    double rotation_degrees;
+    double velocity[3];         /* m/s of the centre of mass */
+    double angular_velocity[3]; /* rad/s, world axes, about the centre of mass */
+} ShvPlacement;
+
+typedef struct ShvObjectDefinition {
+    uint32_t cookie;
+    const char *name;
+    ShvMeshDefinition mesh;
+    const char *material;
+    ShvPlacement placement;
+} ShvObjectDefinition;
+ShvObjectDefinition shv_object_default(void);
+
+typedef enum ShvSelectionKind { SHV_SELECT_ALL, SHV_SELECT_BOX, SHV_SELECT_PLANE } ShvSelectionKind;
+
+/* Nodes (or, for a traction, boundary facets whose three nodes are all chosen) of one object, judged on its placed
+   mesh at the start, world coordinates. */
+typedef struct ShvSelection {
+    ShvSelectionKind kind;
+    double box_min[3], box_max[3];
+    double plane_normal[3], plane_offset; /* |n·x − offset| ≤ tolerance, n of unit length */
+    double tolerance;                     /* m */
+} ShvSelection;
+
+typedef enum ShvConditionKind {
+    SHV_CONDITION_SUPPORT,  /* the chosen components keep zero velocity */
+    SHV_CONDITION_VELOCITY, /* the chosen components follow `value`, m/s */
+    SHV_CONDITION_TRACTION  /* `value`, Pa, on the chosen boundary facets (area at the start) */
+} ShvConditionKind;
+
+typedef struct ShvConditionDefinition {
+    uint32_t cookie;
+    const char *name;   /* for `release` events */
+    const char *object;
+    ShvSelection selection;
+    ShvConditionKind kind;
+    bool axes[3];       /* support, velocity: which components */
+    double value[3];
+    double ramp_time;   /* s: value × min(1, (t − start)/ramp_time); 0: at once */
+    double start, end;  /* s: in force for start ≤ t < end */
+} ShvConditionDefinition;
+ShvConditionDefinition shv_condition_default(void);
+
+/* ---- obstacles ---------------------------------------------------------------------------------------- */
+
+typedef enum ShvObstacleShape { SHV_OBSTACLE_PLANE, SHV_OBSTACLE_SPHERE, SHV_OBSTACLE_BOX, SHV_OBSTACLE_MESH } ShvObstacleShape;
+typedef enum ShvObstacleMotion {
+    SHV_OBSTACLE_FIXED,
+    SHV_OBSTACLE_SCRIPTED, /* follows its keyframes */
+    SHV_OBSTACLE_FREE      /* an unbreakable rigid body with mass */
+} ShvObstacleMotion;
+
+typedef struct ShvKeyframe {
+    double time;             /* s, increasing */
+    double position[3];      /* m */
+    double rotation_axis[3];
+    double rotation_degrees; /* linear motion between keyframes, rotation by the shortest arc; held before and after */
+} ShvKeyframe;
+
+typedef struct ShvObstacleDefinition {
+    uint32_t cookie;
+    const char *name;
+    ShvObstacleShape shape;
+    double plane_normal[3], plane_offset; /* solid below n·x = offset; a plane is fixed */
+    double radius;                        /* sphere */
+    double size[3];                       /* box: full edge lengths, centred */
+    const char *file;                     /* mesh: closed triangle surface, OBJ, STL or PLY */
+    double scale;
+    double friction;    /* Coulomb coefficient, ≥ 0 */
+    double restitution; /* 0…1: rigid modes and PBD; node contact of explicit fracture has none */
+    ShvObstacleMotion motion;
+    double mass;        /* kg, free: > 0; inertia that of the homogeneous solid */
+    ShvPlacement placement;
+    const ShvKeyframe *keyframes;
+    int32_t keyframe_count;
+} ShvObstacleDefinition;
+ShvObstacleDefinition shv_obstacle_default(void);
+
+/* ---- events on the time line -------------------------------------------------------------------------- */
+
+typedef enum ShvEventKind {
+    SHV_EVENT_RELEASE,      /* `target`: a condition, from now on out of force */
+    SHV_EVENT_SET_VELOCITY, /* `target`: an object's fragments or a free obstacle; value and angular */
+    SHV_EVENT_IMPULSE,      /* `target`: likewise; value in N·s, shared by mass over the object's fragments */
+    SHV_EVENT_GRAVITY       /* value: the new gravity, m/s² */
+} ShvEventKind;
+
+typedef struct ShvEventDefinition {
+    uint32_t cookie;
+    double time;
+    ShvEventKind kind;
+    const char *target;
+    double value[3], angular[3];
+} ShvEventDefinition;
+ShvEventDefinition shv_event_default(void);
+
+/* ---- rigid mode, fracture mode, output ---------------------------------------------------------------- */
+
+typedef enum ShvRigidEngine { SHV_RIGID_ANALYTIC } ShvRigidEngine;
+
+typedef enum ShvWake {
+    SHV_WAKE_CONTACT, /* every new contact wakes */
+    SHV_WAKE_STRESS   /* a new contact wakes when its impact stress estimate K ρ c₀ v reaches wake_fraction × strength */
+} ShvWake;
+
+typedef struct ShvRigidDefinition {
+    ShvRigidEngine engine;
+    double time_step; /* s */
+    ShvWake wake;
+    double wake_fraction; /* of the weakest facet's strength; 0.5 */
+    double wake_factor;   /* K; 6 */
+} ShvRigidDefinition;
+
+typedef enum ShvCriterion {
+    SHV_CRITERION_TRACTION, /* facet traction √(⟨tn⟩² + |tt|²/β²), β = shear/normal strength, against the facet's strength */
+    SHV_CRITERION_PRINCIPAL /* largest principal stress at each of the facet's three nodes (volume average) */
+} ShvCriterion;
+
+typedef enum ShvActivation {
+    SHV_ACTIVATION_TRACTION, /* the law starts at the facet's own traction: no jump of acceleration */
+    SHV_ACTIVATION_STRENGTH  /* the law starts at the strength (plain extrinsic law, jumps) */
+} ShvActivation;
+
+typedef struct ShvFractureDefinition {
+    bool enabled;             /* false: bodies deform but nothing opens */
+    double time_step;         /* s; NaN: automatic */
+    double safety;            /* share of the stable step when automatic, 0…1; 0.9 */
+    int32_t check_every;      /* steps between checks; 0: automatic, keeps the overshoot at insertion under 10 % */
+    double threshold;         /* share of the strength at which a facet opens; 0.9 */
+    ShvCriterion criterion;
+    ShvActivation activation;
+    double regularisation;    /* ε: openings below ε × final opening unload with bounded stiffness; 0.02 */
+    int32_t quiet_checks;     /* checks without insertion that end fracture mode when no contact is closing; 20 */
+    double longest;           /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
+                                 20 transits of the slowest bending wave */
+    double energy_bound;      /* the run stops when the ledger's residual exceeds this share of the largest energy; 0.05 */
+} ShvFractureDefinition;
+
+typedef struct ShvOutputDefinition {
+    const char *file;       /* run file; NULL: from the scene's name */
+    double rate;            /* frames a second */
+    int64_t fracture_every; /* also record a frame every so many steps of fracture mode; 0: off */
+    bool nodes;             /* node positions and facet damage of every frame */
+} ShvOutputDefinition;
+
+typedef struct ShvSceneDefinition {
+    uint32_t cookie;
+    const char *name;
+    const ShvMaterialDefinition *materials;
+    int32_t material_count;
+    const ShvObjectDefinition *objects;
+    int32_t object_count;
+    const ShvConditionDefinition *conditions;
+    int32_t condition_count;
+    const ShvObstacleDefinition *obstacles;
+    int32_t obstacle_count;
+    const ShvEventDefinition *events; /* increasing time */
+    int32_t event_count;
+    double gravity[3];
+    ShvRigidDefinition rigid;
+    ShvFractureDefinition fracture;
+    ShvOutputDefinition output;
+    double duration; /* s */
+    uint64_t seed;   /* Weibull strengths */
+    int32_t threads; /* 0: all processors */
+} ShvSceneDefinition;
+ShvSceneDefinition shv_scene_default(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,12 @@
+/* Shiver: a hybrid rigid and fracture engine for brittle bodies. This header brings in the whole public interface. */
+#ifndef SHIVER_SHIVER_H
+#define SHIVER_SHIVER_H
+
+#include "shiver/definition.h"
+#include "shiver/run_file.h"
+#include "shiver/scene.h"
+#include "shiver/simulation.h"
+#include "shiver/status.h"
+#include "shiver/version.h"
+
+#endif

@@ -1,0 +1,147 @@
+/* A simulation: made from a scene definition, pulled frame by frame. It prints nothing, owns no global state and never
+   exits; several may live at once. */
+#ifndef SHIVER_SIMULATION_H
+#define SHIVER_SIMULATION_H
+
+#include <stddef.h>
+
+#include "shiver/definition.h"
+#include "shiver/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ShvSimulation ShvSimulation;
+
+typedef enum ShvFragmentMode { SHV_FRAGMENT_FLIGHT = 0, SHV_FRAGMENT_FRACTURE = 1, SHV_FRAGMENT_DEAD = 2 } ShvFragmentMode;
+
+/* One fragment, alive or dead; `id` is its index in the list of all and never used again. */
+typedef struct ShvFragmentView {
+    int32_t id, parent;         /* parent −1: an object's first fragment */
+    int32_t object;             /* index in the scene's objects */
+    double birth, death;        /* s; death NaN while alive */
+    ShvFragmentMode mode;
+    int32_t tets;
+    double mass, volume;        /* kg, m³ */
+    double inertia[6];          /* xx, yy, zz, yz, xz, xy of the lumped masses about the centre, reference axes, kg m² */
+    double reference_centre[3]; /* m, in the reference mesh */
+    double position[3];         /* centre of mass, m */
+    double orientation[4];      /* w, x, y, z: reference axes to world */
+    double velocity[3], angular_velocity[3]; /* m/s, rad/s, world */
+} ShvFragmentView;
+
+typedef struct ShvObstacleView {
+    const char *name;
+    double position[3], orientation[4], velocity[3], angular_velocity[3];
+} ShvObstacleView;
+
+/* The ledger at one moment, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
+   is positive. residual = kinetic + strain + gravity_potential + cohesive_recoverable + fracture_dissipation − (the same
+   at the start) − (contact + friction + closure + constraint + traction + bars + damping + handover + event). */
+typedef struct ShvLedgerView {
+    double time;
+    double kinetic, strain, gravity_potential, cohesive_recoverable, fracture_dissipation;
+    double contact, friction, closure, constraint, traction, bars, damping, handover, event;
+    double cohesive_work;          /* by cohesive tractions on the nodes (≤ 0): −(recoverable + dissipation) */
+    double opened_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over opened facets */
+    double momentum[3], angular_momentum[3];                 /* kg m/s; kg m²/s about the origin */
+    double residual, largest;      /* largest: the largest single energy so far, the residual's scale */
+} ShvLedgerView;
+
+typedef enum ShvRunEvent {
+    SHV_RUN_WAKE,      /* a fragment entered fracture mode; value: closing speed, m/s */
+    SHV_RUN_SLEEP,     /* a fragment went back to flight; value: vibration and strain energy dropped, J */
+    SHV_RUN_SPLIT,     /* a fragment ended and became others; value: number of children */
+    SHV_RUN_INSERTION, /* first insertion in a fragment; value: criterion / strength */
+    SHV_RUN_INVERSION, /* an element turned inside out; value: element */
+    SHV_RUN_SCENE      /* an event of the scene's time line; value: its index */
+} ShvRunEvent;
+
+typedef struct ShvEventView {
+    double time;
+    ShvRunEvent kind;
+    int32_t fragment; /* −1: none */
+    int32_t obstacle; /* −1: none */
+    double value;
+    double kinetic_before, kinetic_after, strain_before, strain_after; /* J, of the fragment */
+    double momentum_before[3], momentum_after[3];                     /* kg m/s */
+    double angular_before[3], angular_after[3];                       /* kg m²/s about the origin */
+} ShvEventView;
+
+typedef struct ShvCostView {
+    const char *name;
+    double seconds;
+    int64_t calls;
+} ShvCostView;
+typedef struct ShvBytesView {
+    const char *name;
+    size_t bytes, peak;
+} ShvBytesView;
+
+/* Everything about the present moment. Arrays belong to the simulation and are valid until its next advance. */
+typedef struct ShvFrameView {
+    double time;
+    bool animation;  /* on the animation grid (output.rate); else a frame of the fracture phase (output.fracture_every) */
+    bool fracture;   /* some fragment is in fracture mode */
+    const ShvFragmentView *fragments; /* all that ever lived */
+    int32_t fragment_count, alive_count;
+    const ShvObstacleView *obstacles;
+    int32_t obstacle_count;
+    const ShvEventView *events; /* since the last frame */
+    int32_t event_count;
+    ShvLedgerView ledger;
+    int64_t steps;              /* of fracture mode so far */
+    double step, courant;       /* s: last step of fracture mode; its ratio to the stable step */
+    int32_t inserted, opened;   /* cohesive facets */
+    double worst_overshoot;     /* largest criterion / strength at an insertion so far */
+    const ShvCostView *costs;
+    int32_t cost_count;
+    const ShvBytesView *bytes;
+    int32_t bytes_count;
+} ShvFrameView;
+
+/* Reference geometry, constant: joint mesh of all objects. element_object: object of each tet. */
+typedef struct ShvMeshView {
+    int32_t node_count, element_count;
+    const double *positions;       /* 3 × node_count, m, world at the start */
+    const int32_t *elements;       /* 4 × element_count */
+    const uint16_t *element_object;
+} ShvMeshView;
+
+typedef struct ShvSimulationOptions {
+    uint32_t cookie;
+    const char *folder; /* what relative file names of the scene start from; NULL: working directory */
+    struct ShvMemory *memory; /* counter of allocations; NULL: one of its own */
+    /* Asked now and then (at least every few milliseconds of work): true stops with SHV_INTERRUPTED at a consistent state. */
+    bool (*stop)(void *data);
+    void *stop_data;
+} ShvSimulationOptions;
+ShvSimulationOptions shv_simulation_options_default(void);
+
+/* On failure *simulation is NULL and everything is released. */
+ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefinition *scene, const ShvSimulationOptions *options,
+                                ShvError *error);
+void shv_simulation_destroy(ShvSimulation *simulation);
+
+/* Goes on to the next frame to record (the first call gives the frame of time 0). After SHV_DIVERGED or SHV_INTERRUPTED
+   the frame view shows the last consistent state. */
+ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error);
+/* True when the scene's duration has been reached. */
+bool shv_simulation_finished(const ShvSimulation *simulation);
+const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation);
+ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation);
+
+/* Current node positions by element corner (12 doubles an element: copies of a node differ across a crack), m; `corners`
+   has room for 12 × element_count. Fragments in flight: the rigid pose. */
+void shv_simulation_corner_positions(const ShvSimulation *simulation, double *corners);
+/* Fragment index of every element, and damage 0…1 of every interior facet of it (4 per element: opposite corner 0…3; 0 on
+   the boundary); either pointer may be NULL. */
+void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage);
+/* 64-bit hash of the whole solver state: equal runs, equal hashes. */
+uint64_t shv_simulation_hash(const ShvSimulation *simulation);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,55 @@
+/* The reference mesh: linear tetrahedra, constant once made. */
+#ifndef SHV_MESH_MESH_H
+#define SHV_MESH_MESH_H
+
+#include <stdint.h>
+
+#include "base/memory.h"
+#include "base/vector.h"
+
+typedef struct ShvMesh {
+    ShvMemory *memory;
+    int32_t node_count, element_count;
+    double *positions; /* 3 × node_count, m */
+    int32_t *elements; /* 4 × element_count; (x1−x0, x2−x0, x3−x0) right handed: positive volume */
+} ShvMesh;
+
+/* Face k of a tet lies opposite its corner k; its three corners run counter-clockwise seen from outside. */
+extern const uint8_t shv_face_corners[4][3];
+
+/* An empty mesh with zeroed arrays. On failure `mesh` is zeroed and owns nothing. */
+ShvStatus shv_mesh_allocate(ShvMesh *mesh, ShvMemory *memory, int64_t node_count, int64_t element_count, ShvError *error);
+void shv_mesh_release(ShvMesh *mesh);
+
+static inline ShvVec3 shv_mesh_position(const ShvMesh *mesh, int32_t node) { return shv_load3(mesh->positions + 3 * (int64_t)node); }
+double shv_mesh_element_volume(const ShvMesh *mesh, int32_t element);
+
+/* Refuses, and names the first offending element: node indices out of range, repeated corners, non-finite coordinates,
+   zero volume (below 1e-15 of the cube of the longest edge), inverted elements, duplicate elements, facets shared by
+   more than two elements, nodes that no element uses. `what` names the mesh in messages. */
+ShvStatus shv_mesh_validate(const ShvMesh *mesh, const char *what, ShvError *error);
+
+/* Renumbers elements (space-filling curve) and nodes (first use) for locality, in place. The order depends on the mesh
+   alone. Optional maps receive new → old (element_count, node_count entries). */
+ShvStatus shv_mesh_renumber(ShvMesh *mesh, int32_t *old_elements, int32_t *old_nodes, ShvError *error);
+
+typedef struct ShvMeshQuality {
+    int32_t node_count, element_count;
+    double volume;                                      /* m³ */
+    double shortest_edge, mean_edge, longest_edge;      /* m */
+    double smallest_altitude;                           /* m, and its element */
+    int32_t smallest_altitude_element;
+    double worst_aspect, mean_aspect;                   /* 3 × inradius / circumradius: 1 regular, 0 flat */
+    int32_t worst_element;
+    double smallest_dihedral, largest_dihedral;         /* degrees */
+} ShvMeshQuality;
+ShvMeshQuality shv_mesh_quality(const ShvMesh *mesh);
+
+/* Mass properties of the solid tets (not of the lumped nodes) at unit density. */
+typedef struct ShvMassProperties {
+    double mass;     /* = volume × density */
+    ShvVec3 centre;  /* centre of mass */
+    ShvMat3 inertia; /* about the centre */
+} ShvMassProperties;
+
+#endif

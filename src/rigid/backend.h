@@ -1,0 +1,54 @@
+/* Rigid flight behind one interface: the analytic backend here, others beside it. A backend moves the fragments that are
+   in flight and the free obstacles, and reports contacts that may wake a fragment before it answers them. */
+#ifndef SHV_RIGID_BACKEND_H
+#define SHV_RIGID_BACKEND_H
+
+#include "rigid/fragment.h"
+#include "shape/obstacle.h"
+
+typedef struct ShvRigidContact {
+    int32_t fragment;      /* index */
+    int32_t obstacle;      /* index */
+    double time;           /* s: when it closes */
+    ShvVec3 point, normal; /* world; the normal points from the obstacle to the fragment */
+    double closing_speed;  /* m/s along the normal, ≥ 0, before any response */
+    bool fresh;            /* not touching at the previous step */
+} ShvRigidContact;
+
+/* Whether a contact wakes its fragment. */
+typedef bool (*ShvWakeJudge)(void *data, const ShvRigidContact *contact);
+
+typedef struct ShvRigidWorld {
+    const ShvModel *model;
+    ShvState *state;
+    ShvFragments *fragments;
+    ShvObstacles *obstacles;
+    const ShvRigidDefinition *settings;
+} ShvRigidWorld;
+
+typedef struct ShvRigidBackend ShvRigidBackend;
+typedef struct ShvRigidFunctions {
+    const char *name;
+    /* A fragment enters flight with the pose and velocities in its record, or leaves it. */
+    ShvStatus (*add)(ShvRigidBackend *backend, int32_t fragment, ShvError *error);
+    void (*remove)(ShvRigidBackend *backend, int32_t fragment);
+    /* Moves everything in flight by `step`. A contact that `judge` accepts stops its fragment at the contact's time: the
+       fragment keeps the pose and velocity of that moment (before response), leaves flight, and its contact is appended to
+       `wakes` (room for one a fragment in flight). All other contacts are answered by impulses with the pair's
+       restitution and friction. */
+    ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3], ShvWakeJudge judge,
+                         void *judge_data, ShvRigidContact *wakes, int32_t *wake_count, ShvError *error);
+    void (*destroy)(ShvRigidBackend *backend);
+} ShvRigidFunctions;
+struct ShvRigidBackend {
+    const ShvRigidFunctions *functions;
+    ShvRigidWorld world;
+    double contact_work;  /* J on fragments and free obstacles by answered contacts, so far */
+    double friction_work; /* J, so far */
+};
+
+/* Ballistic motion, free rotation (energy and |L| kept to round-off, direction of L to second order or better), impulses
+   for contacts with obstacles; fragments do not see each other. */
+ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error);
+
+#endif

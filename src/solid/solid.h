@@ -1,0 +1,55 @@
+/* The elastic solid: element constants in batches of SIMD width, internal force, stress, stable step. */
+#ifndef SHV_SOLID_SOLID_H
+#define SHV_SOLID_SOLID_H
+
+#include "model/state.h"
+
+/* Constants of the reference elements, and the order in which batches are worked through. Chunks of consecutive batches
+   are coloured so that two chunks of a colour share no node: colours run one after another, the chunks of a colour in
+   parallel, each adding to nodal forces in its own fixed order. The sums therefore do not depend on the number of
+   threads; and since node duplication only ever removes sharing, the colouring stays valid for the whole run. */
+typedef struct ShvSolid {
+    ShvMemory *memory;
+    const ShvModel *model;
+    int32_t batch_count;
+    double *gradients;       /* 9 × SHV_LANES × batch_count: rows of D_m⁻¹ (gradients of N1, N2, N3), 1/m */
+    double *volumes;         /* SHV_LANES × batch_count; 0 in padding lanes */
+    int16_t *batch_material; /* material of all lanes, or −1 when a batch is mixed */
+    int32_t chunk_count, chunk_batches;
+    int32_t colour_count;
+    int32_t *colour_start;   /* colour_count + 1, into chunk_order */
+    int32_t *chunk_order;    /* chunks sorted by colour */
+    uint8_t *batch_active;   /* batch_count: batches without an awake element are skipped; all 1 at first */
+} ShvSolid;
+
+ShvStatus shv_solid_create(ShvSolid *solid, const ShvModel *model, const ShvState *state, ShvError *error);
+void shv_solid_release(ShvSolid *solid);
+
+/* Adds −(internal force) of all active batches to state->force. */
+void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
+/* Strain energy of the active batches, summed in batch order, J. */
+double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state);
+/* Strain energy of a list of elements (any mode), in list order, J. */
+double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element);
+
+/* Cauchy stress of every element in active batches: stress[6 × SHV_LANES × batch_count], component-major within a
+   batch (xx, yy, zz, yz, xz, xy), Pa. Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
+void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress);
+/* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. Needs state->corners. */
+void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node, double voigt[6]);
+static inline int64_t shv_stress_slot(int32_t element, int component)
+{
+    return (int64_t)(element / SHV_LANES) * (6 * SHV_LANES) + component * SHV_LANES + element % SHV_LANES;
+}
+
+/* A step at which central difference is stable for the element with lumped masses ρV/4, from its reference shape:
+   the safe bound 1/(c_d √(Σ 1/h_a²)), s (u·K u ≤ V(λ+2µ) Σ|∇N_a|² |u|²), and the exact one 2/ω_max. */
+double shv_solid_safe_step(const ShvSolid *solid, int32_t element);
+double shv_solid_exact_step(const ShvSolid *solid, int32_t element);
+/* Smallest exact step over active batches and the element that sets it. Irons: safe for the assembly. Node duplication
+   lowers no node's mass share, so the bound holds through fracture. */
+double shv_solid_stable_step(const ShvSolid *solid, int32_t *element);
+/* Elements of active batches whose current volume is not positive: their number, and the first of them (−1: none). */
+int32_t shv_solid_inverted(const ShvSolid *solid, const ShvState *state, int32_t *first);
+
+#endif
