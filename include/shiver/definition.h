@@ -182,7 +182,25 @@ ShvEventDefinition shv_event_default(void);
 
 /* ---- rigid mode, fracture mode, output ---------------------------------------------------------------- */
 
-typedef enum ShvRigidEngine { SHV_RIGID_ANALYTIC } ShvRigidEngine;
+typedef enum ShvRigidEngine {
+    SHV_RIGID_ANALYTIC, /* bodies; contacts with obstacles by impulses */
+    SHV_RIGID_PBD       /* nodes held together by bars and damped towards rigid motion */
+} ShvRigidEngine;
+
+typedef enum ShvBarForm {
+    SHV_BARS_EDGE,   /* each edge once a sweep */
+    SHV_BARS_ELEMENT /* each edge once for every tet around it, as in a loop over tets */
+} ShvBarForm;
+
+/* Position based dynamics: rigid bars along edges, damping towards rigid motion. Serves rigid.engine pbd and
+   fracture.stabiliser bars. */
+typedef struct ShvPbdDefinition {
+    double stiffness;    /* k of a projection, 0…1 */
+    int32_t iterations;  /* sweeps a step, ≥ 1 */
+    ShvBarForm form;
+    double damping;      /* k of the damping in rigid mode, 0…1 */
+    bool exact_rotation; /* rigid mode: nodes turn on circles instead of tangents, so that radii do not drift */
+} ShvPbdDefinition;
 
 typedef enum ShvWake {
     SHV_WAKE_CONTACT, /* every new contact wakes */
@@ -197,6 +215,12 @@ typedef struct ShvRigidDefinition {
     double wake_factor;   /* K; 6 */
 } ShvRigidDefinition;
 
+typedef enum ShvStabiliser {
+    SHV_STABILISER_NONE, /* plain central difference below the stable step */
+    SHV_STABILISER_BARS  /* bars relax predicted positions: steps of a few times the stable one become possible, and the
+                            bars do work that is not the material's */
+} ShvStabiliser;
+
 typedef enum ShvCriterion {
     SHV_CRITERION_TRACTION, /* facet traction √(⟨tn⟩² + |tt|²/β²), β = shear/normal strength, against the facet's strength */
     SHV_CRITERION_PRINCIPAL /* largest principal stress at each of the facet's three nodes (volume average) */
@@ -209,6 +233,7 @@ typedef enum ShvActivation {
 
 typedef struct ShvFractureDefinition {
     bool enabled;             /* false: bodies deform but nothing opens */
+    ShvStabiliser stabiliser;
     double time_step;         /* s; NaN: automatic */
     double safety;            /* share of the stable step when automatic, 0…1; 0.9 */
     int32_t check_every;      /* steps between checks; 0: automatic, keeps the overshoot at insertion under 10 % */
@@ -244,6 +269,7 @@ typedef struct ShvSceneDefinition {
     int32_t event_count;
     double gravity[3];
     ShvRigidDefinition rigid;
+    ShvPbdDefinition pbd;
     ShvFractureDefinition fracture;
     ShvOutputDefinition output;
     double duration; /* s */

@@ -16,55 +16,86 @@ typedef struct ShvRecordDefinition {
     uint32_t cookie;
     const char *path;
     bool force;             /* replace an existing file; it is replaced only when the new one has its first frame */
+    const char *scene_name; /* may be NULL, as every text here but the path */
     const char *scene_text; /* stored in the file */
+    const char *const *overrides; /* "a.b.c=value": what was changed of the text; stored in the file */
+    int32_t override_count;
     uint64_t scene_hash;
-    const char *const *object_names;
-    int32_t object_count;
+    int32_t threads;        /* stored in the file */
     bool nodes;             /* corner positions and facet damage of every frame */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
 ShvRecordDefinition shv_record_default(void);
 
-/* Opens a new file beside `path` and writes head and reference mesh. An existing file at `path` stays as it is until the
-   first frame has been written and the new file takes its name. */
+/* Opens a new file beside `path` ("path.PID-N.part") and writes head and reference mesh. An existing file at `path` stays as
+   it is until the first frame has been written and the new file takes its name; without `force` it is SHV_BAD_INPUT. The
+   simulation may be at any moment before its first frame. On failure *record is NULL and nothing is left behind. */
 ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *definition, const ShvSimulation *simulation,
                             ShvError *error);
-/* Appends the simulation's present frame: reserves its space first, then writes and flushes. On failure the file holds
-   all earlier frames and is readable. */
+/* Appends the simulation's present frame: reserves its space first, then writes and flushes. On failure (SHV_FILE_ERROR: the
+   disk is full, or a limit of file size) the file holds all earlier frames and is readable; later frames are refused with
+   the same message. A process that is killed at any moment leaves all frames of which this has returned. */
 ShvStatus shv_record_frame(ShvRecord *record, const ShvSimulation *simulation, ShvError *error);
-/* "finished", "interrupted" or "failed" by `status`; closes and releases in every case. */
+/* Writes "finished" (SHV_OK), "interrupted" (SHV_INTERRUPTED) or "failed" with the message (may be NULL); closes and releases
+   in every case. A record without a frame leaves no file. NULL is accepted. */
 ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *message, ShvError *error);
 
 typedef struct ShvRunFile ShvRunFile;
 typedef struct ShvRunFileInfo {
     int32_t format;
     const char *code_version, *status, *message, *scene_text, *scene_name, *processor;
+    const char *overrides;  /* one a line */
+    bool nodes;             /* corners and damage were recorded */
     uint64_t scene_hash;
     int32_t threads;
-    int32_t node_count, element_count, object_count, fragment_count;
+    int32_t node_count, element_count, object_count, obstacle_count, fragment_count;
     int64_t frame_count, event_count;
     double first_time, last_time;
-    double wall_seconds;
+    double wall_seconds;    /* from the making of the file to its last frame */
 } ShvRunFileInfo;
 
-/* Opens for reading; a file that is being written, truncated or not of this kind is refused with a message saying so. */
+/* Counters of the solver at one frame. */
+typedef struct ShvProgressView {
+    int64_t steps;              /* of fracture mode so far */
+    double step, courant;       /* s: last step of fracture mode; its ratio to the stable step */
+    double worst_overshoot;     /* largest criterion / strength at an insertion so far */
+    int32_t alive, inserted, opened;
+} ShvProgressView;
+
+/* Opens for reading; a file that is being written (its writer holds a lock), truncated or not of this kind is refused with a
+   message saying so. A file whose writer was killed has the status "running" and no lock, and opens. */
 ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, struct ShvMemory *memory, ShvError *error);
 void shv_run_file_close(ShvRunFile *file);
 const ShvRunFileInfo *shv_run_file_info(const ShvRunFile *file);
+/* Name, material and ranges in the mesh; valid as long as the file is open. */
 const char *shv_run_file_object_name(const ShvRunFile *file, int32_t object);
-/* Genealogy and constants of all fragments (poses are those of the last frame). */
+ShvObjectView shv_run_file_object(const ShvRunFile *file, int32_t object);
+/* Times of all frames, s, and whether they are on the animation grid; frame_count each. */
+const double *shv_run_file_times(const ShvRunFile *file);
+const uint8_t *shv_run_file_animation(const ShvRunFile *file);
+/* Genealogy and constants of all fragments (fragment_count); mode, pose and velocities are those of the last frame, NaN where
+   the fragment is dead. */
 ShvStatus shv_run_file_fragments(ShvRunFile *file, ShvFragmentView *fragments, ShvError *error);
 /* One frame: time, mode, and pose and velocities of every fragment (fragment_count entries; dead or unborn ones have
-   NaN positions and alive = 0). Any pointer may be NULL. */
+   NaN positions and alive = 0). mode: SHV_FRAGMENT_FRACTURE when some fragment was in fracture mode. Any pointer may be
+   NULL. */
 ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive, double *positions,
                              double *orientations, double *velocities, double *angular_velocities, ShvError *error);
 ShvStatus shv_run_file_ledger(ShvRunFile *file, int64_t frame, ShvLedgerView *ledger, ShvError *error);
+ShvStatus shv_run_file_progress(ShvRunFile *file, int64_t frame, ShvProgressView *progress, ShvError *error);
 ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *event, ShvError *error);
-/* Reference mesh; element_fragment: which fragment owned the tet at the last frame. */
+/* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */
+ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error);
+/* Cost and bytes by part as of the last frame; the arrays are valid as long as the file is open. */
+ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count, const ShvBytesView **bytes,
+                            int32_t *bytes_count, ShvError *error);
+/* Reference mesh; element_fragment: which fragment owned the tet at the last frame. Any pointer may be NULL. */
 ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
                             int32_t *element_fragment, ShvError *error);
-/* Corner positions (12 per element) and facet damage (4 per element) of a frame recorded with `nodes`. */
-ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage, ShvError *error);
+/* Corner positions (12 per element), facet damage (4 per element) and owner of each element at a frame recorded with `nodes`;
+   SHV_UNSUPPORTED without. Any pointer may be NULL. */
+ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage, int32_t *element_fragment,
+                               ShvError *error);
 
 #ifdef __cplusplus
 }

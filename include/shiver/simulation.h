@@ -101,12 +101,19 @@ typedef struct ShvFrameView {
     int32_t bytes_count;
 } ShvFrameView;
 
-/* Reference geometry, constant: joint mesh of all objects. element_object: object of each tet. */
+/* An object's half-open ranges in the joint mesh. */
+typedef struct ShvObjectView {
+    const char *name, *material;
+    int32_t element_begin, element_end, node_begin, node_end;
+} ShvObjectView;
+
+/* Reference geometry, constant: the joint mesh of all objects. */
 typedef struct ShvMeshView {
     int32_t node_count, element_count;
     const double *positions;       /* 3 × node_count, m, world at the start */
     const int32_t *elements;       /* 4 × element_count */
-    const uint16_t *element_object;
+    const ShvObjectView *objects;
+    int32_t object_count;
 } ShvMeshView;
 
 typedef struct ShvSimulationOptions {

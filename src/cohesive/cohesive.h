@@ -1,6 +1,18 @@
 /* Cohesive facets: those that have been inserted between two tets. Each carries three points, one at each corner
    (nodal quadrature, weight area/3), so that a point's opening is the distance of one pair of node copies; where the
-   crack front still shares its node, the opening is zero. */
+   crack front still shares its node, the opening is zero.
+
+   Traction is an impulse after the kick of the other forces, which does the law's work exactly for any step (pair.h);
+   there is no cohesive limit on the step. The calls of one step, in this order:
+       shv_cohesive_begin    positions of n, velocities of n − 1/2
+       kick by the other forces
+       shv_cohesive_pull     cohesive impulses
+       shv_cohesive_close    closing faces
+       contact, supports
+       shv_cohesive_book     with the velocities that the drift will use
+       drift
+   `begin` moves the histories to where the last step really led and may be called again at the same moment. The last four
+   may be tried and thrown away by putting the velocities back. Insertion comes before `begin`. */
 #ifndef SHV_COHESIVE_COHESIVE_H
 #define SHV_COHESIVE_COHESIVE_H
 
@@ -8,29 +20,66 @@
 #include "model/ledger.h"
 #include "model/state.h"
 
+typedef enum ShvCohesivePhase {
+    SHV_COHESIVE_CARRYING,
+    SHV_COHESIVE_FAILED,   /* no traction left; its faces can still meet */
+    SHV_COHESIVE_SEPARATED /* the faces have left each other: nothing looks at it any more */
+} ShvCohesivePhase;
+
+/* A pair of node copies of one facet in the present step. */
+typedef struct ShvCohesivePoint {
+    int32_t point;         /* 3 × cohesive facet + corner */
+    int32_t first, second; /* nodes; equal: not split, or the facet sleeps */
+    bool carrying;         /* the facet has not failed */
+    double weight;         /* area/3, m² */
+    double peak;           /* largest traction it may still show, Pa */
+    double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a node */
+    ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
+    ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
+    ShvVec3 pull, push;    /* cohesive and closing force on the first node, N */
+} ShvCohesivePoint;
+
 typedef struct ShvCohesive {
     ShvMemory *memory;
     const ShvModel *model;
     const ShvFractureDefinition *settings;
     int32_t *facet_cohesive; /* interior_count: index of the cohesive facet, −1 while intact */
+    double *facet_strength;  /* interior_count: normal strength with scatter, Pa; infinite: cannot break */
     int32_t count, capacity;
     /* per cohesive facet, in the order of insertion */
-    int32_t *facet;       /* facet of the adjacency */
-    uint8_t *partner;     /* 3 per facet: which corner of the second element's face meets corner i of the first's */
-    double *area;         /* m², reference */
+    int32_t *facet;      /* facet of the adjacency */
+    uint8_t *partner;    /* 3 per facet: which corner of the second element's face meets corner i of the first's */
+    double *area;        /* m², reference */
     ShvLaw *law;
-    double *start_traction; /* 3 per facet: activation traction in the facet's frame (normal, and two tangents of the
-                               first element's face), Pa */
-    ShvHistory *history;  /* 3 per facet */
-    uint8_t *separated;   /* faces have left each other: closure no longer looks at them */
+    ShvHistory *history; /* 3 per facet */
+    ShvOpening *opening; /* 3 per facet: at the last half step */
+    uint8_t *phase;      /* ShvCohesivePhase */
     double worst_overshoot; /* largest criterion / strength met at an insertion */
+    /* the present step */
+    int32_t live_count;  /* not separated: */
+    int32_t *live;       /* cohesive facets, increasing */
+    ShvCohesivePoint *points; /* 3 per live facet */
+    int32_t active_count, pair_count;
+    int32_t *active;     /* points that may pull */
+    int32_t *pairs;      /* points whose node is split */
+    double *node_share;  /* node_capacity: Σ weight × peak of a node's active points; zero between steps */
+    int32_t node_capacity;
+    int32_t sweeps;      /* of the last pull */
+    /* work space of insertion and criterion */
+    int32_t *corner_label, *corner_queue, *corner_copy; /* largest number of corners at a node */
+    double *element_bound, *facet_value;                /* element_count, interior_count */
+    double *node_value;                                 /* node_capacity; principal criterion only */
 } ShvCohesive;
 
 ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, const ShvFractureDefinition *settings,
                               ShvError *error);
 void shv_cohesive_release(ShvCohesive *cohesive);
 
-/* Strength scale of a facet, 1 without scatter: Weibull from model->seed and the facet's number, independent of order. */
+/* Material whose law a facet follows: that of its weaker element, of equal ones the first's. */
+const ShvMaterial *shv_cohesive_material(const ShvModel *model, int32_t facet);
+/* Strength scale of a facet, 1 without scatter: Weibull, (−ln u)^(1/m) (V₀/V)^(1/m), with u from model->seed and the facet's
+   number, V a quarter of both elements' volumes (each element shared among its four facets), V₀ weibull_volume (0: no
+   effect of size). Independent of order. */
 double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet);
 /* Weakest facet strength of a set of elements' interior facets (elements NULL: all), Pa; infinity when none can break. */
 double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
@@ -39,40 +88,51 @@ double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements
    (awake: one byte per fragment index, NULL: all); returns the largest. Fills `candidates` (room for interior_count) with
    facets at or above settings->threshold, ordered by descending overstress, ties by facet number. `stress` from
    shv_solid_stress; `nodal` (6 per node) only for the principal criterion. */
-double shv_cohesive_candidates(const ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
+double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
                                const uint8_t *awake, int32_t *candidates, double *overstress, int32_t *count);
 
 /* Inserts facets: makes them cohesive and duplicates nodes by the rule that a node is split among the groups of its
    elements that are still joined across intact facets. Order of facets does not matter. Copies inherit position and
    velocity; masses are re-summed from elements. On failure nothing changed. `duplicated` receives the number of new
-   nodes; `touched` (may be NULL) one byte per fragment index: 1 when a node of it was duplicated. */
+   nodes.
+
+   Start of the law. A new pair is held by whatever traction it needs up to the law's peak, so that acceleration is
+   continuous as long as the peak suffices. With SHV_ACTIVATION_STRENGTH the peak is the strength. With
+   SHV_ACTIVATION_TRACTION strengths are scaled so that the peak (of each component) is the facet's own traction, raised
+   to the criterion's limit where it is below: a facet that is found above its strength starts from what it carries, and
+   one in mixed mode softens from the criterion's ellipse instead of the law's box. Energies are kept, so final openings
+   change inversely; the scale lies between 1/√2 and the overshoot. `stress` NULL: no scaling. */
 ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
                               int32_t count, int32_t *duplicated, ShvError *error);
 
-/* Adds cohesive forces at the present openings to state->force and advances the histories; books the work with the
-   half-step velocities around this time through shv_cohesive_book after the kick. awake: per fragment, NULL: all. */
-void shv_cohesive_add_force(ShvCohesive *cohesive, ShvState *state, const uint8_t *awake);
-/* Work of the cohesive forces of this step over a half step with the present velocities (call before and after the
-   kick): Σ f·v × half_step, J. */
-double shv_cohesive_power(const ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* Gathers openings and frames and moves the histories on. Facets with an element in a fragment that is not awake (per
+   fragment index, NULL: all) rest. */
+void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* Cohesive impulses on velocities after the kick; `kick`: mean of the steps before and after n, `step`: the one to come. The
+   mean force goes to state->force as well. Pairs that share nodes are brought together by repeated sweeps over all
+   points at once, each with its share of the masses: the order of facets and the number of threads do not matter. */
+void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step);
+/* Keeps closing crack faces from passing through each other: a pair whose normal opening after `step` would be negative gets
+   the inelastic impulse that lets it just close (or, when it is closed already, stops it); it never pushes faces apart,
+   so that no energy can come of it. Coulomb friction between failed faces. The mean force goes to state->force. */
+void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction);
+/* Books the works of both on the nodes; velocities are those of n + 1/2. */
+void shv_cohesive_book(const ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger);
 
-/* Keeps closing crack faces from passing through each other: for pairs of node copies whose predicted normal opening
-   after `step` is negative, an inelastic impulse along the facet normal (and Coulomb friction) that never pushes faces
-   apart, so that no energy can come of it. Velocities are those after the kick. Returns the work on the nodes given
-   `before` velocities are not known to the pair: impulse × mean of the pair's velocities before and after; ≤ 0. */
-double shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double step, double friction, const uint8_t *awake);
-
-/* 1/dt² contribution of cohesive stiffness: max over nodes of ω²/4, 1/s²; 0 without active facets. The step resolves
-   1/dt² = 1/dt_bulk² + this. */
-double shv_cohesive_inverse_square_step(const ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* The step in which the fastest opening active point moves a tenth of what is left of its softening, s; infinite without
+   one. After `begin`. Work is exact beyond it; the course of the softening is not resolved. */
+double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState *state);
 
 typedef struct ShvCohesiveEnergy {
-    double recoverable, dissipated; /* J */
-    double inserted_area, opened_area; /* m² */
-    double opened_energy;           /* ΣG·A over opened facets, J */
+    double recoverable, dissipated;    /* J, at the present openings */
+    double inserted_area, opened_area; /* m²; opened: damage ≥ 0.99 */
+    double opened_energy;              /* ΣG·A over opened facets, J */
     int32_t inserted, opened;
 } ShvCohesiveEnergy;
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state);
+/* Recoverable energy of the facets between elements of one fragment, J. */
+double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *state, int32_t fragment);
+/* Mean damage of its three points. */
 double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_facet);
 
 #endif

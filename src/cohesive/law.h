@@ -1,47 +1,79 @@
 /* Extrinsic cohesive laws at a point: traction against opening, with history. All functions are pure.
 
-   Opening (normal ≥ 0, shear ≥ 0), tractions in the same frame; the shear traction opposes the slip direction. */
+   Opening (normal, shear ≥ 0) and tractions stand in the same frame; the shear traction opposes the slip direction. A
+   negative normal opening counts as zero: closing faces are contact.
+
+   Both laws are secant springs whose stiffness only ever falls. At given histories traction is linear in the opening; a
+   component that passes its largest opening follows the envelope and moves the history. Unloading uses the largest
+   openings of both components: using the present opening of the other one, as is sometimes done for PPR, gives
+   unsymmetric tangents, and closed paths that yield energy.
+
+   A rigid start is the limit of this: at zero history the stiffness is infinite, and the traction is whatever holds the
+   faces together, up to the peak. A solver starts instead from a history that is very small (shv_law_start), so that round-off
+   does not decide whether a pair holds. */
 #ifndef SHV_COHESIVE_LAW_H
 #define SHV_COHESIVE_LAW_H
 
 #include "model/material.h"
 
-/* Parameters of one facet's law: the material's, scaled to the facet's strength and activation. */
+/* Parameters of one facet's law: the material's, with strengths scaled and energies kept. */
 typedef struct ShvLaw {
     ShvCohesiveLaw kind;
-    double energy[2];         /* φn, φt, J/m² */
-    double strength[2];       /* σmax, τmax, Pa */
-    double shape[2];          /* α, β */
-    double final_opening[2];  /* δn, δt, m */
-    double conjugate[2];      /* δn*, δt* (PPR), m */
-    double regularisation;    /* ε: history openings below ε × final opening count as that */
+    double energy[2];        /* φn, φt, J/m²; an infinite one counts as 1e60 */
+    double strength[2];      /* σmax, τmax, Pa; an infinite one counts as 1e60 */
+    double shape[2];         /* PPR: α, β */
+    double final_opening[2]; /* δn, δt, m: infinite without strength, zero without energy */
+    double ratio, weight;    /* Camacho-Ortiz: κ = GII/GI; effective opening √(Δn² + weight² Δt²), weight = β/κ */
 } ShvLaw;
+
+typedef struct ShvOpening {
+    double normal, shear; /* m */
+} ShvOpening;
 
 typedef struct ShvHistory {
     double normal, shear; /* largest openings so far, m (Camacho-Ortiz keeps its effective opening in `normal`) */
+    double dissipated;    /* J/m² along the path so far */
 } ShvHistory;
 
 typedef struct ShvLawTraction {
     double normal, shear; /* Pa, ≥ 0 */
 } ShvLawTraction;
 
-/* Law of a material; strength = 0 gives δ = ∞ handled as instant release when energy is 0 too; energy = 0 gives δ = 0:
-   instant release; infinite energy never softens. Never 0/0. */
-ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale, double regularisation);
+/* One component's traction, the other component's opening held: linear up to `limit`, where it is `peak`; beyond it the
+   envelope. With limit = 0 anything from 0 to `peak` at zero opening. */
+typedef struct ShvLawBranch {
+    double limit; /* m */
+    double peak;  /* Pa */
+} ShvLawBranch;
 
-/* Potential Ψ of extrinsic PPR at an opening, J/m² (for tests and for dissipation). */
+/* Law of a material. Zero energy gives instant release (no traction), zero strength no traction of that component,
+   infinite energy never softens. Never 0/0. */
+ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale);
+
+/* History with which a new facet starts: 1e-5 of the final openings, or of the elastic displacement length × strength /
+   modulus where that is less. It takes a share of that order from the work of separation. */
+ShvHistory shv_law_start(const ShvLaw *law, double length, double modulus);
+
+/* Potential Ψ of extrinsic PPR at an opening, J/m²: traction is its gradient in loading. */
 double shv_ppr_potential(const ShvLaw *law, double normal, double shear);
-/* Traction at an opening given the largest openings so far (which the caller then updates by shv_law_advance).
-   Unloading is linear to the origin and uncoupled (PPR) or along the effective opening (Camacho-Ortiz). A negative
-   normal opening counts as zero here; closing faces are contact. */
+
+ShvLawBranch shv_law_normal_branch(const ShvLaw *law, ShvHistory history, double shear);
+ShvLawBranch shv_law_shear_branch(const ShvLaw *law, ShvHistory history, double normal);
+/* Mean traction of the envelope over limit ≤ from < to: exact in closed form, without loss of digits. */
+double shv_law_normal_mean(const ShvLaw *law, ShvHistory history, double shear, double from, double to);
+double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, double from, double to);
+
+/* Traction at an opening given the largest openings so far. Where a component's opening and history are both zero, the
+   peak. */
 ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double normal, double shear);
-ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, double normal, double shear);
-/* Damage 0…1: share of the work of separation that is gone for good; ≥ 0.99 counts as opened. */
-double shv_law_damage(const ShvLaw *law, ShvHistory history);
-/* Energy per area that can still be recovered by unloading from this opening, and that has been dissipated, J/m². */
+/* Largest openings after one more opening; nothing is dissipated here. */
+ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear);
+/* History after the path `from` → `to` (first the normal, then the shear component). The work done on the point is
+   exactly what `recoverable` and `dissipated` grow by; `dissipated` never falls. */
+ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
+/* Energy per area that comes back by unloading from an opening, J/m². */
 double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear);
-double shv_law_dissipated(const ShvLaw *law, ShvHistory history);
-/* Largest secant or unloading stiffness the point can show next step, Pa/m. */
-double shv_law_stiffness(const ShvLaw *law, ShvHistory history);
+/* Share of the work of separation that is gone for good, 0…1; exactly 1 when no traction is left. */
+double shv_law_damage(const ShvLaw *law, ShvHistory history);
 
 #endif

@@ -1,35 +1,84 @@
 /* Nodes against obstacles in fracture mode: unilateral, Coulomb friction, restitution 0. Acts on velocities after the
    kick: a node that would be inside at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
-   it (gap ≤ 0); it is never pushed out, so contact takes energy or leaves it. Free obstacles take the opposite impulse. */
+   it (gap ≤ 0); it is never pushed out, so contact takes energy or leaves it. Free obstacles take the opposite impulse.
+   Nodes and obstacles are worked through in increasing order, in a few sweeps, each impulse dissipative by itself. */
 #ifndef SHV_CONTACT_NODE_CONTACT_H
 #define SHV_CONTACT_NODE_CONTACT_H
+
+#include <stdbool.h>
 
 #include "model/ledger.h"
 #include "model/state.h"
 #include "shape/obstacle.h"
 
+/* A node and an obstacle with an impulse in this step (faces of a mesh that meet a node together: one each). */
+typedef struct ShvNodeTouch {
+    int32_t node, obstacle;
+    bool fresh;            /* the node touched nothing in the step before */
+    double closing_speed;  /* m/s along the normal, after the kick and before any response */
+    ShvVec3 point, normal; /* on the obstacle; outward; world */
+    double normal_impulse; /* N·s on the node along the normal, > 0 */
+    ShvVec3 friction;      /* N·s on the node, perpendicular to the normal */
+    ShvVec3 before;        /* velocity of the node before the kick, m/s */
+} ShvNodeTouch;
+
+/* What of the touches belongs to one fragment. */
+typedef struct ShvFragmentTouch {
+    int32_t touching, fresh;
+    double impulse;       /* Σ of magnitudes, N·s */
+    double closing_speed; /* largest, m/s */
+} ShvFragmentTouch;
+
 typedef struct ShvNodeContact {
     ShvMemory *memory;
-    /* surface nodes near each obstacle, rebuilt when motion since then exceeds the skin */
-    int32_t *candidates; /* node indices, increasing, per obstacle one after another */
+    int32_t obstacle_count;
+    /* nodes near each obstacle, rebuilt when motion since then may exceed the skin */
+    int32_t *candidates;      /* node indices in the order given, per obstacle one after another */
     int32_t *candidate_start; /* obstacle_count + 1 */
     int32_t capacity;
     double skin, moved; /* m */
+    bool stale;
+    int32_t listed;    /* number of nodes the candidates were chosen from */
+    int32_t since;     /* steps since the nodes' speeds were last looked at */
+    double node_speed; /* largest then, m/s */
+    double next_time;  /* s: end of the last step */
+    int64_t step_number;
+    int64_t *last_touch; /* per node: number of the step of its last touch; 0: never */
+    int32_t known_nodes, node_capacity;
+    struct ShvNodePair *pairs; /* of a node and an obstacle close enough to meet within this step */
+    int32_t pair_count, pair_capacity;
     /* this step */
-    int32_t touching;        /* nodes with an impulse this step */
-    double normal_work, friction_work;           /* J on the nodes, impulse × mean of velocities before the kick and after */
-    double obstacle_work;                        /* J on free obstacles */
-    double largest_closing_speed;                /* m/s of new contacts */
-    ShvVec3 impulse;                             /* N·s on the nodes, total */
+    ShvNodeTouch *touches;
+    int32_t touching, touch_capacity;
+    double normal_work[2],
+        friction_work[2];         /* J on the nodes, impulse · velocity / 2: with the velocity before the kick,
+                                                and with the velocity now */
+    double obstacle_work[2];      /* J on free obstacles: with their velocity before and after each impulse */
+    double largest_closing_speed; /* m/s of fresh touches */
+    ShvVec3 impulse;              /* N·s on the nodes, total */
+    int32_t unresolved;           /* pairs still closing when the sweeps were used up */
 } ShvNodeContact;
 
-ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles, ShvError *error);
+ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
+                                  ShvError *error);
 void shv_node_contact_release(ShvNodeContact *contact);
-/* Forces a rebuild of the candidates (nodes were duplicated, fragments woke). */
+/* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
-/* One step for the listed awake surface nodes. `before`: velocities before the kick are not stored; the work is booked
-   from impulse, mass and velocities after: v₋ = v_free − kick × a is passed as `kick` and state->force. */
-ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles, const int32_t *nodes,
-                                 int32_t count, double kick, double step, const double gravity[3], ShvError *error);
+/* One step for the listed awake nodes (surface nodes suffice), right after the kick (kick = ½(dt₋ + dt₊), `step` = dt₊)
+   and before anything else changes velocities: the velocity before the kick is v − kick (force/mass + gravity). Obstacles
+   are at time n: a free one's mean velocity over the step is taken as velocity + ½ step gravity. Ends with
+   shv_node_contact_book. */
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
+                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
+                                 ShvError *error);
+/* Works of this step's impulses with the velocities as they are now; call it again when something (a support) has changed
+   velocities since, so that second halves use the final ones. */
+void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state);
+/* Books normal and friction work into a ledger. */
+void shv_node_contact_book_ledger(const ShvNodeContact *contact, ShvLedger *ledger);
+/* Adds this step's touches to `fragments`, indexed as node_fragment's values, or, when node_fragment is NULL, as
+   state->element_fragment (needs state->corners). */
+void shv_node_contact_by_fragment(const ShvNodeContact *contact, const ShvState *state, const int32_t *node_fragment,
+                                  ShvFragmentTouch *fragments);
 
 #endif

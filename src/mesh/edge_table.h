@@ -20,7 +20,10 @@ int32_t shv_edge_table_insert(ShvEdgeTable *table, int32_t half_edge);
 /* The half-edge from one node to another, or −1. */
 int32_t shv_edge_table_find(const ShvEdgeTable *table, int32_t from, int32_t to);
 
-static inline int32_t shv_half_edge_start(const int32_t *triangles, int32_t half_edge) { return triangles[half_edge]; }
+static inline int32_t shv_half_edge_start(const int32_t *triangles, int32_t half_edge)
+{
+    return triangles[half_edge];
+}
 static inline int32_t shv_half_edge_next(int32_t half_edge)
 {
     return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;

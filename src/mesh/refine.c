@@ -5,12 +5,12 @@
 #include "mesh/surface.h"
 
 typedef struct Bisection {
-    ShvSurface *surface;    /* arrays already grown to their final size */
+    ShvSurface *surface; /* arrays already grown to their final size */
     int32_t edge_count;
-    int32_t *edge_of;       /* half-edge → edge */
-    int32_t *half_edges;    /* 2 an edge */
-    double *lengths;        /* squared, an edge */
-    int32_t *heap;          /* edges, longest at 0 */
+    int32_t *edge_of;    /* half-edge → edge */
+    int32_t *half_edges; /* 2 an edge */
+    double *lengths;     /* squared, an edge */
+    int32_t *heap;       /* edges, longest at 0 */
     int32_t heap_count;
 } Bisection;
 
@@ -127,8 +127,8 @@ static ShvStatus number_edges(Bisection *b, ShvError *error)
     for (int32_t h = 0; h < half_edges; h++)
         if (shv_edge_table_insert(&table, h) >= 0) status = SHV_BAD_INPUT;
     for (int32_t h = 0; h < half_edges && status == SHV_OK; h++) {
-        const int32_t twin = shv_edge_table_find(&table, shv_half_edge_end(s->triangles, h),
-                                                 shv_half_edge_start(s->triangles, h));
+        const int32_t twin =
+            shv_edge_table_find(&table, shv_half_edge_end(s->triangles, h), shv_half_edge_start(s->triangles, h));
         if (twin < 0) status = SHV_BAD_INPUT;
         if (twin > h) set_edge(b, b->edge_count++, h, twin);
     }

@@ -17,8 +17,10 @@ static ShvStatus fail_at_triangle(const ShvSurface *surface, const char *what, i
     const int32_t *corners = surface->triangles + 3 * (int64_t)triangle;
     const ShvVec3 a = shv_surface_position(surface, corners[0]), b = shv_surface_position(surface, corners[1]),
                   c = shv_surface_position(surface, corners[2]);
-    return shv_fail(error, SHV_BAD_INPUT, "%s: triangle %d with corners (%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g), "
-                    "(%.9g, %.9g, %.9g) %s", what, (int)triangle, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, trouble);
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "%s: triangle %d with corners (%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g), "
+                    "(%.9g, %.9g, %.9g) %s",
+                    what, (int)triangle, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, trouble);
 }
 
 static double longest_edge_squared(ShvVec3 a, ShvVec3 b, ShvVec3 c)
@@ -59,16 +61,19 @@ static ShvStatus refuse_open(const ShvSurface *surface, const char *what, ShvErr
         const int32_t twice = shv_edge_table_insert(&table, h);
         if (twice >= 0) {
             char trouble[160];
-            snprintf(trouble, sizeof trouble, "has an edge in the same direction as triangle %d: more than two triangles "
-                     "meet there, or one of them is turned inside out", (int)(twice / 3));
+            snprintf(trouble, sizeof trouble,
+                     "has an edge in the same direction as triangle %d: more than two triangles "
+                     "meet there, or one of them is turned inside out",
+                     (int)(twice / 3));
             status = fail_at_triangle(surface, what, h / 3, trouble, error);
         }
     }
     for (int32_t h = 0; h < half_edges && status == SHV_OK; h++)
         if (shv_edge_table_find(&table, shv_half_edge_end(surface->triangles, h),
                                 shv_half_edge_start(surface->triangles, h)) < 0)
-            status = fail_at_triangle(surface, what, h / 3,
-                                      "has an edge without a neighbour: the surface is not closed; fill the hole", error);
+            status =
+                fail_at_triangle(surface, what, h / 3,
+                                 "has an edge without a neighbour: the surface is not closed; fill the hole", error);
     shv_edge_table_release(&table);
     return status;
 }
@@ -109,14 +114,13 @@ ShvStatus shv_surface_require_closed(ShvSurface *surface, const char *what, ShvE
 static void add_tet(ShvVec3 a, ShvVec3 b, ShvVec3 c, double *volume, double first[3], double second[3][3])
 {
     const double v = shv_dot(a, shv_cross(b, c)) / 6.0;
-    const double p[4][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z},
-                            {a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z}};
+    const double p[4][3] = {
+        {a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z}, {a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z}};
     *volume += v;
     for (int i = 0; i < 3; i++) {
         first[i] += v * p[3][i] / 4.0;
         for (int j = 0; j < 3; j++)
-            second[i][j] +=
-                v * (p[0][i] * p[0][j] + p[1][i] * p[1][j] + p[2][i] * p[2][j] + p[3][i] * p[3][j]) / 20.0;
+            second[i][j] += v * (p[0][i] * p[0][j] + p[1][i] * p[1][j] + p[2][i] * p[2][j] + p[3][i] * p[3][j]) / 20.0;
     }
 }
 

@@ -16,7 +16,8 @@ typedef struct ShvSurface {
    triangles that collapse by it (they close no hole) and vertices of no triangle are dropped; normals, texture
    coordinates, colours and groups are ignored; coordinates are multiplied by `scale`. Blocks are counted under `part`.
    Errors name the file and its line, or in a binary file the byte. On failure `surface` is zeroed and owns nothing. */
-ShvStatus shv_surface_read(ShvSurface *surface, ShvMemory *memory, ShvPart part, const char *path, double scale, ShvError *error);
+ShvStatus shv_surface_read(ShvSurface *surface, ShvMemory *memory, ShvPart part, const char *path, double scale,
+                           ShvError *error);
 void shv_surface_release(ShvSurface *surface);
 /* Refuses a surface with an edge that is not shared by exactly two triangles of opposite direction, degenerate
    triangles, or negative enclosed volume (then all triangles are flipped instead, once); names the triangle by its

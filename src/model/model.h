@@ -7,6 +7,9 @@
 #include "mesh/mesh.h"
 #include "model/material.h"
 
+/* The first component of a node's vector is numbered 3 × node in 32 bits. */
+enum { SHV_NODE_LIMIT = INT32_MAX / 3 };
+
 typedef struct ShvObject {
     const char *name;
     int32_t material;
@@ -24,7 +27,7 @@ typedef struct ShvModel {
     uint16_t *element_material; /* element_count */
     bool can_break;             /* fracture enabled and some material breakable: adjacency is built */
     ShvAdjacency adjacency;
-    uint64_t seed;              /* of facet strengths */
+    uint64_t seed; /* of facet strengths */
     int32_t threads;
 } ShvModel;
 

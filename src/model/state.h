@@ -10,14 +10,14 @@
 enum { SHV_LANES = 8 };
 
 /* X(type, name, components): per node, grown when nodes are duplicated. */
-#define SHV_NODE_ARRAYS(X)                                                                                     \
-    X(double, reference, 3)    /* m: a copy has the reference position of its origin */                        \
-    X(double, displacement, 3) /* m, at time n */                                                              \
-    X(double, velocity, 3)     /* m/s, at time n − 1/2 of the last step (ShvState.last_step) */                \
-    X(double, force, 3)        /* N, at time n */                                                              \
-    X(double, mass, 1)         /* kg, lumped: Σ ρV/4 of the node's own elements, in corner order */            \
-    X(int32_t, origin, 1)      /* node of the reference mesh */                                                \
-    X(int32_t, corner_start, 1) /* the node's own range of ShvState.corners; a split divides its parent's range */ \
+#define SHV_NODE_ARRAYS(X)                                                                                             \
+    X(double, reference, 3)     /* m: a copy has the reference position of its origin */                               \
+    X(double, displacement, 3)  /* m, at time n */                                                                     \
+    X(double, velocity, 3)      /* m/s, at time n − 1/2 of the last step (ShvState.last_step) */                     \
+    X(double, force, 3)         /* N, at time n */                                                                     \
+    X(double, mass, 1)          /* kg, lumped: Σ ρV/4 of the node's own elements, in corner order */                 \
+    X(int32_t, origin, 1)       /* node of the reference mesh */                                                       \
+    X(int32_t, corner_start, 1) /* the node's own range of ShvState.corners; a split divides its parent's range */     \
     X(int32_t, corner_count, 1)
 
 typedef struct ShvState {

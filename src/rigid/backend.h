@@ -36,8 +36,9 @@ typedef struct ShvRigidFunctions {
        fragment keeps the pose and velocity of that moment (before response), leaves flight, and its contact is appended to
        `wakes` (room for one a fragment in flight). All other contacts are answered by impulses with the pair's
        restitution and friction. */
-    ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3], ShvWakeJudge judge,
-                         void *judge_data, ShvRigidContact *wakes, int32_t *wake_count, ShvError *error);
+    ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3],
+                         ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
+                         ShvError *error);
     void (*destroy)(ShvRigidBackend *backend);
 } ShvRigidFunctions;
 struct ShvRigidBackend {
@@ -47,8 +48,12 @@ struct ShvRigidBackend {
     double friction_work; /* J, so far */
 };
 
-/* Ballistic motion, free rotation (energy and |L| kept to round-off, direction of L to second order or better), impulses
-   for contacts with obstacles; fragments do not see each other. */
+/* Exact ballistic motion and free rotation (L constant, energy to round-off) between impacts; nodes of the fragments' surfaces
+   against obstacles (a small obstacle may slip between the nodes of a coarse face), answered at their time of impact by
+   sequential impulses with Newton's restitution and Coulomb friction. What closes slower than free fall gains in a step
+   does not bounce; supports hold without creep, and a motionless fragment costs nothing. Fragments do not see each other.
+   Velocities in a fragment's record may be changed between steps. Free obstacles are given their new motion such that
+   advancing them over the whole step afterwards leads them where they belong. */
 ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error);
 
 #endif

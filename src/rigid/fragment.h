@@ -8,55 +8,75 @@
 typedef enum ShvMode { SHV_MODE_FLIGHT, SHV_MODE_FRACTURE, SHV_MODE_DEAD } ShvMode;
 
 typedef struct ShvFragment {
-    int32_t id, parent;        /* parent −1: an object's first fragment; id = index in ShvFragments */
+    int32_t id, parent; /* parent −1: an object's first fragment; id = index in ShvFragments */
     int32_t object;
-    double birth, death;       /* s; death NaN while alive */
+    double birth, death; /* s; death NaN while alive */
     ShvMode mode;
     int32_t element_count, node_count;
-    int32_t element_begin;     /* into ShvFragments.elements */
-    int32_t node_begin;        /* into ShvFragments.nodes */
-    double mass;               /* Σ ρV of its elements in element order, kg */
-    double volume;             /* m³, reference */
-    ShvVec3 reference_centre;  /* of the lumped masses at reference positions, m */
-    ShvMat3 inertia;           /* of the lumped masses at reference positions, about the centre, kg m²: the one inertia used
-                                  on both sides of a hand-over, so that L is continuous */
-    double radius;             /* farthest node from the reference centre, m */
-    ShvVec3 position;          /* centre of mass, m */
-    ShvQuat orientation;       /* reference axes → world */
+    int32_t element_begin;    /* into ShvFragments.elements */
+    int32_t node_begin;       /* into ShvFragments.nodes */
+    double mass;              /* Σ ρV of its elements in element order, kg */
+    double volume;            /* m³, reference */
+    ShvVec3 reference_centre; /* of the lumped masses at reference positions, m */
+    /* of the lumped masses at reference positions, about the centre, kg m²: the one inertia used on both sides of a
+       hand-over, so that L is continuous */
+    ShvMat3 inertia;
+    double radius;                      /* farthest node from the reference centre, m */
+    ShvVec3 position;                   /* centre of mass, m */
+    ShvQuat orientation;                /* reference axes → world */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
-    double last_insertion;     /* s: time of the last facet inserted in it (or of its waking) */
-    double strength;           /* Pa: weakest facet; infinity: nothing can break */
-    int32_t quiet;             /* checks in a row without insertion or closing contact */
+    double last_insertion;              /* s: time of the last facet inserted in it (or of its waking) */
+    double strength;                    /* Pa: weakest facet; infinity: nothing can break */
+    int32_t quiet;                      /* checks in a row without insertion; children inherit */
+    bool cracked;                       /* a facet of it has been inserted; children inherit */
+    double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
 } ShvFragment;
 
 typedef struct ShvFragments {
     ShvMemory *memory;
     ShvFragment *items;
-    int32_t count, capacity;   /* all that ever lived */
+    int32_t count, capacity; /* all that ever lived */
     int32_t alive;
-    int32_t *elements;         /* element_count: permutation, elements of each living fragment together, increasing */
-    int32_t *nodes;            /* node lists of the living fragments, increasing; rebuilt with the components */
+    int32_t *elements; /* element_count: permutation, elements of each living fragment together, increasing */
+    int32_t *nodes;    /* node lists of the living fragments, increasing; rebuilt with the components */
     int32_t node_capacity;
+    int32_t node_end;  /* lists are appended here; those of the dead are dropped when the capacity is reached */
+    uint8_t *boundary; /* per reference node: on the surface; NULL where the model has an adjacency */
+    /* scratch, per node: only entries of the fragment at work are ever touched */
+    int32_t *root, *label;
+    int32_t scratch_capacity;
 } ShvFragments;
 
-/* One fragment per connected component of the start; labels state->element_fragment. */
+/* One fragment per connected component of the start, in flight, with infinite strength; labels state->element_fragment.
+   On failure `fragments` is zeroed and owns nothing. */
 ShvStatus shv_fragments_create(ShvFragments *fragments, const ShvModel *model, ShvState *state, ShvError *error);
 void shv_fragments_release(ShvFragments *fragments);
 
 /* Finds the components of one living fragment after nodes were duplicated. One component: node lists and inertia are
    refreshed, the id stays. Several: the fragment dies, its children start, in the order of their lowest element, with
-   mode and rotation of the parent. Returns the number of components in `parts`. Relabels state->element_fragment. */
-ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment, int32_t *parts,
-                              ShvError *error);
+   mode and rotation of the parent; the last `parts` items are the children. Returns the number of components in `parts`.
+   Relabels state->element_fragment. Costs work in proportion to this fragment only. On failure nothing changed. */
+ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
+                              int32_t *parts, ShvError *error);
 
-/* Rigid motion of a deforming fragment: centre of mass, best-fit rotation (polar factor of Σ m x Xᵀ), velocity P/m and
-   angular velocity from L and the current lumped inertia (pseudo-inverse when degenerate). Velocities as they stand. */
+/* Mass, volume, centre, inertia and radius from the fragment's element and node lists. */
+void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
+                          const ShvState *state);
+/* Nodes on the fragment's surface, crack faces included, increasing; the caller releases *nodes (SHV_PART_RIGID). The
+   lists must be those of the present connectivity (shv_fragments_split after the last duplication). */
+ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,
+                               int32_t fragment, int32_t **nodes, int32_t *count, ShvError *error);
+
+/* Rigid motion of a deforming fragment: centre of mass, best-fit rotation (polar factor of Σ m x Xᵀ; what the nodes do
+   not determine, as about the line of collinear nodes, stays as it was), velocity P/m, and the angular velocity that gives
+   the rigid fragment in that pose the same L (`inertia` turned; pseudo-inverse when degenerate). Velocities as they stand:
+   the caller gives those of the present time. */
 void shv_fragment_fit(ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state);
 /* Writes positions and velocities of the rigid motion to the fragment's nodes. */
 void shv_fragment_scatter(const ShvFragment *fragment, const ShvFragments *fragments, ShvState *state);
 /* Momentum and angular momentum (about the origin) of the fragment's nodes, kinetic energy of them. */
-void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state, ShvVec3 *momentum,
-                           ShvVec3 *angular_momentum, double *kinetic);
+void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state,
+                           ShvVec3 *momentum, ShvVec3 *angular_momentum, double *kinetic);
 /* Inertia about the centre in world axes. */
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment);
 

@@ -2,6 +2,8 @@
 #ifndef SHV_SHAPE_OBSTACLE_H
 #define SHV_SHAPE_OBSTACLE_H
 
+#include <stdbool.h>
+
 #include "base/memory.h"
 #include "base/vector.h"
 #include "mesh/surface.h"
@@ -15,17 +17,22 @@ typedef struct ShvObstacle {
     ShvObstacleMotion motion;
     double friction, restitution;
     /* local shape */
-    ShvVec3 normal;      /* plane: unit */
+    ShvVec3 normal; /* plane: unit */
     double offset;
     double radius;
-    ShvVec3 half;        /* box */
-    ShvSurface surface;  /* mesh: about its centre of mass */
+    ShvVec3 half;       /* box */
+    ShvSurface surface; /* mesh: about its centre of mass, in the axes of the file */
+    ShvVec3 centre;     /* mesh: its centre of mass in the file's (scaled) coordinates: the file's origin is at
+                            position − orientation · centre, which is where placement and keyframes put it */
     ShvBoundingTree *tree;
     double bounding_radius; /* about the position; infinite for a plane */
     /* body */
-    double mass;         /* kg; infinity unless free */
-    ShvMat3 inertia;     /* about the position in local axes, free only */
-    ShvVec3 position;    /* m; of a free body: its centre of mass */
+    double mass;               /* kg; infinity unless free */
+    ShvMat3 inertia;           /* about the position in local axes, free only */
+    ShvMat3 inverse_inertia;   /* zero unless free */
+    ShvVec3 principal_moments; /* kg m², free only */
+    ShvQuat principal_axes;    /* principal → local axes */
+    ShvVec3 position;          /* m; the centre of mass */
     ShvQuat orientation;
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
 } ShvObstacle;
@@ -34,34 +41,55 @@ typedef struct ShvObstacles {
     ShvMemory *memory;
     ShvObstacle *items;
     int32_t count;
+    struct ShvBodyContact *contacts; /* room for those of one moment between free and other obstacles (collide.h) */
+    int32_t contact_capacity;
 } ShvObstacles;
 
+/* Refuses impossible definitions and unreadable or open surfaces; the message names the obstacle. Scripted obstacles
+   stand at time 0. On failure `obstacles` is zeroed and owns nothing. */
 ShvStatus shv_obstacles_create(ShvObstacles *obstacles, ShvMemory *memory, const ShvSceneDefinition *scene,
                                const char *folder, ShvError *error);
 void shv_obstacles_release(ShvObstacles *obstacles);
 
-/* Places scripted obstacles at a time and gives them the velocity of their keyframes' motion. */
+/* Places scripted obstacles at a time and gives them the velocity of their keyframes' motion (at a keyframe: of the motion
+   that begins there). */
 void shv_obstacles_script(ShvObstacles *obstacles, double time);
+/* The same, with the constant velocities that lead to the pose at time + step, whatever keyframes lie between. */
+void shv_obstacles_script_step(ShvObstacles *obstacles, double time, double step);
 
-/* Moves free obstacles by `step` under gravity and the impulses of the last moments, and answers their contacts with
-   other obstacles (restitution: the larger of the pair's, friction: the geometric mean). Returns the work of those
-   contacts, J. */
+/* Moves free obstacles by `step` under gravity and answers their contacts with other obstacles (restitution: the larger
+   of the pair's, friction: the geometric mean). Flight is exact (parabola) or keeps |L| to round-off and energy nearly
+   (rotation.h). An impact splits the step at its time; contacts that close slower than 2 step |gravity| are held without
+   restitution and do not sink. Corners and vertices are tried against surfaces, edges are not tried against edges.
+   Scripted obstacles are carried along with their velocity until the next shv_obstacles_script. Returns the work of the
+   contacts on free obstacles, J. */
 double shv_obstacles_advance(ShvObstacles *obstacles, double step, const double gravity[3]);
 
 typedef struct ShvSurfacePoint {
-    double gap;       /* signed distance to the surface, m; negative inside */
-    ShvVec3 normal;   /* outward unit normal at the closest point, world */
-    ShvVec3 point;    /* closest point of the surface, world */
+    double gap;     /* signed distance to the surface, m; negative inside */
+    ShvVec3 normal; /* outward unit normal at the closest point, world */
+    ShvVec3 point;  /* closest point of the surface, world */
 } ShvSurfacePoint;
-/* Exact signed distance; `limit`: beyond this gap any value ≥ limit may be returned (bounding tests first). */
+/* Exact signed distance; `limit` (≥ 0): beyond this gap any value ≥ limit may be returned, with a point and normal
+   without meaning (bounding tests first). The gap of a box or mesh is negative at any depth. */
 ShvSurfacePoint shv_obstacle_closest(const ShvObstacle *obstacle, ShvVec3 point, double limit);
+
+typedef struct ShvCrossing {
+    double fraction;       /* of the way, 0…1 */
+    ShvVec3 point, normal; /* on the surface, outward, world */
+} ShvCrossing;
+/* First crossing of the segment from → to into the obstacle where it stands; false when it stays outside or starts
+   inside. What lies inside at the end and outside at the start has always crossed. */
+bool shv_obstacle_sweep(const ShvObstacle *obstacle, ShvVec3 from, ShvVec3 to, ShvCrossing *crossing);
+
 /* Velocity of the obstacle's material at a world point. */
 ShvVec3 shv_obstacle_velocity(const ShvObstacle *obstacle, ShvVec3 point);
 /* Change of velocity per unit impulse along `direction` at `point`, 1/kg (0 unless free). */
 double shv_obstacle_inverse_mass(const ShvObstacle *obstacle, ShvVec3 point, ShvVec3 direction);
 /* Applies an impulse at a point (no effect unless free). */
 void shv_obstacle_impulse(ShvObstacle *obstacle, ShvVec3 point, ShvVec3 impulse);
-/* Kinetic energy, momentum, angular momentum about the origin of a free obstacle (zero otherwise). */
+/* Kinetic energy and angular momentum about the origin of a free obstacle (zero otherwise). */
 double shv_obstacle_kinetic(const ShvObstacle *obstacle);
+ShvVec3 shv_obstacle_angular_momentum(const ShvObstacle *obstacle);
 
 #endif

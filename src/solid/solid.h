@@ -17,9 +17,9 @@ typedef struct ShvSolid {
     int16_t *batch_material; /* material of all lanes, or −1 when a batch is mixed */
     int32_t chunk_count, chunk_batches;
     int32_t colour_count;
-    int32_t *colour_start;   /* colour_count + 1, into chunk_order */
-    int32_t *chunk_order;    /* chunks sorted by colour */
-    uint8_t *batch_active;   /* batch_count: batches without an awake element are skipped; all 1 at first */
+    int32_t *colour_start; /* colour_count + 1, into chunk_order */
+    int32_t *chunk_order;  /* chunks sorted by colour */
+    uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
 } ShvSolid;
 
 ShvStatus shv_solid_create(ShvSolid *solid, const ShvModel *model, const ShvState *state, ShvError *error);
@@ -27,27 +27,32 @@ void shv_solid_release(ShvSolid *solid);
 
 /* Adds −(internal force) of all active batches to state->force. */
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
-/* Strain energy of the active batches, summed in batch order, J. */
+/* Strain energy of the active batches, J; summed in batch order within fixed blocks, whatever the threads. */
 double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state);
-/* Strain energy of a list of elements (any mode), in list order, J. */
+/* Strain energy of one element, awake or not, J. */
 double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element);
 
+#define SHV_SMALLEST_VOLUME_RATIO 0.1
 /* Cauchy stress of every element in active batches: stress[6 × SHV_LANES × batch_count], component-major within a
-   batch (xx, yy, zz, yz, xz, xy), Pa. Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
+   batch (xx, yy, zz, yz, xz, xy), Pa. `stress` is aligned as shv_allocate does. An element squeezed below
+   SHV_SMALLEST_VOLUME_RATIO of its volume, or inverted, gets P Fᵀ over that ratio, so that its stress stays finite.
+   Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
 void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress);
 /* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. Needs state->corners. */
-void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node, double voigt[6]);
+void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node,
+                            double voigt[6]);
 static inline int64_t shv_stress_slot(int32_t element, int component)
 {
     return (int64_t)(element / SHV_LANES) * (6 * SHV_LANES) + component * SHV_LANES + element % SHV_LANES;
 }
 
 /* A step at which central difference is stable for the element with lumped masses ρV/4, from its reference shape:
-   the safe bound 1/(c_d √(Σ 1/h_a²)), s (u·K u ≤ V(λ+2µ) Σ|∇N_a|² |u|²), and the exact one 2/ω_max. */
+   the safe bound 1/(c √(Σ 1/h_a²)), s, with ρ c² = max(λ, 0) + 2µ, from u·K u ≤ V ρ c² Σ|∇N_a|² |u|², and the exact one
+   2/ω_max, whose rounding is kept on the safe side: it is never above the true one. */
 double shv_solid_safe_step(const ShvSolid *solid, int32_t element);
 double shv_solid_exact_step(const ShvSolid *solid, int32_t element);
-/* Smallest exact step over active batches and the element that sets it. Irons: safe for the assembly. Node duplication
-   lowers no node's mass share, so the bound holds through fracture. */
+/* Smallest exact step over active batches and the element that sets it (may be NULL; infinity and −1 without any).
+   Irons: safe for the assembly. Node duplication lowers no node's mass share, so the bound holds through fracture. */
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element);
 /* Elements of active batches whose current volume is not positive: their number, and the first of them (−1: none). */
 int32_t shv_solid_inverted(const ShvSolid *solid, const ShvState *state, int32_t *first);

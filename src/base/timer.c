@@ -1,0 +1,47 @@
+#include "base/timer.h"
+
+#include <time.h>
+
+double shv_now(void)
+{
+    struct timespec now = {0, 0};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+const char *shv_cost_name(ShvCost cost)
+{
+    switch (cost) {
+    case SHV_COST_FORCE:
+        return "force";
+    case SHV_COST_STRESS:
+        return "stress";
+    case SHV_COST_INSERT:
+        return "insert";
+    case SHV_COST_COHESIVE:
+        return "cohesive";
+    case SHV_COST_MOTION:
+        return "motion";
+    case SHV_COST_BARS:
+        return "bars";
+    case SHV_COST_CONTACT:
+        return "contact";
+    case SHV_COST_FLIGHT:
+        return "flight";
+    case SHV_COST_HANDOVER:
+        return "handover";
+    case SHV_COST_RECORD:
+        return "record";
+    case SHV_COST_COUNT:
+        return "total";
+    }
+    return "unknown cost";
+}
+
+double shv_costs_add(ShvCosts *costs, ShvCost cost, double start)
+{
+    const double now = shv_now();
+    costs->seconds[cost] += now - start;
+    costs->calls[cost] += 1;
+    return now;
+}

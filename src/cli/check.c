@@ -1,0 +1,140 @@
+#include "cli/command.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { JSON };
+
+static void warn_mesh(const ShvPreflight *p)
+{
+    if (!p->breakable) return;
+    if (p->longest_edge > p->snap_back)
+        printf("  warning: edges up to %.3g m are longer than the snap-back length %.3g m: a facet that opens beside such a\n"
+               "           tet releases more energy than G; cracks cost too much or run unstably. Use a finer mesh or a\n"
+               "           larger fracture_energy\n",
+               p->longest_edge, p->snap_back);
+    if (p->mean_edge > p->cohesive_zone / 5.0)
+        printf("  warning: the cohesive zone (%.3g m) spans %.2g mean edges; 5 to 10 resolve it: the strength of crack tips\n"
+               "           depends on the mesh\n",
+               p->cohesive_zone, p->cohesive_zone / p->mean_edge);
+}
+
+static void warn_step(const ShvPreflight *p)
+{
+    if (!p->breakable) return;
+    if (p->steps_to_open < 5.0)
+        printf("  note: a facet opens in %.2g steps; the cohesive impulse takes the exact work G from it at any step, but the\n"
+               "        opening itself is not resolved in time\n",
+               p->steps_to_open);
+    if (p->overshoot_each_step > 0.1)
+        printf("  warning: at the first impact stress grows by up to %.2f of the strength a step: insertion may overshoot by\n"
+               "           more than 10 %%; a smaller fracture.safety resolves it, and the run reports the worst overshoot\n",
+               p->overshoot_each_step);
+    if (p->courant > 1.0) printf("  warning: Courant number above 1\n");
+}
+
+static void print_object(const ShvPreflight *p)
+{
+    printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
+    printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f\n",
+           p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect);
+    printf("  stable step %.4g s, set by tet %d at (%.4g, %.4g, %.4g); step %.4g s, Courant number %.3f\n", p->stable_step,
+           (int)p->stable_element, p->stable_centroid[0], p->stable_centroid[1], p->stable_centroid[2], p->step, p->courant);
+    printf("  wave speeds %.4g m/s (bar), %.4g m/s (dilatational); bar transit %.3g s, bending period %.3g s\n", p->bar_speed,
+           p->dilatational_speed, p->bar_transit, p->bending_period);
+    if (p->breakable)
+        printf("  cohesive zone %.3g m, snap-back length %.3g m, final opening %.3g m; a free face opens it in %.3g s = %.3g "
+               "steps\n",
+               p->cohesive_zone, p->snap_back, p->final_opening, p->cohesive_step, p->steps_to_open);
+    else
+        printf("  cannot break\n");
+    if (!isnan(p->overshoot_each_step))
+        printf("  first impact: stress behind the wave grows by about %.3g of the strength a step\n", p->overshoot_each_step);
+    warn_mesh(p);
+    warn_step(p);
+}
+
+static void print_object_json(const ShvPreflight *p)
+{
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"mass", p->mass},
+                   {"volume", p->volume},
+                   {"shortest_edge", p->shortest_edge},
+                   {"mean_edge", p->mean_edge},
+                   {"longest_edge", p->longest_edge},
+                   {"smallest_altitude", p->smallest_altitude},
+                   {"worst_aspect", p->worst_aspect},
+                   {"stable_step", p->stable_step},
+                   {"step", p->step},
+                   {"courant", p->courant},
+                   {"bar_speed", p->bar_speed},
+                   {"dilatational_speed", p->dilatational_speed},
+                   {"cohesive_zone", p->cohesive_zone},
+                   {"snap_back", p->snap_back},
+                   {"final_opening", p->final_opening},
+                   {"opening_speed", p->opening_speed},
+                   {"cohesive_step", p->cohesive_step},
+                   {"steps_to_open", p->steps_to_open},
+                   {"overshoot_each_step", p->overshoot_each_step},
+                   {"bar_transit", p->bar_transit},
+                   {"bending_period", p->bending_period}};
+    printf("{\"object\": ");
+    shv_cli_print_json_text(p->object);
+    printf(", \"material\": ");
+    shv_cli_print_json_text(p->material);
+    printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s", (int)p->tets, (int)p->nodes,
+           (int)p->stable_element, p->breakable ? "true" : "false");
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        printf(", \"%s\": ", numbers[i].name);
+        shv_cli_print_json_number(numbers[i].value);
+    }
+    printf("}");
+}
+
+static ShvStatus print_all(const ShvSimulation *simulation, bool json, ShvError *error)
+{
+    if (json) printf("[");
+    for (int32_t i = 0; i < shv_simulation_object_count(simulation); i++) {
+        ShvPreflight preflight;
+        const ShvStatus status = shv_simulation_preflight(simulation, i, &preflight, error);
+        if (status != SHV_OK) return status;
+        if (json && i > 0) printf(",\n ");
+        if (json)
+            print_object_json(&preflight);
+        else
+            print_object(&preflight);
+    }
+    if (json) printf("]\n");
+    return SHV_OK;
+}
+
+static int run(const ShvArguments *arguments)
+{
+    ShvScene *scene = shv_cli_load_scene(arguments);
+    if (!scene) return SHV_EXIT_INPUT;
+    ShvError error;
+    ShvSimulation *simulation = NULL;
+    ShvSimulationOptions options = shv_simulation_options_default();
+    options.folder = shv_scene_folder(scene);
+    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    if (status == SHV_OK) status = print_all(simulation, arguments->values[JSON] != NULL, &error);
+    shv_simulation_destroy(simulation);
+    shv_scene_destroy(scene);
+    return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+}
+
+const ShvCommand shv_command_check = {
+    .name = "check",
+    .positional = "SCENE",
+    .summary = "validate a scene and print its physics before anything runs",
+    .details = "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
+               "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
+               "facet, characteristic times. Warns where the mesh or the step does not resolve them.",
+    .least_positional = 1,
+    .most_positional = 1,
+    .takes_scene = true,
+    .options = {{"--json", NULL, "print as JSON"}},
+    .run = run,
+};

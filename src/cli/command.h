@@ -1,0 +1,54 @@
+/* Commands of the program: each a table of its options and a function. */
+#ifndef SHV_CLI_COMMAND_H
+#define SHV_CLI_COMMAND_H
+
+#include <stdbool.h>
+
+#include "shiver/shiver.h"
+
+/* Exit statuses of the program. */
+enum { SHV_EXIT_DONE = 0, SHV_EXIT_FAILED = 1, SHV_EXIT_INPUT = 2, SHV_EXIT_INTERRUPTED = 130 };
+
+enum { SHV_MOST_OPTIONS = 12, SHV_MOST_POSITIONAL = 4, SHV_MOST_OVERRIDES = 64 };
+
+typedef struct ShvOption {
+    const char *name;  /* "--force"; NULL ends the table */
+    const char *value; /* what follows it ("FILE"), or NULL for a flag */
+    const char *help;
+} ShvOption;
+
+/* A command line taken apart. */
+typedef struct ShvArguments {
+    const char *positional[SHV_MOST_POSITIONAL];
+    int positional_count;
+    const char *values[SHV_MOST_OPTIONS]; /* by index in the command's options; a flag's value is its name */
+    const char *overrides[SHV_MOST_OVERRIDES];
+    int override_count;
+} ShvArguments;
+
+typedef struct ShvCommand {
+    const char *name, *positional, *summary, *details;
+    int least_positional, most_positional;
+    bool takes_scene; /* --set key=value is allowed */
+    ShvOption options[SHV_MOST_OPTIONS];
+    int (*run)(const ShvArguments *arguments);
+} ShvCommand;
+
+extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, shv_command_mesh, shv_command_info,
+    shv_command_export;
+
+/* The whole program: finds the command, takes its arguments apart, runs it; returns the exit status. */
+int shv_program(int argc, char **argv);
+
+/* ---- shared by commands ---- */
+
+/* Loads a scene with the overrides; all errors and warnings go to stderr. NULL after an error. */
+ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
+/* Prints "shiver: message" and returns the exit status that belongs to the status. */
+int shv_cli_failed(ShvStatus status, const ShvError *error);
+/* One JSON string with quotes and escapes. */
+void shv_cli_print_json_text(const char *text);
+/* A number as JSON: null when it is not finite. */
+void shv_cli_print_json_number(double value);
+
+#endif

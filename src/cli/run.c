@@ -1,0 +1,217 @@
+#include "cli/command.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/timer.h"
+#include "cli/progress.h"
+
+enum { OUTPUT, FORCE, JSON, QUIET };
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static bool asked_to_stop(void *data)
+{
+    ShvProgress *progress = data;
+    shv_progress_tick(progress);
+    return interrupted != 0;
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    /* The second Ctrl-C ends the program at once. */
+    action.sa_flags = (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+#ifdef SIGXFSZ
+    /* A file-size limit shows as a failed write with a message, not as a killed program. */
+    action.sa_handler = SIG_IGN;
+    action.sa_flags = 0;
+    sigaction(SIGXFSZ, &action, NULL);
+#endif
+}
+
+/* Where the run file goes: --output, the scene's output.file, or the scene file's name with .h5, in the working folder. */
+static void output_path(const ShvArguments *arguments, const ShvSceneDefinition *scene, char *path, size_t size)
+{
+    if (arguments->values[OUTPUT] || scene->output.file) {
+        snprintf(path, size, "%s", arguments->values[OUTPUT] ? arguments->values[OUTPUT] : scene->output.file);
+        return;
+    }
+    const char *slash = strrchr(arguments->positional[0], '/');
+    const char *name = slash ? slash + 1 : arguments->positional[0];
+    const char *dot = strrchr(name, '.');
+    snprintf(path, size, "%.*s.h5", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
+}
+
+static double largest_mass_fraction(const ShvFrameView *frame)
+{
+    double largest = 0.0, total = 0.0;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        if (frame->fragments[i].mode == SHV_FRAGMENT_DEAD) continue;
+        largest = fmax(largest, frame->fragments[i].mass);
+        total += frame->fragments[i].mass;
+    }
+    return total > 0.0 ? largest / total : 0.0;
+}
+
+static void print_costs(const ShvFrameView *frame, double wall)
+{
+    printf("  time by part:");
+    for (int32_t i = 0; i < frame->cost_count; i++)
+        if (frame->costs[i].seconds > 0.005 * wall)
+            printf(" %s %.2f s%s", frame->costs[i].name, frame->costs[i].seconds, i + 1 < frame->cost_count ? "," : "");
+    printf("\n");
+}
+
+static void print_summary(const ShvFrameView *frame, const char *path, double wall, ShvStatus status)
+{
+    const ShvLedgerView *ledger = &frame->ledger;
+    printf("%s: t = %.6g s in %.2f s of run time; %s\n",
+           status == SHV_OK ? "finished" : status == SHV_INTERRUPTED ? "interrupted" : "failed", frame->time, wall, path);
+    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d opened, %.4g m² opened\n",
+           (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->opened,
+           ledger->opened_area);
+    printf("  %lld steps of fracture mode, last of %.3g s, Courant number %.3g\n", (long long)frame->steps, frame->step,
+           frame->courant);
+    printf("  energy, J: kinetic %.4g, strain %.4g, fracture %.4g, contact %.4g, friction %.4g, closing cracks %.4g, "
+           "dropped at mode switches %.4g\n",
+           ledger->kinetic, ledger->strain, ledger->fracture_dissipation, ledger->contact, ledger->friction,
+           ledger->closure, -ledger->handover);
+    printf("  ledger residual %.2e of the largest energy (%.4g J)\n",
+           ledger->largest > 0.0 ? ledger->residual / ledger->largest : 0.0, ledger->largest);
+    if (frame->worst_overshoot > 0.0)
+        printf("  stress at insertion at most %.3f of the strength%s\n", frame->worst_overshoot,
+               frame->worst_overshoot > 1.1 ? ": more than 10 % above it; see docs/scene.md, fracture.check_every" : "");
+    print_costs(frame, wall);
+}
+
+static void print_json(const ShvFrameView *frame, const char *path, double wall, ShvStatus status)
+{
+    const ShvLedgerView *ledger = &frame->ledger;
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"time", frame->time},
+                   {"wall_seconds", wall},
+                   {"largest_mass_fraction", largest_mass_fraction(frame)},
+                   {"step", frame->step},
+                   {"courant", frame->courant},
+                   {"worst_overshoot", frame->worst_overshoot},
+                   {"opened_area", ledger->opened_area},
+                   {"kinetic", ledger->kinetic},
+                   {"strain", ledger->strain},
+                   {"gravity_potential", ledger->gravity_potential},
+                   {"fracture_dissipation", ledger->fracture_dissipation},
+                   {"contact", ledger->contact},
+                   {"friction", ledger->friction},
+                   {"closure", ledger->closure},
+                   {"handover", ledger->handover},
+                   {"residual", ledger->residual},
+                   {"largest_energy", ledger->largest}};
+    printf("{\"file\": ");
+    shv_cli_print_json_text(path);
+    printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, \"steps\": %lld",
+           status == SHV_OK ? "finished" : status == SHV_INTERRUPTED ? "interrupted" : "failed", (int)frame->alive_count,
+           (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened, (long long)frame->steps);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        printf(", \"%s\": ", numbers[i].name);
+        shv_cli_print_json_number(numbers[i].value);
+    }
+    printf("}\n");
+}
+
+/* Pulls frames until the end; the record never lags behind. */
+static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvProgress *progress, ShvError *error)
+{
+    ShvStatus status = SHV_OK;
+    while (status == SHV_OK && !shv_simulation_finished(simulation)) {
+        status = shv_simulation_advance(simulation, error);
+        ShvError ignored;
+        const ShvStatus written = shv_record_frame(record, simulation, status == SHV_OK ? error : &ignored);
+        if (status == SHV_OK) status = written;
+        shv_progress_frame(progress, shv_simulation_frame(simulation));
+    }
+    return status;
+}
+
+static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, ShvSimulation *simulation, ShvProgress *progress,
+                        double start)
+{
+    ShvError error;
+    char path[4096];
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    output_path(arguments, definition, path, sizeof path);
+    ShvRecordDefinition recording = shv_record_default();
+    recording.path = path;
+    recording.force = arguments->values[FORCE] != NULL;
+    recording.scene_text = shv_scene_text(scene);
+    recording.scene_name = definition->name;
+    recording.scene_hash = shv_scene_hash(scene);
+    recording.nodes = definition->output.nodes;
+    ShvRecord *record = NULL;
+    ShvStatus status = shv_record_create(&record, &recording, simulation, &error);
+    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    status = pull_frames(simulation, record, progress, &error);
+    ShvError closing;
+    const ShvStatus closed = shv_record_close(record, status, status == SHV_OK ? "" : error.message, &closing);
+    shv_progress_end(progress);
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    if (arguments->values[JSON])
+        print_json(frame, path, shv_now() - start, status);
+    else if (!arguments->values[QUIET])
+        print_summary(frame, path, shv_now() - start, status);
+    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
+}
+
+static int run(const ShvArguments *arguments)
+{
+    const double start = shv_now();
+    ShvScene *scene = shv_cli_load_scene(arguments);
+    if (!scene) return SHV_EXIT_INPUT;
+    catch_signals();
+    ShvError error;
+    ShvSimulation *simulation = NULL;
+    ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->values[QUIET] != NULL);
+    ShvSimulationOptions options = shv_simulation_options_default();
+    options.folder = shv_scene_folder(scene);
+    options.stop = asked_to_stop;
+    options.stop_data = &progress;
+    const ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, simulation, &progress, start)
+                                             : shv_cli_failed(status, &error);
+    shv_simulation_destroy(simulation);
+    shv_scene_destroy(scene);
+    return exit_status;
+}
+
+const ShvCommand shv_command_run = {
+    .name = "run",
+    .positional = "SCENE",
+    .summary = "run a scene and write its run file",
+    .details = "Runs a scene and writes a run file (HDF5): trajectories, fragments, ledger, events. An existing file is\n"
+               "replaced only with --force, and only once the new run has its first frame. Ctrl-C stops at a consistent\n"
+               "state and leaves a readable file.",
+    .least_positional = 1,
+    .most_positional = 1,
+    .takes_scene = true,
+    .options = {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
+                {"--force", NULL, "replace an existing run file"},
+                {"--json", NULL, "print the summary as JSON"},
+                {"--quiet", NULL, "no progress, no summary"}},
+    .run = run,
+};

@@ -1,0 +1,72 @@
+#include "cohesive/cohesive.h"
+#include "cohesive/frame.h"
+
+typedef struct PointEnergy {
+    double recoverable, dissipated; /* J/m² */
+} PointEnergy;
+
+/* At the present opening, reached from the last half step. */
+static PointEnergy point_energy(const ShvCohesive *cohesive, const ShvState *state, const ShvCohesiveFrame *frame,
+                                int32_t index, int corner)
+{
+    const int64_t k = 3 * (int64_t)index + corner;
+    const ShvLaw *law = &cohesive->law[index];
+    const ShvVec3 opening = shv_cohesive_opening(state, frame->first[corner], frame->second[corner]);
+    const ShvOpening now = shv_cohesive_components(opening, frame->normal);
+    const ShvHistory history = shv_law_advance(law, cohesive->history[k], cohesive->opening[k], now);
+    return (PointEnergy){shv_law_recoverable(law, history, now.normal, now.shear), history.dissipated};
+}
+
+static PointEnergy facet_energy(const ShvCohesive *cohesive, const ShvState *state, int32_t index)
+{
+    PointEnergy sum = {0.0, 0.0};
+    const double weight = cohesive->area[index] / 3.0;
+    if (cohesive->phase[index] != SHV_COHESIVE_CARRYING) {
+        for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
+            sum.dissipated += weight * cohesive->history[k].dissipated;
+        return sum;
+    }
+    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
+    for (int corner = 0; corner < 3; corner++) {
+        const PointEnergy point = point_energy(cohesive, state, &frame, index, corner);
+        sum.recoverable += weight * point.recoverable;
+        sum.dissipated += weight * point.dissipated;
+    }
+    return sum;
+}
+
+ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state)
+{
+    ShvCohesiveEnergy energy = {.inserted = cohesive->count};
+    for (int32_t i = 0; i < cohesive->count; i++) {
+        const PointEnergy facet = facet_energy(cohesive, state, i);
+        energy.recoverable += facet.recoverable;
+        energy.dissipated += facet.dissipated;
+        energy.inserted_area += cohesive->area[i];
+        if (shv_cohesive_facet_damage(cohesive, i) < 0.99) continue;
+        energy.opened++;
+        energy.opened_area += cohesive->area[i];
+        energy.opened_energy += cohesive->area[i] * cohesive->law[i].energy[SHV_NORMAL];
+    }
+    return energy;
+}
+
+double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *state, int32_t fragment)
+{
+    double sum = 0.0;
+    for (int32_t k = 0; k < cohesive->live_count; k++) {
+        const int32_t index = cohesive->live[k];
+        const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)cohesive->facet[index];
+        if (state->element_fragment[elements[0]] == fragment && state->element_fragment[elements[1]] == fragment)
+            sum += facet_energy(cohesive, state, index).recoverable;
+    }
+    return sum;
+}
+
+double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_facet)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++)
+        sum += shv_law_damage(&cohesive->law[cohesive_facet], cohesive->history[3 * (int64_t)cohesive_facet + i]);
+    return sum / 3.0;
+}

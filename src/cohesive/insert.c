@@ -1,0 +1,151 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "cohesive/cohesive.h"
+#include "cohesive/frame.h"
+#include "cohesive/storage.h"
+#include "cohesive/topology.h"
+#include "cohesive/traction.h"
+
+static int by_number(const void *a, const void *b)
+{
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorted, so that what follows does not depend on the order given. */
+static ShvStatus sort_facets(const ShvCohesive *cohesive, const int32_t *facets, int32_t count, int32_t *sorted,
+                             ShvError *error)
+{
+    for (int32_t i = 0; i < count; i++) sorted[i] = facets[i];
+    qsort(sorted, (size_t)count, sizeof *sorted, by_number);
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t facet = sorted[i];
+        if (facet < 0 || facet >= cohesive->model->adjacency.interior_count || cohesive->facet_cohesive[facet] >= 0 ||
+            (i > 0 && sorted[i - 1] == facet))
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "facet %d cannot be made cohesive; give interior facets that are still intact, each once",
+                            (int)facet);
+    }
+    return SHV_OK;
+}
+
+/* Both elements of an intact facet share their copies of its nodes. */
+static int32_t touched_nodes(const ShvCohesive *cohesive, const ShvState *state, const int32_t *facets, int32_t count,
+                             int32_t *nodes)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < count; i++) {
+        const int64_t facet = facets[i];
+        const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * facet]];
+        for (int k = 0; k < 3; k++)
+            nodes[3 * (int64_t)i + k] = shv_state_node(state, adjacency->facet_elements[2 * facet], corners[k]);
+    }
+    qsort(nodes, 3 * (size_t)count, sizeof *nodes, by_number);
+    int32_t unique = 0;
+    for (int64_t i = 0; i < 3 * (int64_t)count; i++)
+        if (unique == 0 || nodes[unique - 1] != nodes[i]) nodes[unique++] = nodes[i];
+    return unique;
+}
+
+static ShvStatus reserve_copies(ShvCohesive *cohesive, ShvState *state, const int32_t *nodes, int32_t count,
+                                ShvError *error)
+{
+    int64_t needed = state->node_count;
+    for (int32_t i = 0; i < count; i++) needed += shv_topology_groups(cohesive, state, nodes[i]) - 1;
+    SHV_TRY(shv_state_reserve(state, needed, error));
+    return shv_cohesive_reserve_nodes(cohesive, state->node_capacity, error);
+}
+
+static void match_corners(const ShvModel *model, int32_t facet, uint8_t partner[3])
+{
+    const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
+    const uint8_t *faces = model->adjacency.facet_faces + 2 * (int64_t)facet;
+    const int32_t *first = model->mesh.elements + 4 * (int64_t)elements[0];
+    const int32_t *second = model->mesh.elements + 4 * (int64_t)elements[1];
+    for (int i = 0; i < 3; i++)
+        for (uint8_t k = 0; k < 3; k++)
+            if (second[shv_face_corners[faces[1]][k]] == first[shv_face_corners[faces[0]][i]]) partner[i] = k;
+}
+
+/* Scale of the strengths such that the larger component's peak is what the facet carries, raised to the criterion's
+   limit where it is below (see cohesive.h). */
+static double activation(const ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t index)
+{
+    if (!stress || cohesive->settings->activation != SHV_ACTIVATION_TRACTION) return 1.0;
+    const int32_t facet = cohesive->facet[index];
+    const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
+    const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
+    const ShvVec3 normal = shv_cohesive_frame(cohesive, state, index).normal;
+    ShvFacetTraction traction = shv_facet_traction(stress, elements[0], elements[1], normal);
+    const double strength = cohesive->facet_strength[facet];
+    const double whole = shv_facet_overstress(material, strength, traction);
+    traction.normal = fmax(traction.normal, 0.0);
+    const double tension = shv_facet_overstress(material, strength, (ShvFacetTraction){traction.normal, 0.0});
+    const double shear = shv_facet_overstress(material, strength, (ShvFacetTraction){0.0, traction.shear});
+    if (!(whole > 0.0 && isfinite(whole))) return 1.0;
+    return fmax(tension, shear) / fmin(whole, 1.0);
+}
+
+static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t facet)
+{
+    const int32_t index = cohesive->count++;
+    const int64_t point = 3 * (int64_t)index;
+    const ShvModel *model = cohesive->model;
+    const ShvMaterial *material = shv_cohesive_material(model, facet);
+    const double scale = shv_cohesive_strength_scale(model, facet);
+    cohesive->facet[index] = facet;
+    match_corners(model, facet, cohesive->partner + point);
+    cohesive->area[index] = shv_norm(shv_cohesive_reference_area(model, facet));
+    cohesive->law[index] = shv_law_make(material, scale * activation(cohesive, state, stress, index));
+    const double length = sqrt(cohesive->area[index]);
+    for (int i = 0; i < 3; i++) {
+        cohesive->history[point + i] = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
+        cohesive->opening[point + i] = (ShvOpening){0};
+    }
+    cohesive->phase[index] = SHV_COHESIVE_CARRYING;
+    cohesive->live[cohesive->live_count++] = index;
+}
+
+static void mark(ShvCohesive *cohesive, const int32_t *facets, int32_t count, int32_t first, int32_t stride)
+{
+    for (int32_t i = 0; i < count; i++) cohesive->facet_cohesive[facets[i]] = first + stride * i;
+}
+
+static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
+                        int32_t count, int32_t *sorted, int32_t *nodes, ShvError *error)
+{
+    SHV_TRY(sort_facets(cohesive, facets, count, sorted, error));
+    for (int32_t i = 0; i < count; i++)
+        if (!shv_cohesive_material(cohesive->model, sorted[i]))
+            return shv_fail(error, SHV_BAD_INPUT, "facet %d belongs to an unbreakable material; leave it out",
+                            (int)sorted[i]);
+    SHV_TRY(shv_cohesive_reserve_facets(cohesive, count, error));
+    const int32_t touched = touched_nodes(cohesive, state, sorted, count, nodes);
+    mark(cohesive, sorted, count, cohesive->count, 1);
+    const ShvStatus status = reserve_copies(cohesive, state, nodes, touched, error);
+    if (status != SHV_OK) {
+        mark(cohesive, sorted, count, -1, 0);
+        return status;
+    }
+    for (int32_t i = 0; i < count; i++) add_facet(cohesive, state, stress, sorted[i]);
+    for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
+    cohesive->active_count = cohesive->pair_count = 0;
+    return SHV_OK;
+}
+
+ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
+                              int32_t count, int32_t *duplicated, ShvError *error)
+{
+    const int32_t before = state->node_count;
+    *duplicated = 0;
+    if (count == 0) return SHV_OK;
+    int32_t *sorted = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, (size_t)count, sizeof *sorted);
+    int32_t *nodes = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, 3 * (size_t)count, sizeof *nodes);
+    const ShvStatus status = sorted && nodes ? insert(cohesive, state, stress, facets, count, sorted, nodes, error)
+                                             : shv_fail_memory(error, "an insertion", 16 * (size_t)count);
+    shv_release(sorted);
+    shv_release(nodes);
+    *duplicated = state->node_count - before;
+    return status;
+}

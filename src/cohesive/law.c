@@ -1,0 +1,148 @@
+#include "cohesive/law.h"
+
+#include <math.h>
+
+#include "cohesive/camacho_ortiz.h"
+#include "cohesive/ppr.h"
+
+static const double practically_infinite = 1e60;
+
+/* α φ/σ: no end without strength, at once without energy. */
+static double final_opening(double shape, double energy, double strength)
+{
+    if (energy == 0.0) return 0.0;
+    return strength > 0.0 ? shape * energy / strength : (double)INFINITY;
+}
+
+/* Without energy in one of the modes the effective opening has no measure: the whole law releases at once. */
+static void make_camacho_ortiz(ShvLaw *law)
+{
+    const double *energy = law->energy, *strength = law->strength;
+    const bool released = energy[SHV_NORMAL] == 0.0 || energy[SHV_SHEAR] == 0.0 || strength[SHV_NORMAL] == 0.0;
+    law->ratio = released ? 1.0 : energy[SHV_SHEAR] / energy[SHV_NORMAL];
+    law->weight = released ? 0.0 : strength[SHV_SHEAR] / strength[SHV_NORMAL] / law->ratio;
+    for (int i = 0; i < 2; i++)
+        law->final_opening[i] = released ? 0.0 : final_opening(2.0, energy[i], strength[i]);
+}
+
+ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale)
+{
+    ShvLaw law = {.kind = material->law};
+    for (int i = 0; i < 2; i++) {
+        law.energy[i] = fmin(material->fracture_energy[i], practically_infinite);
+        law.strength[i] = fmin(material->strength[i] * strength_scale, practically_infinite);
+        law.shape[i] = material->shape[i];
+        law.final_opening[i] = final_opening(law.shape[i], law.energy[i], law.strength[i]);
+    }
+    if (law.kind == SHV_CAMACHO_ORTIZ) make_camacho_ortiz(&law);
+    return law;
+}
+
+static double start_opening(const ShvLaw *law, int component, double length, double modulus)
+{
+    return 1e-5 * fmin(law->final_opening[component], length * (law->strength[component] / modulus));
+}
+
+ShvHistory shv_law_start(const ShvLaw *law, double length, double modulus)
+{
+    const double normal = start_opening(law, SHV_NORMAL, length, modulus);
+    const double shear = law->kind == SHV_PPR ? start_opening(law, SHV_SHEAR, length, modulus) : 0.0;
+    return shv_law_grow(law, (ShvHistory){0}, normal, shear);
+}
+
+ShvLawBranch shv_law_normal_branch(const ShvLaw *law, ShvHistory history, double shear)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_branch(law, history, SHV_NORMAL, shear);
+    return shv_ppr_branch(law, history, SHV_NORMAL);
+}
+
+ShvLawBranch shv_law_shear_branch(const ShvLaw *law, ShvHistory history, double normal)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_branch(law, history, SHV_SHEAR, normal);
+    return shv_ppr_branch(law, history, SHV_SHEAR);
+}
+
+double shv_law_normal_mean(const ShvLaw *law, ShvHistory history, double shear, double from, double to)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_mean(law, SHV_NORMAL, shear, from, to);
+    return shv_ppr_mean(law, history, SHV_NORMAL, from, to);
+}
+
+double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, double from, double to)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_mean(law, SHV_SHEAR, normal, from, to);
+    return shv_ppr_mean(law, history, SHV_SHEAR, from, to);
+}
+
+ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) {
+        history.normal = fmax(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
+    } else {
+        history.normal = fmax(history.normal, normal);
+        history.shear = fmax(history.shear, shear);
+    }
+    return history;
+}
+
+static double on_branch(ShvLawBranch branch, double opening)
+{
+    return branch.limit > 0.0 ? branch.peak * fmin(opening / branch.limit, 1.0) : branch.peak;
+}
+
+ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double normal, double shear)
+{
+    const double n = fmax(normal, 0.0);
+    const ShvHistory grown = shv_law_grow(law, history, n, shear);
+    return (ShvLawTraction){on_branch(shv_law_normal_branch(law, grown, shear), n),
+                            on_branch(shv_law_shear_branch(law, grown, n), shear)};
+}
+
+double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_recoverable(law, history, normal, shear);
+    return shv_ppr_recoverable(law, history, normal, shear);
+}
+
+/* Work on the linear part of a branch, from zero to `opening` (cut at the limit). */
+static double linear_work(ShvLawBranch branch, double opening)
+{
+    const double x = fmin(fmax(opening, 0.0), branch.limit);
+    return branch.limit > 0.0 ? 0.5 * branch.peak * (x / branch.limit) * x : 0.0;
+}
+
+static ShvHistory advance_normal(const ShvLaw *law, ShvHistory history, double shear, double from, double to)
+{
+    const ShvLawBranch branch = shv_law_normal_branch(law, history, shear);
+    if (!(to > branch.limit)) return history;
+    const double work = linear_work(branch, to) - linear_work(branch, from) +
+                        shv_law_normal_mean(law, history, shear, branch.limit, to) * (to - branch.limit);
+    ShvHistory next = shv_law_grow(law, history, to, shear);
+    const double stored = shv_law_recoverable(law, next, to, shear) - shv_law_recoverable(law, history, from, shear);
+    next.dissipated += fmax(work - stored, 0.0);
+    return next;
+}
+
+static ShvHistory advance_shear(const ShvLaw *law, ShvHistory history, double normal, double from, double to)
+{
+    const ShvLawBranch branch = shv_law_shear_branch(law, history, normal);
+    if (!(to > branch.limit)) return history;
+    const double work = linear_work(branch, to) - linear_work(branch, from) +
+                        shv_law_shear_mean(law, history, normal, branch.limit, to) * (to - branch.limit);
+    ShvHistory next = shv_law_grow(law, history, normal, to);
+    const double stored = shv_law_recoverable(law, next, normal, to) - shv_law_recoverable(law, history, normal, from);
+    next.dissipated += fmax(work - stored, 0.0);
+    return next;
+}
+
+ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
+{
+    const double start = fmax(from.normal, 0.0), end = fmax(to.normal, 0.0);
+    const ShvHistory opened = advance_normal(law, history, from.shear, start, end);
+    return advance_shear(law, opened, end, from.shear, to.shear);
+}
+
+double shv_law_damage(const ShvLaw *law, ShvHistory history)
+{
+    return law->kind == SHV_CAMACHO_ORTIZ ? shv_camacho_ortiz_damage(law, history) : shv_ppr_damage(law, history);
+}

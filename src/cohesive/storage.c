@@ -1,0 +1,131 @@
+#include "cohesive/storage.h"
+
+/* X(type, name, components): per cohesive facet */
+#define FACET_ARRAYS(X)            \
+    X(int32_t, facet, 1)           \
+    X(uint8_t, partner, 3)         \
+    X(double, area, 1)             \
+    X(ShvLaw, law, 1)              \
+    X(ShvHistory, history, 3)      \
+    X(ShvOpening, opening, 3)      \
+    X(uint8_t, phase, 1)           \
+    X(int32_t, live, 1)            \
+    X(ShvCohesivePoint, points, 3) \
+    X(int32_t, active, 3)          \
+    X(int32_t, pairs, 3)
+
+static size_t facet_bytes(void)
+{
+    size_t bytes = 0;
+#define COUNT_BYTES(type, name, components) bytes += (components) * sizeof(type);
+    FACET_ARRAYS(COUNT_BYTES)
+#undef COUNT_BYTES
+    return bytes;
+}
+
+ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvError *error)
+{
+    const int32_t needed = cohesive->count + more; /* never beyond the mesh's interior facets */
+    if (needed <= cohesive->capacity) return SHV_OK;
+    int32_t capacity = cohesive->capacity + cohesive->capacity / 2;
+    if (capacity > cohesive->model->adjacency.interior_count) capacity = cohesive->model->adjacency.interior_count;
+    if (capacity < needed) capacity = needed;
+    void *grown;
+#define GROW(type, name, components)                                                                             \
+    grown = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->name, (components) * (size_t)capacity, \
+                           sizeof(type));                                                                        \
+    if (!grown) return shv_fail_memory(error, "cohesive facets", (size_t)capacity * facet_bytes());              \
+    cohesive->name = grown;
+    FACET_ARRAYS(GROW)
+#undef GROW
+    cohesive->capacity = capacity;
+    return SHV_OK;
+}
+
+ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
+{
+    if (nodes <= cohesive->node_capacity) return SHV_OK;
+    const size_t size = sizeof *cohesive->node_share, bytes = (size_t)nodes * size;
+    double *share = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_share, (size_t)nodes, size);
+    if (!share) return shv_fail_memory(error, "nodes of cohesive facets", bytes);
+    cohesive->node_share = share;
+    if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
+        double *value = shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, (size_t)nodes, size);
+        if (!value) return shv_fail_memory(error, "principal stresses of nodes", bytes);
+        cohesive->node_value = value;
+    }
+    cohesive->node_capacity = nodes;
+    return SHV_OK;
+}
+
+static int32_t most_corners(const ShvAdjacency *adjacency, int32_t nodes)
+{
+    int32_t most = 0;
+    for (int32_t i = 0; i < nodes; i++) {
+        const int32_t corners = adjacency->corner_start[i + 1] - adjacency->corner_start[i];
+        if (corners > most) most = corners;
+    }
+    return most;
+}
+
+static double facet_strength(const ShvModel *model, int32_t facet)
+{
+    const ShvMaterial *material = shv_cohesive_material(model, facet);
+    if (!material) return (double)INFINITY;
+    return material->strength[SHV_NORMAL] * shv_cohesive_strength_scale(model, facet);
+}
+
+static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
+{
+    const ShvModel *model = cohesive->model;
+    ShvMemory *memory = cohesive->memory;
+    const size_t facets = (size_t)model->adjacency.interior_count, elements = (size_t)model->mesh.element_count;
+    const size_t corners = (size_t)most_corners(&model->adjacency, model->mesh.node_count);
+    cohesive->facet_cohesive = shv_allocate(memory, SHV_PART_COHESIVE, facets, sizeof *cohesive->facet_cohesive);
+    cohesive->facet_strength = shv_allocate(memory, SHV_PART_COHESIVE, facets, sizeof *cohesive->facet_strength);
+    cohesive->corner_label = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_label);
+    cohesive->corner_queue = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_queue);
+    cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
+    cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
+    cohesive->element_bound = shv_allocate(memory, SHV_PART_STRESS, elements, sizeof *cohesive->element_bound);
+    if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
+        !cohesive->corner_copy || !cohesive->facet_value || !cohesive->element_bound)
+        return shv_fail_memory(error, "facets that may break", facets * 20 + elements * 8 + corners * 12);
+    return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
+}
+
+ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, const ShvFractureDefinition *settings,
+                              ShvError *error)
+{
+    *cohesive = (ShvCohesive){.memory = model->memory, .model = model, .settings = settings};
+    if (!model->can_break)
+        return shv_fail(error, SHV_BAD_INPUT, "nothing in this model can break; make a material breakable and enable "
+                                              "fracture, or leave cohesive facets out");
+    const ShvStatus status = allocate(cohesive, error);
+    if (status != SHV_OK) {
+        shv_cohesive_release(cohesive);
+        return status;
+    }
+    for (int32_t i = 0; i < model->adjacency.interior_count; i++) {
+        cohesive->facet_cohesive[i] = -1;
+        cohesive->facet_strength[i] = facet_strength(model, i);
+    }
+    return SHV_OK;
+}
+
+void shv_cohesive_release(ShvCohesive *cohesive)
+{
+#define RELEASE(type, name, components) shv_release(cohesive->name);
+    FACET_ARRAYS(RELEASE)
+#undef RELEASE
+    shv_release(cohesive->facet_cohesive);
+    shv_release(cohesive->facet_strength);
+    shv_release(cohesive->corner_label);
+    shv_release(cohesive->corner_queue);
+    shv_release(cohesive->corner_copy);
+    shv_release(cohesive->facet_value);
+    shv_release(cohesive->element_bound);
+    shv_release(cohesive->node_share);
+    shv_release(cohesive->node_value);
+    *cohesive = (ShvCohesive){0};
+}

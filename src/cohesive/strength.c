@@ -1,0 +1,45 @@
+#include <math.h>
+
+#include "base/deterministic.h"
+#include "base/random.h"
+#include "cohesive/cohesive.h"
+
+const ShvMaterial *shv_cohesive_material(const ShvModel *model, int32_t facet)
+{
+    const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
+    const ShvMaterial *first = shv_model_material(model, elements[0]), *second = shv_model_material(model, elements[1]);
+    if (!first->breakable || !second->breakable) return NULL;
+    return second->strength[SHV_NORMAL] < first->strength[SHV_NORMAL] ? second : first;
+}
+
+double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet)
+{
+    const ShvMaterial *material = shv_cohesive_material(model, facet);
+    if (!material || !(material->weibull_modulus > 0.0)) return 1.0;
+    double scale = -shv_log(shv_random_uniform(model->seed, (uint64_t)facet));
+    if (material->weibull_volume > 0.0) {
+        const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
+        const double both = shv_mesh_element_volume(&model->mesh, elements[0]) +
+                            shv_mesh_element_volume(&model->mesh, elements[1]);
+        scale *= material->weibull_volume / (0.25 * both);
+    }
+    return shv_power(scale, 1.0 / material->weibull_modulus);
+}
+
+double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    double weakest = (double)INFINITY;
+    if (!elements) {
+        for (int32_t i = 0; i < adjacency->interior_count; i++)
+            if (cohesive->facet_cohesive[i] < 0) weakest = fmin(weakest, cohesive->facet_strength[i]);
+        return weakest;
+    }
+    for (int32_t k = 0; k < count; k++)
+        for (int corner = 0; corner < 4; corner++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)elements[k] + corner];
+            if (facet < adjacency->interior_count && cohesive->facet_cohesive[facet] < 0)
+                weakest = fmin(weakest, cohesive->facet_strength[facet]);
+        }
+    return weakest;
+}

@@ -1,0 +1,30 @@
+#include "cohesive/traction.h"
+
+#include <math.h>
+
+/* Voigt xx, yy, zz, yz, xz, xy */
+ShvFacetTraction shv_facet_traction(const double *stress, int32_t first, int32_t second, ShvVec3 normal)
+{
+    double s[6];
+    for (int i = 0; i < 6; i++)
+        s[i] = 0.5 * (stress[shv_cohesive_stress_slot(first, i)] + stress[shv_cohesive_stress_slot(second, i)]);
+    const ShvVec3 t = {s[0] * normal.x + s[5] * normal.y + s[4] * normal.z,
+                       s[5] * normal.x + s[1] * normal.y + s[3] * normal.z,
+                       s[4] * normal.x + s[3] * normal.y + s[2] * normal.z};
+    const double tension = shv_dot(t, normal);
+    return (ShvFacetTraction){tension, shv_norm(shv_madd(t, -tension, normal))};
+}
+
+static double against(double value, double strength)
+{
+    return value > 0.0 ? value / strength : 0.0;
+}
+
+double shv_facet_overstress(const ShvMaterial *material, double strength, ShvFacetTraction traction)
+{
+    if (isinf(material->strength[SHV_NORMAL])) return 0.0;
+    const double scale = material->strength[SHV_NORMAL] > 0.0 ? strength / material->strength[SHV_NORMAL] : 1.0;
+    const double tension = against(traction.normal, strength);
+    const double shear = against(traction.shear, scale * material->strength[SHV_SHEAR]);
+    return sqrt(tension * tension + shear * shear);
+}

@@ -1,0 +1,320 @@
+#include "contact/node_contact.h"
+
+#include "contact/candidates.h"
+
+enum { MOST_SWEEPS = 64, MOST_ROUNDS = 4 };
+
+ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
+                                  ShvError *error)
+{
+    const size_t starts = (size_t)obstacles->count + 1;
+    *contact = (ShvNodeContact){.memory = memory, .obstacle_count = obstacles->count, .stale = true, .next_time = NAN};
+    contact->candidate_start = shv_allocate(memory, SHV_PART_CONTACT, starts, sizeof(int32_t));
+    return contact->candidate_start ? SHV_OK : shv_fail_memory(error, "contact", starts * sizeof(int32_t));
+}
+
+void shv_node_contact_release(ShvNodeContact *contact)
+{
+    shv_release(contact->candidates);
+    shv_release(contact->candidate_start);
+    shv_release(contact->last_touch);
+    shv_release(contact->pairs);
+    shv_release(contact->touches);
+    *contact = (ShvNodeContact){0};
+}
+
+void shv_node_contact_invalidate(ShvNodeContact *contact)
+{
+    contact->stale = true;
+}
+
+/* ---- pairs ---- */
+
+/* Copies have touched when their origin has. */
+static ShvStatus know_nodes(ShvNodeContact *contact, const ShvState *state, ShvError *error)
+{
+    if (contact->node_capacity < state->node_count) {
+        const size_t capacity = (size_t)state->node_capacity;
+        int64_t *grown =
+            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->last_touch, capacity, sizeof(int64_t));
+        if (!grown) return shv_fail_memory(error, "contact", capacity * sizeof(int64_t));
+        contact->last_touch = grown;
+        contact->node_capacity = state->node_capacity;
+    }
+    for (; contact->known_nodes < state->node_count; contact->known_nodes++)
+        contact->last_touch[contact->known_nodes] = contact->last_touch[state->origin[contact->known_nodes]];
+    return SHV_OK;
+}
+
+/* Mean velocity of an obstacle's material over the coming step. */
+static ShvVec3 obstacle_velocity(const ShvObstacle *obstacle, ShvVec3 point, double step, ShvVec3 gravity)
+{
+    const ShvVec3 velocity = shv_obstacle_velocity(obstacle, point);
+    return obstacle->motion == SHV_OBSTACLE_FREE ? shv_madd(velocity, 0.5 * step, gravity) : velocity;
+}
+
+/* A node that would pass the tangent plane at its closest point may miss the obstacle or meet it elsewhere: its way
+   decides, so that thin obstacles stop fast nodes and corners do not stop what passes by. What misses keeps no plane, but
+   may be deflected into the obstacle yet (append_crossings). */
+static void find_plane(const ShvObstacle *obstacle, ShvVec3 x, ShvVec3 relative, double step, ShvNodePair *pair)
+{
+    if (obstacle->shape == SHV_OBSTACLE_PLANE || pair->gap <= 0.0) return;
+    if (pair->gap + step * shv_dot(relative, pair->normal) >= 0.0) return;
+    ShvCrossing crossing;
+    pair->gap = INFINITY;
+    if (!shv_obstacle_sweep(obstacle, x, shv_madd(x, step, relative), &crossing)) return;
+    pair->point = crossing.point;
+    pair->normal = crossing.normal;
+    pair->gap = shv_dot(shv_sub(x, crossing.point), crossing.normal);
+}
+
+typedef struct ContactStep {
+    ShvNodeContact *contact;
+    ShvState *state;
+    ShvObstacles *obstacles;
+    double kick, step;
+    ShvVec3 gravity;
+} ContactStep;
+
+static bool make_pair(const ContactStep *now, int32_t node, int32_t index, double obstacle_speed, ShvNodePair *pair)
+{
+    const ShvObstacle *obstacle = &now->obstacles->items[index];
+    const int64_t i = 3 * (int64_t)node;
+    const ShvVec3 v = shv_load3(now->state->velocity + i), x = shv_state_position(now->state, node);
+    /* Twice the way it can go: other impulses of the step may speed it up. */
+    const double limit = 2.0 * now->step * (shv_norm(v) + obstacle_speed);
+    const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, limit);
+    if (at.gap > 0.0 && at.gap >= limit) return false;
+    const ShvVec3 relative = shv_sub(v, obstacle_velocity(obstacle, at.point, now->step, now->gravity));
+    *pair = (ShvNodePair){.node = node, .obstacle = index, .gap = at.gap, .point = at.point, .normal = at.normal};
+    find_plane(obstacle, x, relative, now->step, pair);
+    pair->relative = relative;
+    pair->speed = fabs(relative.x) + fabs(relative.y) + fabs(relative.z);
+    const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
+    pair->before = shv_madd(v, -now->kick, acceleration);
+    return true;
+}
+
+static ShvStatus append_pair(ShvNodeContact *contact, const ShvNodePair *pair, ShvError *error)
+{
+    const ShvNodePair copy = *pair; /* may lie in the block that moves */
+    void *block = contact->pairs;
+    SHV_TRY(
+        shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof copy, error));
+    contact->pairs = block;
+    contact->pairs[contact->pair_count++] = copy;
+    return SHV_OK;
+}
+
+static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
+{
+    ShvNodeContact *contact = now->contact;
+    contact->pair_count = 0;
+    for (int32_t i = 0; i < now->obstacles->count; i++) {
+        const double speed =
+            shv_candidates_obstacle_speed(&now->obstacles->items[i]) + now->step * shv_norm(now->gravity);
+        for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
+            ShvNodePair pair;
+            if (make_pair(now, contact->candidates[k], i, speed, &pair)) SHV_TRY(append_pair(contact, &pair, error));
+        }
+    }
+    return SHV_OK;
+}
+
+/* ---- response ---- */
+
+static void apply_impulse(const ContactStep *now, const ShvNodePair *pair, ShvVec3 impulse)
+{
+    ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
+    shv_add_to3(now->state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / now->state->mass[pair->node]));
+    if (obstacle->motion != SHV_OBSTACLE_FREE) return;
+    now->contact->obstacle_work[0] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
+    shv_obstacle_impulse(obstacle, pair->point, shv_scale(impulse, -1.0));
+    now->contact->obstacle_work[1] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
+}
+
+static ShvVec3 relative_velocity(const ContactStep *now, const ShvNodePair *pair)
+{
+    const ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
+    return shv_sub(shv_load3(now->state->velocity + 3 * (int64_t)pair->node),
+                   obstacle_velocity(obstacle, pair->point, now->step, now->gravity));
+}
+
+static double inverse_mass(const ContactStep *now, const ShvNodePair *pair, ShvVec3 direction)
+{
+    return 1.0 / now->state->mass[pair->node] +
+           shv_obstacle_inverse_mass(&now->obstacles->items[pair->obstacle], pair->point, direction);
+}
+
+/* At most what stops the sliding, and at most µ times the normal impulse: it can only take energy. */
+static void rub(const ContactStep *now, ShvNodePair *pair, double normal_impulse)
+{
+    const double most = now->obstacles->items[pair->obstacle].friction * normal_impulse;
+    const ShvVec3 relative = relative_velocity(now, pair);
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
+    const double speed = shv_norm(slip);
+    if (!(most > 0.0) || !(speed > 0.0)) return;
+    const ShvVec3 along = shv_scale(slip, 1.0 / speed);
+    const ShvVec3 impulse = shv_scale(along, -fmin(most, speed / inverse_mass(now, pair, along)));
+    apply_impulse(now, pair, impulse);
+    pair->friction = shv_add(pair->friction, impulse);
+}
+
+/* How much faster a pair closes than it may: down to the surface by the end of the step, or not at all. */
+static double excess(const ContactStep *now, const ShvNodePair *pair)
+{
+    const double allowed = pair->gap > 0.0 ? -pair->gap / now->step : 0.0;
+    return allowed - shv_dot(relative_velocity(now, pair), pair->normal);
+}
+
+static bool relax(const ContactStep *now, ShvNodePair *pair, double tolerance)
+{
+    const double too_fast = excess(now, pair);
+    if (!(too_fast > tolerance * pair->speed)) return false;
+    const double impulse = too_fast / inverse_mass(now, pair, pair->normal);
+    apply_impulse(now, pair, shv_scale(pair->normal, impulse));
+    pair->normal_impulse += impulse;
+    rub(now, pair, impulse);
+    return true;
+}
+
+/* Every impulse stops a closing motion or slows a sliding one, so each sweep takes energy or leaves it, converged or not. */
+static void sweep(const ContactStep *now)
+{
+    const double rounding = 1e-13;
+    ShvNodeContact *contact = now->contact;
+    bool closing = contact->pair_count > 0;
+    for (int pass = 0; pass < MOST_SWEEPS && closing; pass++) {
+        closing = false;
+        for (int32_t k = 0; k < contact->pair_count; k++)
+            closing |= relax(now, &contact->pairs[k], pass == 0 ? 0.0 : rounding);
+    }
+    contact->unresolved = 0;
+    for (int32_t k = 0; closing && k < contact->pair_count; k++)
+        contact->unresolved += excess(now, &contact->pairs[k]) > 1e-6 * contact->pairs[k].speed;
+}
+
+/* What has been deflected may run into an obstacle that it would have missed, or into another face of a mesh (a convex
+   shape lies behind its one plane): its new way is tried again, from just outside. */
+static ShvStatus append_crossings(const ContactStep *now, bool *any, ShvError *error)
+{
+    ShvNodeContact *contact = now->contact;
+    const int32_t count = contact->pair_count;
+    *any = false;
+    for (int32_t k = 0; k < count; k++) {
+        ShvNodePair pair = contact->pairs[k];
+        const ShvObstacle *obstacle = &now->obstacles->items[pair.obstacle];
+        if (obstacle->shape != SHV_OBSTACLE_MESH && isfinite(pair.gap)) continue;
+        const double rounding = 1e-12 * obstacle->bounding_radius;
+        const ShvVec3 from =
+            shv_madd(shv_state_position(now->state, pair.node), fmax(0.0, -pair.gap) + rounding, pair.normal);
+        ShvCrossing crossing;
+        const ShvVec3 way = shv_scale(relative_velocity(now, &pair), now->step);
+        if (!shv_obstacle_sweep(obstacle, from, shv_add(from, way), &crossing)) continue;
+        pair.point = crossing.point;
+        pair.normal = crossing.normal;
+        pair.gap = shv_dot(shv_sub(from, crossing.point), crossing.normal);
+        pair.normal_impulse = 0.0;
+        pair.friction = shv_vec3(0.0, 0.0, 0.0);
+        if (pair.gap + shv_dot(way, pair.normal) > -2.0 * rounding) continue;
+        SHV_TRY(append_pair(contact, &pair, error));
+        *any = true;
+    }
+    return SHV_OK;
+}
+
+static ShvStatus respond(const ContactStep *now, ShvError *error)
+{
+    bool again = true;
+    sweep(now);
+    for (int round = 0; round < MOST_ROUNDS && again; round++) {
+        SHV_TRY(append_crossings(now, &again, error));
+        if (again) sweep(now);
+    }
+    return SHV_OK;
+}
+
+static ShvStatus list_touches(ShvNodeContact *contact, ShvError *error)
+{
+    contact->touching = 0;
+    contact->largest_closing_speed = 0.0;
+    contact->impulse = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        const ShvNodePair *pair = &contact->pairs[k];
+        if (!(pair->normal_impulse > 0.0)) continue;
+        void *block = contact->touches;
+        SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->touch_capacity, contact->touching,
+                                    sizeof(ShvNodeTouch), error));
+        contact->touches = block;
+        const ShvNodeTouch touch = {.node = pair->node,
+                                    .obstacle = pair->obstacle,
+                                    .fresh = contact->last_touch[pair->node] + 1 < contact->step_number,
+                                    .closing_speed = -shv_dot(pair->relative, pair->normal),
+                                    .point = pair->point,
+                                    .normal = pair->normal,
+                                    .normal_impulse = pair->normal_impulse,
+                                    .friction = pair->friction,
+                                    .before = pair->before};
+        contact->touches[contact->touching++] = touch;
+        if (touch.fresh) contact->largest_closing_speed = fmax(contact->largest_closing_speed, touch.closing_speed);
+        contact->impulse = shv_add(contact->impulse, shv_madd(touch.friction, touch.normal_impulse, touch.normal));
+    }
+    for (int32_t k = 0; k < contact->touching; k++)
+        contact->last_touch[contact->touches[k].node] = contact->step_number;
+    return SHV_OK;
+}
+
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
+                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
+                                 ShvError *error)
+{
+    const ContactStep now = {contact, state, obstacles, kick, step, shv_load3(gravity)};
+    contact->obstacle_work[0] = contact->obstacle_work[1] = 0.0;
+    /* After a pause every touch is fresh: a number is left out. */
+    contact->step_number += fabs(state->time - contact->next_time) <= 0.5 * step ? 1 : 2;
+    contact->next_time = state->time + step;
+    SHV_TRY(know_nodes(contact, state, error));
+    SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
+    SHV_TRY(list_pairs(&now, error));
+    SHV_TRY(respond(&now, error));
+    SHV_TRY(list_touches(contact, error));
+    shv_node_contact_book(contact, state);
+    return SHV_OK;
+}
+
+/* ---- reports ---- */
+
+void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state)
+{
+    for (int half = 0; half < 2; half++) contact->normal_work[half] = contact->friction_work[half] = 0.0;
+    for (int32_t k = 0; k < contact->touching; k++) {
+        const ShvNodeTouch *touch = &contact->touches[k];
+        const ShvVec3 velocity[2] = {touch->before, shv_load3(state->velocity + 3 * (int64_t)touch->node)};
+        for (int half = 0; half < 2; half++) {
+            contact->normal_work[half] += 0.5 * touch->normal_impulse * shv_dot(touch->normal, velocity[half]);
+            contact->friction_work[half] += 0.5 * shv_dot(touch->friction, velocity[half]);
+        }
+    }
+}
+
+void shv_node_contact_book_ledger(const ShvNodeContact *contact, ShvLedger *ledger)
+{
+    shv_ledger_book(ledger, SHV_WORK_CONTACT, contact->normal_work[0], contact->normal_work[1]);
+    shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
+}
+
+void shv_node_contact_by_fragment(const ShvNodeContact *contact, const ShvState *state, const int32_t *node_fragment,
+                                  ShvFragmentTouch *fragments)
+{
+    for (int32_t k = 0; k < contact->touching; k++) {
+        const ShvNodeTouch *touch = &contact->touches[k];
+        const int32_t fragment = node_fragment
+                                     ? node_fragment[touch->node]
+                                     : state->element_fragment[state->corners[state->corner_start[touch->node]] / 4];
+        ShvFragmentTouch *sum = &fragments[fragment];
+        sum->touching++;
+        sum->fresh += touch->fresh;
+        sum->impulse += shv_norm(shv_madd(touch->friction, touch->normal_impulse, touch->normal));
+        sum->closing_speed = fmax(sum->closing_speed, touch->closing_speed);
+    }
+}

@@ -1,0 +1,17 @@
+/* What a ShvSelection chooses of an object's placed mesh. */
+#ifndef SHV_CONTACT_SELECTION_H
+#define SHV_CONTACT_SELECTION_H
+
+#include <stdbool.h>
+
+#include "contact/imposed.h"
+
+bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point);
+/* Chosen nodes, increasing; the caller releases *nodes, which is NULL on failure. */
+ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
+                              int32_t **nodes, int32_t *count, ShvError *error);
+/* Boundary facets whose three nodes are chosen, increasing (element, face), with traction × area / 3; likewise. */
+ShvStatus shv_selection_facets(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
+                               ShvVec3 traction, ShvImposedFacet **facets, int32_t *count, ShvError *error);
+
+#endif

@@ -1,0 +1,113 @@
+#include "hybrid/hybrid.h"
+
+#include <stdlib.h>
+
+static bool interrupted(const ShvHybrid *hybrid) { return hybrid->stop && hybrid->stop(hybrid->stop_data); }
+
+static int by_time(const void *a, const void *b)
+{
+    const ShvRigidContact *first = a, *second = b;
+    if (first->time != second->time) return first->time < second->time ? -1 : 1;
+    return (first->fragment > second->fragment) - (first->fragment < second->fragment);
+}
+
+static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->wake_capacity >= hybrid->fragments.alive) return SHV_OK;
+    const int32_t capacity = hybrid->fragments.capacity;
+    ShvRigidContact *wakes =
+        shv_reallocate(hybrid->memory, SHV_PART_RIGID, hybrid->wakes, (size_t)capacity, sizeof(ShvRigidContact));
+    if (!wakes) return shv_fail_memory(error, "the list of impacts", (size_t)capacity * sizeof(ShvRigidContact));
+    hybrid->wakes = wakes;
+    hybrid->wake_capacity = capacity;
+    return SHV_OK;
+}
+
+/* Rigid interval from the present moment: at most a rigid step, a whole number of which make up what is left until `until`,
+   ending no later than the next event of the time line. All flight of the interval happens here. */
+static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error)
+{
+    const double now = hybrid->state.time;
+    const double end = fmin(until, shv_hybrid_next_event_time(hybrid));
+    const double steps = ceil((end - now) / hybrid->scene->rigid.time_step * (1.0 - 1e-9));
+    const double step = (end - now) / fmax(1.0, steps);
+    hybrid->interval_end = steps > 1.0 ? now + step : end;
+    SHV_TRY(reserve_wakes(hybrid, error));
+    hybrid->wake_count = 0;
+    hybrid->wake_next = 0;
+    const double start = shv_now();
+    SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
+                                                shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);
+    qsort(hybrid->wakes, (size_t)hybrid->wake_count, sizeof(ShvRigidContact), by_time);
+    return SHV_OK;
+}
+
+/* Scripted obstacles are placed, free ones moved, up to a moment. */
+static void move_obstacles(ShvHybrid *hybrid, double time)
+{
+    if (time <= hybrid->obstacle_time) return;
+    const double start = shv_now();
+    hybrid->ledger.booked[SHV_WORK_CONTACT] +=
+        shv_obstacles_advance(&hybrid->obstacles, time - hybrid->obstacle_time, hybrid->gravity);
+    shv_obstacles_script(&hybrid->obstacles, time);
+    hybrid->obstacle_time = time;
+    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+}
+
+static double next_wake_time(const ShvHybrid *hybrid)
+{
+    return hybrid->wake_next < hybrid->wake_count ? hybrid->wakes[hybrid->wake_next].time : HUGE_VAL;
+}
+
+/* Fragments whose time of impact has come enter fracture mode. */
+static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
+{
+    if (next_wake_time(hybrid) > hybrid->state.time) return SHV_OK;
+    if (hybrid->awake.count > 0) SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    while (next_wake_time(hybrid) <= hybrid->state.time)
+        SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
+    return shv_awake_refresh(hybrid, error);
+}
+
+/* Nothing is awake: time jumps to the next impact or the end of the interval. */
+static void jump(ShvHybrid *hybrid)
+{
+    const double to = fmin(next_wake_time(hybrid), hybrid->interval_end);
+    move_obstacles(hybrid, to);
+    hybrid->state.time = to;
+    hybrid->state.last_step = 0.0;
+}
+
+/* A substep towards the next impact or the end of the interval; steps of equal length fill what is left, so that no
+   sliver of a step remains. */
+static ShvStatus creep(ShvHybrid *hybrid, ShvError *error)
+{
+    const double to = fmin(next_wake_time(hybrid), hybrid->interval_end);
+    SHV_TRY(shv_hybrid_substep(hybrid, to - hybrid->state.time, error));
+    /* The last step lands on the moment itself, not on a rounded neighbour of it. */
+    if (to - hybrid->state.time < 1e-6 * hybrid->step) hybrid->state.time = to;
+    move_obstacles(hybrid, hybrid->state.time);
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int64_t *taken, ShvError *error)
+{
+    *taken = 0;
+    while (hybrid->state.time < until) {
+        if (interrupted(hybrid)) return shv_fail(error, SHV_INTERRUPTED, "stopped at %.9g s", hybrid->state.time);
+        if (hybrid->interval_end <= hybrid->state.time) {
+            SHV_TRY(shv_hybrid_time_line(hybrid, error));
+            SHV_TRY(begin_interval(hybrid, until, error));
+        }
+        SHV_TRY(wake_due(hybrid, error));
+        if (hybrid->awake.count == 0) {
+            jump(hybrid);
+        } else {
+            SHV_TRY(creep(hybrid, error));
+            if (++*taken == steps) return SHV_OK;
+        }
+        if (hybrid->interval_end <= hybrid->state.time) SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
+    }
+    return SHV_OK;
+}

@@ -1,0 +1,144 @@
+#include "hybrid/hybrid.h"
+
+#include <string.h>
+
+static ShvStatus reserve_nodal(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->nodal_capacity >= hybrid->state.node_capacity) return SHV_OK;
+    const size_t count = 6 * (size_t)hybrid->state.node_capacity;
+    double *nodal = shv_reallocate(hybrid->memory, SHV_PART_STRESS, hybrid->nodal, count, sizeof(double));
+    if (!nodal) return shv_fail_memory(error, "nodal stress", count * sizeof(double));
+    hybrid->nodal = nodal;
+    hybrid->nodal_capacity = hybrid->state.node_capacity;
+    return SHV_OK;
+}
+
+static ShvStatus nodal_stress(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->scene->fracture.criterion != SHV_CRITERION_PRINCIPAL) return SHV_OK;
+    SHV_TRY(reserve_nodal(hybrid, error));
+#pragma omp parallel for schedule(static) num_threads(hybrid->model.threads)
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int32_t node = hybrid->awake.nodes[k];
+        shv_solid_nodal_stress(&hybrid->solid, &hybrid->state, hybrid->stress, node, hybrid->nodal + 6 * (int64_t)node);
+    }
+    return SHV_OK;
+}
+
+/* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. */
+static void set_clock(ShvHybrid *hybrid, double largest)
+{
+    enum { RAREST = 10 };
+    ShvCheckClock *clock = &hybrid->clock;
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    clock->rate = fmax((largest - clock->last) / clock->since, 0.9 * clock->rate);
+    clock->last = largest;
+    clock->since = 0;
+    if (fracture->check_every > 0) {
+        clock->due = fracture->check_every;
+        return;
+    }
+    const double room = fmax(0.0, 1.05 * fracture->threshold - largest);
+    const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
+    clock->due = steps < 1.0 ? 1 : steps > RAREST ? RAREST : (int32_t)steps;
+}
+
+/* The first insertion since a fragment woke is an event; every insertion starts its quiet count afresh. */
+static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *error)
+{
+    for (int32_t k = 0; k < count; k++) {
+        const int32_t element = hybrid->model.adjacency.facet_elements[2 * (int64_t)hybrid->candidates[k]];
+        const int32_t index = hybrid->state.element_fragment[element];
+        ShvFragment *fragment = &hybrid->fragments.items[index];
+        fragment->last_insertion = hybrid->state.time;
+        fragment->quiet = 0;
+        if (fragment->cracked) continue;
+        fragment->cracked = true;
+        const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_INSERTION, .fragment = index,
+                                    .obstacle = -1, .value = hybrid->overstress[k]};
+        SHV_TRY(shv_hybrid_log(hybrid, &event, error));
+    }
+    return SHV_OK;
+}
+
+/* Copies belong to awake fragments; until the next labelling they stand at the end of the list. */
+static ShvStatus take_in_copies(ShvHybrid *hybrid, int32_t duplicated, ShvError *error)
+{
+    if (duplicated == 0) return SHV_OK;
+    hybrid->split_pending = true;
+    SHV_TRY(shv_awake_reserve(hybrid, error));
+    for (int32_t node = hybrid->state.node_count - duplicated; node < hybrid->state.node_count; node++)
+        hybrid->awake.nodes[hybrid->awake.node_count++] = node;
+    shv_node_contact_invalidate(&hybrid->contact);
+    return SHV_OK;
+}
+
+static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
+{
+    const double start = shv_now();
+    int32_t duplicated = 0;
+    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count, &duplicated,
+                                error));
+    hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
+    SHV_TRY(note_insertions(hybrid, count, error));
+    SHV_TRY(take_in_copies(hybrid, duplicated, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
+    return SHV_OK;
+}
+
+static ShvStatus look_for_inversion(ShvHybrid *hybrid, ShvError *error)
+{
+    int32_t first = -1;
+    const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    if (inverted <= hybrid->inverted) return SHV_OK;
+    hybrid->inverted = inverted;
+    const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_INVERSION, .obstacle = -1, .value = first,
+                                .fragment = hybrid->state.element_fragment[first]};
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
+{
+    if (!hybrid->model.can_break) return SHV_OK;
+    if (++hybrid->clock.since < hybrid->clock.due) return SHV_OK;
+    const double start = shv_now();
+    int32_t count = 0;
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+    SHV_TRY(nodal_stress(hybrid, error));
+    const double largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
+                                                   hybrid->awake.flags, hybrid->candidates, hybrid->overstress, &count);
+    SHV_TRY(look_for_inversion(hybrid, error));
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->awake.flags[i]) hybrid->fragments.items[i].quiet++;
+    set_clock(hybrid, largest);
+    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    return count > 0 ? insert(hybrid, count, error) : SHV_OK;
+}
+
+/* Components of one awake fragment; its children carry on with its record. */
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    int32_t parts = 0;
+    const int32_t first_child = hybrid->fragments.count;
+    SHV_TRY(shv_fragments_split(&hybrid->fragments, &hybrid->model, &hybrid->state, index, &parts, error));
+    if (parts < 2) return SHV_OK;
+    for (int32_t i = first_child; i < hybrid->fragments.count; i++) {
+        ShvFragment *child = &hybrid->fragments.items[i];
+        child->strength = shv_cohesive_weakest(&hybrid->cohesive, hybrid->fragments.elements + child->element_begin,
+                                               child->element_count);
+    }
+    const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1,
+                                .value = parts};
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+ShvStatus shv_hybrid_relabel(ShvHybrid *hybrid, ShvError *error)
+{
+    if (!hybrid->split_pending) return SHV_OK;
+    const int32_t count = hybrid->fragments.count;
+    for (int32_t i = 0; i < count; i++)
+        if (hybrid->awake.flags[i]) SHV_TRY(relabel_fragment(hybrid, i, error));
+    hybrid->split_pending = false;
+    hybrid->awake.stale = true;
+    return shv_awake_refresh(hybrid, error);
+}

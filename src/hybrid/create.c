@@ -1,0 +1,123 @@
+#include "hybrid/hybrid.h"
+
+#include <string.h>
+
+/* A step the user asks for must be stable for every element: nothing here damps an unstable mode. */
+static ShvStatus require_stable(const ShvHybrid *hybrid, ShvError *error)
+{
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    int32_t element = 0;
+    const double stable = shv_solid_stable_step(&hybrid->solid, &element);
+    if (isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
+                    "give %g or less, or 'auto'",
+                    fracture->time_step, fracture->time_step / stable, stable, (int)element, 0.9 * stable);
+}
+
+static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
+{
+    const size_t slots = (size_t)hybrid->state.batch_count * 6 * SHV_LANES;
+    const size_t facets = (size_t)hybrid->model.adjacency.interior_count;
+    SHV_TRY(shv_cohesive_create(&hybrid->cohesive, &hybrid->model, &hybrid->scene->fracture, error));
+    hybrid->stress = shv_allocate(hybrid->memory, SHV_PART_STRESS, slots, sizeof(double));
+    hybrid->candidates = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(int32_t));
+    hybrid->overstress = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(double));
+    if (!hybrid->stress || !hybrid->candidates || !hybrid->overstress)
+        return shv_fail_memory(error, "the insertion criterion", slots * sizeof(double) + facets * 12);
+    return SHV_OK;
+}
+
+/* Whether a condition holds some of the object's nodes from the start: such objects are never in free flight. */
+static bool has_condition(const ShvSceneDefinition *scene, const char *object)
+{
+    for (int32_t i = 0; i < scene->condition_count; i++)
+        if (strcmp(scene->conditions[i].object, object) == 0) return true;
+    return false;
+}
+
+static ShvStatus find_held(ShvHybrid *hybrid, ShvError *error)
+{
+    hybrid->held = shv_allocate(hybrid->memory, SHV_PART_GENERAL, (size_t)hybrid->model.object_count, sizeof(bool));
+    if (!hybrid->held) return shv_fail_memory(error, "held objects", (size_t)hybrid->model.object_count);
+    for (int32_t i = 0; i < hybrid->model.object_count; i++)
+        hybrid->held[i] = has_condition(hybrid->scene, hybrid->model.objects[i].name);
+    return SHV_OK;
+}
+
+static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvFragments *fragments = &hybrid->fragments;
+    SHV_TRY(find_held(hybrid, error));
+    for (int32_t i = 0; i < fragments->count; i++) {
+        ShvFragment *fragment = &fragments->items[i];
+        fragment->strength = hybrid->model.can_break
+                                 ? shv_cohesive_weakest(&hybrid->cohesive, fragments->elements + fragment->element_begin,
+                                                        fragment->element_count)
+                                 : HUGE_VAL;
+        fragment->last_insertion = hybrid->state.time;
+        if (hybrid->held[fragment->object]) {
+            fragment->mode = SHV_MODE_FRACTURE;
+        } else {
+            shv_fragment_fit(fragment, fragments, &hybrid->state);
+            fragment->mode = SHV_MODE_FLIGHT;
+            SHV_TRY(hybrid->backend->functions->add(hybrid->backend, i, error));
+        }
+    }
+    hybrid->awake.stale = true;
+    return shv_awake_refresh(hybrid, error);
+}
+
+static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *error)
+{
+    const ShvSceneDefinition *scene = hybrid->scene;
+    SHV_TRY(shv_model_build(&hybrid->model, hybrid->memory, scene, folder, error));
+    SHV_TRY(shv_state_create(&hybrid->state, &hybrid->model, scene, error));
+    SHV_TRY(shv_solid_create(&hybrid->solid, &hybrid->model, &hybrid->state, error));
+    SHV_TRY(require_stable(hybrid, error));
+    if (hybrid->model.can_break) SHV_TRY(create_fracture(hybrid, error));
+    SHV_TRY(shv_obstacles_create(&hybrid->obstacles, hybrid->memory, scene, folder, error));
+    SHV_TRY(shv_node_contact_create(&hybrid->contact, hybrid->memory, &hybrid->obstacles, error));
+    SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
+    SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
+    const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
+    SHV_TRY(shv_analytic_create(&hybrid->backend, &world, error));
+    return start_fragments(hybrid, error);
+}
+
+ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
+                            ShvError *error)
+{
+    *hybrid = (ShvHybrid){.memory = memory, .scene = scene};
+    memcpy(hybrid->gravity, scene->gravity, sizeof hybrid->gravity);
+    hybrid->clock.due = 1;
+    ShvStatus status = create_parts(hybrid, folder, error);
+    if (status == SHV_OK) status = shv_hybrid_observe(hybrid, error);
+    if (status != SHV_OK) shv_hybrid_release(hybrid);
+    return status;
+}
+
+void shv_hybrid_release(ShvHybrid *hybrid)
+{
+    if (hybrid->backend) hybrid->backend->functions->destroy(hybrid->backend);
+    shv_fragments_release(&hybrid->fragments);
+    shv_imposed_release(&hybrid->imposed);
+    shv_node_contact_release(&hybrid->contact);
+    shv_obstacles_release(&hybrid->obstacles);
+    if (hybrid->model.can_break) shv_cohesive_release(&hybrid->cohesive);
+    shv_solid_release(&hybrid->solid);
+    shv_state_release(&hybrid->state);
+    shv_model_release(&hybrid->model);
+    shv_release(hybrid->awake.flags);
+    shv_release(hybrid->awake.nodes);
+    shv_release(hybrid->wakes);
+    shv_release(hybrid->stress);
+    shv_release(hybrid->nodal);
+    shv_release(hybrid->candidates);
+    shv_release(hybrid->overstress);
+    shv_release(hybrid->ghost.before);
+    shv_release(hybrid->ghost.obstacles);
+    shv_release(hybrid->held);
+    shv_release(hybrid->log.items);
+    memset(hybrid, 0, sizeof *hybrid);
+}

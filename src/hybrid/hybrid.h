@@ -1,0 +1,141 @@
+/* The frame loop of the hybrid: rigid flight between impacts, fracture mode during them, and the hand-over both ways.
+
+       flight ──contact that may break it──► awake: substeps of the solid with insertion, cohesion, closure, contact
+         ▲                                     │ quiet
+         └───components, best-fit motion ◄─────┘
+
+   Time goes in rigid intervals. Fragments in flight cross an interval in one piece; those that hit something stop at
+   their own time of impact and wake there; awake fragments cross the same interval in substeps. Nothing is rolled back. */
+#ifndef SHV_HYBRID_HYBRID_H
+#define SHV_HYBRID_HYBRID_H
+
+#include "base/timer.h"
+#include "cohesive/cohesive.h"
+#include "contact/imposed.h"
+#include "contact/node_contact.h"
+#include "model/ledger.h"
+#include "model/state.h"
+#include "rigid/backend.h"
+#include "rigid/fragment.h"
+#include "shape/obstacle.h"
+#include "shiver/simulation.h"
+#include "solid/motion.h"
+#include "solid/solid.h"
+
+/* What follows from the choice of steps: how stress grows between checks decides when to look next. */
+typedef struct ShvCheckClock {
+    int32_t since;   /* steps since the last check */
+    int32_t due;     /* steps between the last check and the next */
+    double last;     /* largest criterion / strength at the last check */
+    double rate;     /* largest recent growth of it a step */
+} ShvCheckClock;
+
+typedef struct ShvAwake {
+    uint8_t *flags;      /* per fragment index; capacity as the fragments' */
+    int32_t flag_capacity;
+    int32_t *nodes;      /* nodes of awake fragments, fragment by fragment */
+    int32_t node_count, node_capacity;
+    int32_t count;       /* awake fragments */
+    bool stale;          /* the lists must be rebuilt */
+} ShvAwake;
+
+typedef struct ShvEventLog {
+    ShvEventView *items;
+    int32_t count, capacity;
+} ShvEventLog;
+
+/* Velocities around the present moment, made by a step that is not taken (observe.c). */
+typedef struct ShvGhost {
+    double *before;          /* 3 per node: v(n−1/2) */
+    int64_t capacity;
+    ShvObstacle *obstacles;  /* as they were before the ghost step */
+    double kinetic;          /* J, of awake nodes: Σ ½ m v₋·v₊ */
+    double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
+} ShvGhost;
+
+typedef struct ShvHybrid {
+    ShvMemory *memory;
+    const ShvSceneDefinition *scene;
+    double gravity[3];
+    ShvModel model;
+    ShvState state;
+    ShvSolid solid;
+    ShvCohesive cohesive; /* only with model.can_break */
+    ShvObstacles obstacles;
+    ShvNodeContact contact;
+    ShvImposed imposed;
+    ShvFragments fragments;
+    ShvRigidBackend *backend;
+
+    ShvAwake awake;
+    bool *held;             /* per object: conditions act on it, it never flies */
+    bool split_pending;     /* nodes were duplicated since fragments were last labelled */
+    ShvRigidContact *wakes; /* pending in the present interval, by time */
+    int32_t wake_count, wake_next, wake_capacity;
+    double interval_end;    /* s; ≤ state.time: no interval is under way */
+    double obstacle_time;   /* s: moment to which free obstacles have been moved */
+
+    double bulk_step;       /* s: stable step of the awake batches */
+    double step;            /* s: last step taken */
+    ShvCheckClock clock;
+    int32_t inverted;       /* most elements found inside out at once so far */
+    double *stress;         /* of the criterion, only with model.can_break */
+    double *nodal;          /* principal criterion only; 6 per node */
+    int64_t nodal_capacity;
+    int32_t *candidates;
+    double *overstress;
+
+    ShvLedger ledger;
+    ShvLedgerView balance;  /* of the last observed moment */
+    double start_energy, start_potential; /* J */
+    bool balance_started;
+    int32_t since_observed; /* steps since the ledger was last looked at */
+    double backend_contact, backend_friction; /* works already booked */
+    ShvGhost ghost;
+    ShvEventLog log;
+    int32_t next_event;     /* of the scene's time line */
+    ShvCosts costs;
+    bool (*stop)(void *data);
+    void *stop_data;
+} ShvHybrid;
+
+/* Builds everything the scene needs and nothing else. `hybrid` must not move afterwards. On failure it owns nothing. */
+ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
+                            ShvError *error);
+void shv_hybrid_release(ShvHybrid *hybrid);
+
+/* Advances to `until`, or less when `steps` > 0 substeps of fracture mode have been taken first; *taken receives their
+   number. Stops with SHV_DIVERGED or SHV_INTERRUPTED at a consistent state. */
+ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int64_t *taken, ShvError *error);
+
+/* Brings fragments' motion and the ledger to the present moment (hybrid->fragments, hybrid->balance); the state is
+   left as it was. Fails when the residual leaves the scene's bound or something is not finite. */
+ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
+
+/* ---- parts of the loop, one file each ---- */
+
+/* awake.c: lists of what is awake, rebuilt when stale. */
+ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
+/* wake.c */
+bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
+ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
+ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
+/* substep.c: forces of the present moment into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
+   `after` around it, all impulses and conditions, works booked; and a whole step of at most `limit` seconds. */
+ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
+ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
+/* check.c: stress, criterion, insertion, splits, when due. */
+ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
+/* Labels what has come apart since the last call (check.c). */
+ShvStatus shv_hybrid_relabel(ShvHybrid *hybrid, ShvError *error);
+/* time_line.c: scene events that are due. */
+ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
+double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
+/* event_log.c */
+ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);
+/* observe.c: mean of the velocities around the present moment into state.velocity, last_step 0. */
+ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error);
+
+#endif

@@ -1,0 +1,210 @@
+/* The state at one moment. Velocities live at half steps; what they are at time n follows from a step of the same length
+   as the last that is made but not taken ("ghost"): kinetic energy is Σ ½ m v₋·v₊, momentum that of the mean. */
+#include "hybrid/hybrid.h"
+
+#include <string.h>
+
+static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvGhost *ghost = &hybrid->ghost;
+    if (ghost->capacity < hybrid->state.node_capacity) {
+        const size_t count = 3 * (size_t)hybrid->state.node_capacity;
+        double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
+        if (!before) return shv_fail_memory(error, "velocities around a moment", count * sizeof(double));
+        ghost->before = before;
+        ghost->capacity = hybrid->state.node_capacity;
+    }
+    if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
+    const size_t count = (size_t)hybrid->obstacles.count;
+    ghost->obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, count, sizeof(ShvObstacle));
+    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a moment", count * sizeof(ShvObstacle));
+}
+
+/* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
+   ghost.before; first halves of works go to ghost.first; kinetic energy of awake nodes to ghost.kinetic. */
+static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    ShvGhost *ghost = &hybrid->ghost;
+    SHV_TRY(reserve_ghost(hybrid, error));
+    memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    memset(ghost->first, 0, sizeof ghost->first);
+    if (state->last_step > 0.0) {
+        const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
+        if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
+        const ShvLedger booked = hybrid->ledger;
+        SHV_TRY(shv_hybrid_forces(hybrid, error));
+        SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, state->last_step, error));
+        for (int i = 0; i < SHV_WORK_COUNT; i++)
+            ghost->first[i] = hybrid->ledger.booked[i] - booked.booked[i] - hybrid->ledger.pending[i];
+        hybrid->ledger = booked;
+        if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
+    }
+    ghost->kinetic = 0.0;
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int64_t node = hybrid->awake.nodes[k];
+        const ShvVec3 before = shv_load3(ghost->before + 3 * node), after = shv_load3(state->velocity + 3 * node);
+        ghost->kinetic += 0.5 * state->mass[node] * shv_dot(before, after);
+        shv_store3(state->velocity + 3 * node, shv_scale(shv_add(before, after), 0.5));
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
+{
+    SHV_TRY(make_ghost_step(hybrid, error));
+    hybrid->state.last_step = 0.0;
+    return SHV_OK;
+}
+
+static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momentum, ShvVec3 spin)
+{
+    shv_add_to3(balance->momentum, momentum);
+    shv_add_to3(balance->angular_momentum, shv_add(spin, shv_cross(position, momentum)));
+}
+
+static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    const ShvVec3 spin = shv_apply(&inertia, fragment->angular_velocity);
+    balance->kinetic += 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
+                        0.5 * shv_dot(fragment->angular_velocity, spin);
+    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    add_momentum(balance, fragment->position, shv_scale(fragment->velocity, fragment->mass), spin);
+}
+
+static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    const ShvState *state = &hybrid->state;
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    balance->kinetic += hybrid->ghost.kinetic;
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int32_t node = hybrid->awake.nodes[k];
+        const ShvVec3 x = shv_state_position(state, node);
+        const ShvVec3 momentum = shv_scale(shv_load3(state->velocity + 3 * (int64_t)node), state->mass[node]);
+        balance->gravity_potential -= state->mass[node] * shv_dot(gravity, x);
+        add_momentum(balance, x, momentum, shv_vec3(0.0, 0.0, 0.0));
+    }
+    balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
+}
+
+static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvObstacle *obstacle)
+{
+    if (obstacle->motion != SHV_OBSTACLE_FREE) return;
+    const ShvMat3 rotation = shv_quat_to_matrix(obstacle->orientation);
+    const ShvVec3 local = shv_apply_transposed(&rotation, obstacle->angular_velocity);
+    const ShvVec3 spin = shv_apply(&rotation, shv_apply(&obstacle->inertia, local));
+    balance->kinetic += shv_obstacle_kinetic(obstacle);
+    balance->gravity_potential -= obstacle->mass * shv_dot(shv_load3(hybrid->gravity), obstacle->position);
+    add_momentum(balance, obstacle->position, shv_scale(obstacle->velocity, obstacle->mass), spin);
+}
+
+static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    double *booked = hybrid->ledger.booked;
+    booked[SHV_WORK_CONTACT] += hybrid->backend->contact_work - hybrid->backend_contact;
+    booked[SHV_WORK_FRICTION] += hybrid->backend->friction_work - hybrid->backend_friction;
+    hybrid->backend_contact = hybrid->backend->contact_work;
+    hybrid->backend_friction = hybrid->backend->friction_work;
+    double work[SHV_WORK_COUNT];
+    for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
+    balance->cohesive_work = work[SHV_WORK_COHESIVE];
+    balance->closure = work[SHV_WORK_CLOSURE];
+    balance->contact = work[SHV_WORK_CONTACT];
+    balance->friction = work[SHV_WORK_FRICTION];
+    balance->constraint = work[SHV_WORK_CONSTRAINT];
+    balance->traction = work[SHV_WORK_TRACTION];
+    balance->bars = work[SHV_WORK_BARS];
+    balance->damping = work[SHV_WORK_DAMPING];
+    balance->handover = work[SHV_WORK_HANDOVER];
+    balance->event = work[SHV_WORK_EVENT];
+}
+
+static void add_cohesive(const ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    if (!hybrid->model.can_break) return;
+    const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
+    balance->cohesive_recoverable = energy.recoverable;
+    balance->fracture_dissipation = energy.dissipated;
+    balance->inserted_area = energy.inserted_area;
+    balance->opened_area = energy.opened_area;
+    balance->fracture_energy_area = energy.opened_energy;
+}
+
+static double given_work(const ShvLedgerView *b)
+{
+    return b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping + b->handover +
+           b->event;
+}
+
+static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
+{
+    const double energy =
+        b->kinetic + b->strain + b->gravity_potential + b->cohesive_recoverable + b->fracture_dissipation;
+    if (!hybrid->balance_started) {
+        hybrid->start_energy = energy;
+        hybrid->start_potential = b->gravity_potential;
+        hybrid->balance_started = true;
+    }
+    b->residual = energy - hybrid->start_energy - given_work(b);
+    const double sizes[] = {b->kinetic,    b->strain,      fabs(b->gravity_potential - hybrid->start_potential),
+                            fabs(b->contact), fabs(b->constraint), fabs(b->traction),
+                            b->fracture_dissipation};
+    b->largest = hybrid->balance.largest;
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) b->largest = fmax(b->largest, sizes[i]);
+}
+
+/* First awake node whose motion is not finite, seen through an element that owns it. */
+static int32_t first_lost_element(const ShvHybrid *hybrid)
+{
+    const ShvState *state = &hybrid->state;
+    for (int32_t e = 0; e < state->element_count; e++)
+        for (int32_t a = 0; a < 4; a++) {
+            const int64_t i = 3 * (int64_t)shv_state_node(state, e, a);
+            if (!shv_finite3(shv_load3(state->displacement + i)) || !shv_finite3(shv_load3(state->velocity + i))) return e;
+        }
+    return -1;
+}
+
+static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
+{
+    const ShvLedgerView *b = &hybrid->balance;
+    const double courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
+    const double bound = hybrid->scene->fracture.energy_bound * b->largest;
+    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential))
+        return shv_fail(error, SHV_DIVERGED,
+                        "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
+                        "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
+                        (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
+    if (fabs(b->residual) <= bound) return SHV_OK;
+    int32_t first = -1;
+    const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    return shv_fail(error, SHV_DIVERGED,
+                    "the energy balance is off by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at "
+                    "step %lld, t = %.9g s, Courant number %.3g, %d tets inside out (first: %d); give a smaller "
+                    "fracture.time_step or fracture.safety, or raise the bound",
+                    b->residual, bound, (long long)hybrid->state.step, hybrid->state.time, courant, (int)inverted, (int)first);
+}
+
+ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
+{
+    SHV_TRY(shv_hybrid_relabel(hybrid, error));
+    ShvState *state = &hybrid->state;
+    ShvLedgerView balance = {.time = state->time};
+    memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
+    if (hybrid->awake.count > 0) {
+        SHV_TRY(make_ghost_step(hybrid, error));
+        for (int32_t i = 0; i < hybrid->fragments.count; i++)
+            if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);
+        add_awake(hybrid, &balance);
+        memcpy(state->velocity, hybrid->ghost.before, 3 * (size_t)state->node_count * sizeof(double));
+    }
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT) add_flying(hybrid, &balance, &hybrid->fragments.items[i]);
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, &hybrid->obstacles.items[i]);
+    add_cohesive(hybrid, &balance);
+    add_works(hybrid, &balance);
+    close_balance(hybrid, &balance);
+    hybrid->balance = balance;
+    return judge_balance(hybrid, error);
+}

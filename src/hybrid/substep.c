@@ -1,0 +1,89 @@
+#include "hybrid/hybrid.h"
+
+/* Friction between crack faces that have failed and closed again: none. Rough faces interlock through their own shape. */
+static const double crack_friction = 0.0;
+
+ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    const ShvAwake *awake = &hybrid->awake;
+    double start = shv_now();
+    shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
+    shv_solid_add_internal_force(&hybrid->solid, state);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
+    SHV_TRY(shv_imposed_add_force(&hybrid->imposed, state, error));
+    if (hybrid->model.can_break) {
+        shv_cohesive_begin(&hybrid->cohesive, state, awake->flags);
+        shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    }
+    return SHV_OK;
+}
+
+static void book(ShvHybrid *hybrid, double after)
+{
+    const ShvImposed *imposed = &hybrid->imposed;
+    ShvLedger *ledger = &hybrid->ledger;
+    if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
+    shv_node_contact_book(&hybrid->contact, &hybrid->state);
+    shv_node_contact_book_ledger(&hybrid->contact, ledger);
+    shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
+    shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
+}
+
+ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    const ShvAwake *awake = &hybrid->awake;
+    const double kick = 0.5 * (before + after);
+    shv_ledger_begin_step(&hybrid->ledger);
+    double start = shv_now();
+    shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
+    if (hybrid->model.can_break) {
+        shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
+        shv_cohesive_close(&hybrid->cohesive, state, kick, after, crack_friction);
+        start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    }
+    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick, after,
+                                   hybrid->gravity, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    shv_imposed_apply(&hybrid->imposed, state, before, after);
+    book(hybrid, after);
+    return SHV_OK;
+}
+
+/* Equal steps no longer than the stable one that fill what is left. */
+static double choose_step(const ShvHybrid *hybrid, double limit)
+{
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    const double longest =
+        isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
+}
+
+/* A diverging run is caught between frames too. */
+static ShvStatus look_now_and_then(ShvHybrid *hybrid, ShvError *error)
+{
+    enum { STEPS = 1000 };
+    if (++hybrid->since_observed < STEPS) return SHV_OK;
+    hybrid->since_observed = 0;
+    return shv_hybrid_observe(hybrid, error);
+}
+
+ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    SHV_TRY(look_now_and_then(hybrid, error));
+    SHV_TRY(shv_hybrid_check(hybrid, error));
+    const double step = choose_step(hybrid, limit);
+    SHV_TRY(shv_hybrid_forces(hybrid, error));
+    SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, step, error));
+    const double start = shv_now();
+    shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
+    shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
+    state->time += step;
+    state->last_step = step;
+    state->step++;
+    hybrid->step = step;
+    return SHV_OK;
+}

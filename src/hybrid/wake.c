@@ -1,0 +1,159 @@
+/* Mode switches. Waking gives a fragment's nodes its rigid motion; sleeping fits a rigid motion to them. Momentum and
+   angular momentum pass unchanged both ways, since both sides use the lumped inertia; the energy of vibration, strain and
+   open cohesive zones that a rigid body cannot carry is dropped, booked and logged. */
+#include "hybrid/hybrid.h"
+
+/* Impact stress estimate K ρ c₀ v √max(1, m_other/m_own) against the weakest facet; a fixed obstacle counts as ratio 1,
+   since the estimate's factor K already holds for a rigid wall. */
+static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const ShvObstacle *obstacle = &hybrid->obstacles.items[contact->obstacle];
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
+    const double ratio = obstacle->motion == SHV_OBSTACLE_FREE ? fmax(1.0, obstacle->mass / fragment->mass) : 1.0;
+    return hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * contact->closing_speed * sqrt(ratio);
+}
+
+bool shv_hybrid_judge(void *data, const ShvRigidContact *contact)
+{
+    const ShvHybrid *hybrid = data;
+    const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
+    const double strength = hybrid->fragments.items[contact->fragment].strength;
+    if (!contact->fresh) return false;
+    if (rigid->wake == SHV_WAKE_CONTACT) return isfinite(strength) || !hybrid->scene->fracture.enabled;
+    return impact_stress(hybrid, contact) >= rigid->wake_fraction * strength;
+}
+
+ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const double start = shv_now();
+    shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+    fragment->mode = SHV_MODE_FRACTURE;
+    fragment->last_insertion = hybrid->state.time;
+    fragment->quiet = 0;
+    hybrid->awake.stale = true;
+    hybrid->clock.since = hybrid->clock.due = 1;
+    ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_WAKE, .fragment = contact->fragment,
+                          .obstacle = contact->obstacle, .value = contact->closing_speed};
+    ShvVec3 momentum, angular;
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_before);
+    fragment->wake_energy = event.kinetic_before / fragment->mass;
+    event.kinetic_after = event.kinetic_before;
+    shv_store3(event.momentum_before, momentum);
+    shv_store3(event.momentum_after, momentum);
+    shv_store3(event.angular_before, angular);
+    shv_store3(event.angular_after, angular);
+    shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+/* Longest and shortest extent of the solid box with the fragment's inertia: a² = 6 (I₂ + I₃ − I₁)/m. */
+static void extents(const ShvFragment *fragment, double *longest, double *shortest)
+{
+    double values[3];
+    shv_symmetric_eigen(&fragment->inertia, values, NULL);
+    const double trace = values[0] + values[1] + values[2];
+    *longest = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[0]) / fragment->mass));
+    *shortest = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[2]) / fragment->mass));
+}
+
+/* How long vibration needs: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate
+   of the shortest extent (half the period of its free fundamental, f = 1.03 c₀ h/L²). */
+static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
+{
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
+    double longest, shortest;
+    extents(fragment, &longest, &shortest);
+    *bar = longest / material->bar_speed;
+    *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
+}
+
+/* A fragment may rest when nothing has broken for the scene's number of checks and for two transits of the bar wave, its
+   stress is below the wake level and what a rigid body cannot carry is small against the energy it woke with; or when the
+   longest window is over. */
+static bool is_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, double dropped)
+{
+    double bar, bending;
+    transit_times(hybrid, fragment, &bar, &bending);
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    const double age = hybrid->state.time - fragment->last_insertion;
+    const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
+    if (age >= longest) return true;
+    const bool checked = !hybrid->model.can_break || fragment->quiet >= fracture->quiet_checks;
+    const bool low = !hybrid->model.can_break || hybrid->clock.last < hybrid->scene->rigid.wake_fraction;
+    return checked && low && age >= 2.0 * bar && dropped <= 0.05 * fragment->wake_energy * fragment->mass;
+}
+
+/* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present moment. */
+static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return fragment->mode == SHV_MODE_FRACTURE && !hybrid->held[fragment->object] && is_quiet(hybrid, fragment, 0.0);
+}
+
+static double rigid_kinetic(const ShvFragment *fragment)
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
+           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
+}
+
+/* What a fragment carries in the terms of the ledger, after synchronising: kinetic energy ½ m v₋·v₊ with
+   v₊ = 2 v − v₋, strain, and what its cohesive zones could still give back. */
+static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment, double *kinetic, double *strain)
+{
+    const ShvState *state = &hybrid->state;
+    *kinetic = *strain = 0.0;
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        const int64_t node = hybrid->fragments.nodes[fragment->node_begin + k];
+        const ShvVec3 v = shv_load3(state->velocity + 3 * node), before = shv_load3(hybrid->ghost.before + 3 * node);
+        *kinetic += 0.5 * state->mass[node] * shv_dot(before, shv_sub(shv_scale(v, 2.0), before));
+    }
+    for (int32_t k = 0; k < fragment->element_count; k++)
+        *strain += shv_solid_element_energy(&hybrid->solid, state,
+                                            hybrid->fragments.elements[fragment->element_begin + k]);
+    if (hybrid->model.can_break) *strain += shv_cohesive_recoverable_of(&hybrid->cohesive, state, fragment->id);
+}
+
+static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[index];
+    const ShvFragments *fragments = &hybrid->fragments;
+    ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_SLEEP, .fragment = index, .obstacle = -1};
+    shv_fragment_fit(fragment, fragments, &hybrid->state);
+    carried_energy(hybrid, fragment, &event.kinetic_before, &event.strain_before);
+    event.kinetic_after = rigid_kinetic(fragment);
+    event.value = event.kinetic_before + event.strain_before - event.kinetic_after;
+    if (!is_quiet(hybrid, fragment, event.value)) return SHV_OK;
+
+    ShvVec3 momentum, angular;
+    double kinetic;
+    shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    shv_store3(event.momentum_before, momentum);
+    shv_store3(event.angular_before, angular);
+    shv_fragment_scatter(fragment, fragments, &hybrid->state);
+    shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    shv_store3(event.momentum_after, momentum);
+    shv_store3(event.angular_after, angular);
+    hybrid->ledger.booked[SHV_WORK_HANDOVER] -= event.value;
+    fragment->mode = SHV_MODE_FLIGHT;
+    hybrid->awake.stale = true;
+    SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->awake.count == 0) return SHV_OK;
+    const double start = shv_now();
+    SHV_TRY(shv_hybrid_relabel(hybrid, error));
+    bool any = false;
+    for (int32_t i = 0; i < hybrid->fragments.count && !any; i++) any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
+    if (!any) return SHV_OK;
+    SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
+    SHV_TRY(shv_awake_refresh(hybrid, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
+    return SHV_OK;
+}

@@ -1,0 +1,145 @@
+#include "model/material.h"
+
+#include <math.h>
+
+static const double eighth_of_pi = 0.39269908169872415;
+
+static ShvStatus bad_value(ShvError *error, const char *material, const char *key, double value, const char *range)
+{
+    return shv_fail(error, SHV_BAD_INPUT, "material '%s': %s is %g; give %s", material, key, value, range);
+}
+
+static ShvStatus check_elasticity(const ShvMaterialDefinition *definition, ShvError *error)
+{
+    const char *name = definition->name;
+    if (!(definition->density > 0.0 && isfinite(definition->density)))
+        return bad_value(error, name, "density", definition->density, "a finite number above 0, in kg/m³");
+    if (!(definition->youngs_modulus > 0.0 && isfinite(definition->youngs_modulus)))
+        return bad_value(error, name, "youngs_modulus", definition->youngs_modulus, "a finite number above 0, in Pa");
+    if (!(definition->poissons_ratio > -1.0 && definition->poissons_ratio < 0.5))
+        return bad_value(error, name, "poissons_ratio", definition->poissons_ratio, "a number above -1 and below 0.5");
+    if (definition->kinematics != SHV_GREEN_STRAIN && definition->kinematics != SHV_COROTATIONAL)
+        return bad_value(error, name, "kinematics", (double)definition->kinematics,
+                         "SHV_GREEN_STRAIN or SHV_COROTATIONAL");
+    return SHV_OK;
+}
+
+/* A strength or an energy of separation: at least zero, infinite if one likes; NaN only where it may be left out. */
+static ShvStatus check_separation(const char *material, const char *key, double value, bool optional, const char *unit,
+                                  ShvError *error)
+{
+    if (value >= 0.0 || (optional && isnan(value))) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "material '%s': %s is %g; give a number of at least 0, in %s%s", material,
+                    key, value, unit, optional ? "" : ", or make the material unbreakable");
+}
+
+static ShvStatus check_shape(const char *material, const char *key, double value, bool optional, ShvError *error)
+{
+    if ((value > 1.0 && isfinite(value)) || (optional && isnan(value))) return SHV_OK;
+    return bad_value(error, material, key, value, "a finite number above 1 (2 softens linearly)");
+}
+
+static ShvStatus check_fracture(const ShvMaterialDefinition *definition, ShvError *error)
+{
+    const char *name = definition->name;
+    const bool optional = !definition->breakable;
+    if (definition->law != SHV_PPR && definition->law != SHV_CAMACHO_ORTIZ)
+        return bad_value(error, name, "law", (double)definition->law, "SHV_PPR or SHV_CAMACHO_ORTIZ");
+    SHV_TRY(check_separation(name, "fracture_energy", definition->fracture_energy, optional, "J/m²", error));
+    SHV_TRY(check_separation(name, "cohesive_strength", definition->cohesive_strength, optional, "Pa", error));
+    SHV_TRY(check_separation(name, "fracture_energy_shear", definition->fracture_energy_shear, true, "J/m²", error));
+    SHV_TRY(check_separation(name, "cohesive_strength_shear", definition->cohesive_strength_shear, true, "Pa", error));
+    SHV_TRY(check_shape(name, "ppr_shape", definition->ppr_shape, optional, error));
+    SHV_TRY(check_shape(name, "ppr_shape_shear", definition->ppr_shape_shear, true, error));
+    if (!(definition->weibull_modulus >= 0.0 && isfinite(definition->weibull_modulus)))
+        return bad_value(error, name, "weibull_modulus", definition->weibull_modulus,
+                         "a finite number of at least 0 (0: no spread)");
+    if (!(definition->weibull_volume >= 0.0 && isfinite(definition->weibull_volume)))
+        return bad_value(error, name, "weibull_volume", definition->weibull_volume,
+                         "a finite number of at least 0, in m³ (0: facets of any size scatter alike)");
+    return SHV_OK;
+}
+
+static double or_else(double value, double otherwise)
+{
+    return isnan(value) ? otherwise : value;
+}
+
+static void derive_elasticity(ShvMaterial *material)
+{
+    const double modulus = material->youngs_modulus, ratio = material->poissons_ratio;
+    material->mu = modulus / (2.0 * (1.0 + ratio));
+    material->lambda = modulus * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
+    material->dilatational_speed = sqrt((material->lambda + 2.0 * material->mu) / material->density);
+    material->bar_speed = sqrt(modulus / material->density);
+    material->shear_speed = sqrt(material->mu / material->density);
+}
+
+/* What an unbreakable material leaves out counts as never opening and never softening. */
+static void derive_fracture(ShvMaterial *material, const ShvMaterialDefinition *definition)
+{
+    const double infinite = (double)INFINITY;
+    material->fracture_energy[SHV_NORMAL] = or_else(definition->fracture_energy, infinite);
+    material->fracture_energy[SHV_SHEAR] =
+        or_else(definition->fracture_energy_shear, material->fracture_energy[SHV_NORMAL]);
+    material->strength[SHV_NORMAL] = or_else(definition->cohesive_strength, infinite);
+    material->strength[SHV_SHEAR] = or_else(definition->cohesive_strength_shear, material->strength[SHV_NORMAL]);
+    material->shape[SHV_NORMAL] = or_else(definition->ppr_shape, 2.0);
+    material->shape[SHV_SHEAR] = or_else(definition->ppr_shape_shear, material->shape[SHV_NORMAL]);
+}
+
+ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *definition, ShvError *error)
+{
+    *material = (ShvMaterial){0};
+    if (definition->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "a material was not started from shv_material_default(); start it there, then fill it in");
+    if (!definition->name || !definition->name[0])
+        return shv_fail(error, SHV_BAD_INPUT, "a material has no name; give it one");
+    SHV_TRY(check_elasticity(definition, error));
+    SHV_TRY(check_fracture(definition, error));
+    *material = (ShvMaterial){.name = definition->name,
+                              .density = definition->density,
+                              .youngs_modulus = definition->youngs_modulus,
+                              .poissons_ratio = definition->poissons_ratio,
+                              .kinematics = definition->kinematics,
+                              .breakable = definition->breakable,
+                              .law = definition->law,
+                              .weibull_modulus = definition->weibull_modulus,
+                              .weibull_volume = definition->weibull_volume};
+    derive_elasticity(material);
+    derive_fracture(material, definition);
+    if (!isfinite(material->dilatational_speed))
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "material '%s': youngs_modulus %g, poissons_ratio %.17g and density %g give no finite speed of "
+                        "sound; lower the modulus or the ratio, or raise the density",
+                        material->name, material->youngs_modulus, material->poissons_ratio, material->density);
+    return SHV_OK;
+}
+
+/* G/σ², with the limits in which nothing softens: no strength to lose, or never reaching it. */
+static double energy_over_squared_strength(const ShvMaterial *material)
+{
+    const double strength = material->strength[SHV_NORMAL];
+    if (!shv_material_can_open(material) || strength == 0.0) return (double)INFINITY;
+    return material->fracture_energy[SHV_NORMAL] / strength / strength;
+}
+
+double shv_material_cohesive_zone(const ShvMaterial *material)
+{
+    const double ratio = material->poissons_ratio;
+    return eighth_of_pi * material->youngs_modulus / (1.0 - ratio * ratio) * energy_over_squared_strength(material);
+}
+
+double shv_material_snap_back(const ShvMaterial *material)
+{
+    return 2.0 * material->youngs_modulus * energy_over_squared_strength(material);
+}
+
+double shv_material_final_opening(const ShvMaterial *material)
+{
+    const double energy = material->fracture_energy[SHV_NORMAL], strength = material->strength[SHV_NORMAL];
+    if (energy == 0.0) return 0.0;
+    if (strength == 0.0 || isinf(energy)) return (double)INFINITY;
+    return (material->law == SHV_PPR ? material->shape[SHV_NORMAL] : 2.0) * energy / strength;
+}

@@ -1,0 +1,233 @@
+#include "model/model.h"
+
+#include <omp.h>
+#include <string.h>
+
+#include "mesh/generate.h"
+
+/* A corner is numbered 4 × element + corner in 32 bits. */
+static const int64_t element_limit = INT32_MAX / 4;
+static const int32_t thread_limit = 1024;
+
+static const char *start_from_default = "was not started from its default; start it there, then fill it in";
+
+static ShvStatus check_scene(const ShvSceneDefinition *scene, ShvError *error)
+{
+    if (scene->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene %s", start_from_default);
+    if (scene->object_count < 1 || !scene->objects)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene has no objects; give at least one");
+    if (scene->material_count < 1 || !scene->materials)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene has no materials; give at least one");
+    if (scene->object_count > INT16_MAX || scene->material_count > INT16_MAX)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene has %d objects and %d materials; at most %d of each fit",
+                        (int)scene->object_count, (int)scene->material_count, INT16_MAX);
+    if (scene->threads < 0 || scene->threads > thread_limit)
+        return shv_fail(error, SHV_BAD_INPUT, "threads is %d; give 0 (all processors) to %d", (int)scene->threads,
+                        (int)thread_limit);
+    return SHV_OK;
+}
+
+static ShvStatus make_materials(ShvModel *model, const ShvSceneDefinition *scene, ShvError *error)
+{
+    const size_t count = (size_t)scene->material_count;
+    model->materials = shv_allocate(model->memory, SHV_PART_GENERAL, count, sizeof *model->materials);
+    if (!model->materials) return shv_fail_memory(error, "materials", count * sizeof *model->materials);
+    model->material_count = scene->material_count;
+    for (int32_t i = 0; i < scene->material_count; i++) {
+        SHV_TRY(shv_material_make(&model->materials[i], &scene->materials[i], error));
+        for (int32_t j = 0; j < i; j++)
+            if (strcmp(model->materials[j].name, model->materials[i].name) == 0)
+                return shv_fail(error, SHV_BAD_INPUT, "two materials are named '%s'; rename one",
+                                model->materials[i].name);
+    }
+    return SHV_OK;
+}
+
+static int32_t find_material(const ShvModel *model, const char *name)
+{
+    for (int32_t i = 0; i < model->material_count; i++)
+        if (strcmp(model->materials[i].name, name) == 0) return i;
+    return -1;
+}
+
+static ShvStatus check_placement(const ShvObjectDefinition *object, ShvError *error)
+{
+    const ShvPlacement *placement = &object->placement;
+    const ShvVec3 axis = shv_load3(placement->rotation_axis);
+    const double squared_length = shv_dot(axis, axis);
+    if (!shv_finite3(shv_load3(placement->position)) || !shv_finite3(shv_load3(placement->velocity)) ||
+        !shv_finite3(shv_load3(placement->angular_velocity)) || !isfinite(placement->rotation_degrees))
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "object '%s': position, rotation, velocity and angular velocity must be finite numbers",
+                        object->name);
+    if (placement->rotation_degrees != 0.0 && !(squared_length > 0.0 && isfinite(squared_length)))
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "object '%s': the axis of its rotation has no direction; give a vector of about unit length",
+                        object->name);
+    return SHV_OK;
+}
+
+static ShvStatus make_object(ShvModel *model, const ShvSceneDefinition *scene, int32_t index, ShvError *error)
+{
+    const ShvObjectDefinition *definition = &scene->objects[index];
+    if (definition->cookie != SHV_DEFINITION_COOKIE || definition->mesh.cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "object %d or its mesh %s", (int)index, start_from_default);
+    if (!definition->name || !definition->name[0])
+        return shv_fail(error, SHV_BAD_INPUT, "object %d has no name; give it one", (int)index);
+    for (int32_t i = 0; i < index; i++)
+        if (strcmp(model->objects[i].name, definition->name) == 0)
+            return shv_fail(error, SHV_BAD_INPUT, "two objects are named '%s'; rename one", definition->name);
+    if (!definition->material)
+        return shv_fail(error, SHV_BAD_INPUT, "object '%s' has no material; name one", definition->name);
+    const int32_t material = find_material(model, definition->material);
+    if (material < 0)
+        return shv_fail(error, SHV_BAD_INPUT, "object '%s': there is no material '%s'; define it or name another",
+                        definition->name, definition->material);
+    model->objects[index] = (ShvObject){.name = definition->name, .material = material};
+    return check_placement(definition, error);
+}
+
+static ShvStatus make_objects(ShvModel *model, const ShvSceneDefinition *scene, ShvError *error)
+{
+    const size_t count = (size_t)scene->object_count;
+    model->objects = shv_allocate(model->memory, SHV_PART_GENERAL, count, sizeof *model->objects);
+    if (!model->objects) return shv_fail_memory(error, "objects", count * sizeof *model->objects);
+    model->object_count = scene->object_count;
+    for (int32_t i = 0; i < scene->object_count; i++) SHV_TRY(make_object(model, scene, i, error));
+    return SHV_OK;
+}
+
+/* Rotates about the mesh's origin, then shifts. Where there is neither, coordinates keep their bits. */
+static void place(ShvMesh *mesh, const ShvPlacement *placement)
+{
+    const double radians = placement->rotation_degrees * 0.017453292519943295;
+    const ShvQuat rotation = shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), radians);
+    const ShvVec3 position = shv_load3(placement->position);
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+        ShvVec3 x = shv_mesh_position(mesh, i);
+        if (placement->rotation_degrees != 0.0) x = shv_rotate(rotation, x);
+        shv_store3(mesh->positions + 3 * (int64_t)i, shv_add(x, position));
+    }
+}
+
+/* A mesh that was valid loses its digits when it is put too far from the origin. */
+static ShvStatus check_placed(const ShvMesh *mesh, const char *name, ShvError *error)
+{
+    for (int32_t e = 0; e < mesh->element_count; e++) {
+        const double volume = shv_mesh_element_volume(mesh, e);
+        if (!(volume > 0.0 && isfinite(volume)))
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "object '%s': at its position element %d has the volume %g in double precision; place it "
+                            "nearer to the origin",
+                            name, (int)e, volume);
+    }
+    return SHV_OK;
+}
+
+static ShvStatus make_part(ShvMesh *part, ShvMemory *memory, const ShvObjectDefinition *object, const char *folder,
+                           ShvError *error)
+{
+    const ShvStatus status = shv_mesh_generate(part, memory, &object->mesh, folder, error);
+    if (status != SHV_OK) return shv_fail_within(error, status, "object '%s'", object->name);
+    place(part, &object->placement);
+    return check_placed(part, object->name, error);
+}
+
+/* Gives every object its ranges in the joint mesh. */
+static ShvStatus count_parts(ShvModel *model, const ShvMesh *parts, int64_t *nodes, int64_t *elements, ShvError *error)
+{
+    *nodes = *elements = 0;
+    for (int32_t i = 0; i < model->object_count; i++) {
+        ShvObject *object = &model->objects[i];
+        object->node_begin = (int32_t)*nodes;
+        object->element_begin = (int32_t)*elements;
+        *nodes += parts[i].node_count;
+        *elements += parts[i].element_count;
+        if (*elements > element_limit || *nodes > SHV_NODE_LIMIT)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "the objects up to '%s' have %lld tets and %lld nodes together; at most %lld tets fit: "
+                            "mesh them more coarsely",
+                            object->name, (long long)*elements, (long long)*nodes, (long long)element_limit);
+        object->node_end = (int32_t)*nodes;
+        object->element_end = (int32_t)*elements;
+    }
+    return SHV_OK;
+}
+
+static void join_part(ShvModel *model, const ShvObject *object, const ShvMesh *part)
+{
+    ShvMesh *mesh = &model->mesh;
+    memcpy(mesh->positions + 3 * (int64_t)object->node_begin, part->positions,
+           3 * (size_t)part->node_count * sizeof *part->positions);
+    int32_t *elements = mesh->elements + 4 * (int64_t)object->element_begin;
+    for (int64_t i = 0; i < 4 * (int64_t)part->element_count; i++) elements[i] = part->elements[i] + object->node_begin;
+    for (int32_t e = object->element_begin; e < object->element_end; e++)
+        model->element_material[e] = (uint16_t)object->material;
+}
+
+static ShvStatus join_parts(ShvModel *model, const ShvMesh *parts, ShvError *error)
+{
+    int64_t nodes, elements;
+    SHV_TRY(count_parts(model, parts, &nodes, &elements, error));
+    SHV_TRY(shv_mesh_allocate(&model->mesh, model->memory, nodes, elements, error));
+    const size_t size = sizeof *model->element_material;
+    model->element_material = shv_allocate(model->memory, SHV_PART_MESH, (size_t)elements, size);
+    if (!model->element_material) return shv_fail_memory(error, "the materials of elements", (size_t)elements * size);
+    for (int32_t i = 0; i < model->object_count; i++) join_part(model, &model->objects[i], &parts[i]);
+    return SHV_OK;
+}
+
+static ShvStatus make_mesh(ShvModel *model, const ShvSceneDefinition *scene, const char *folder, ShvError *error)
+{
+    const size_t count = (size_t)scene->object_count;
+    ShvMesh *parts = shv_allocate(model->memory, SHV_PART_MESH, count, sizeof *parts);
+    if (!parts) return shv_fail_memory(error, "the meshes of objects", count * sizeof *parts);
+    ShvStatus status = SHV_OK;
+    for (int32_t i = 0; i < scene->object_count && status == SHV_OK; i++)
+        status = make_part(&parts[i], model->memory, &scene->objects[i], folder, error);
+    if (status == SHV_OK) status = join_parts(model, parts, error);
+    for (int32_t i = 0; i < scene->object_count; i++) shv_mesh_release(&parts[i]);
+    shv_release(parts);
+    return status;
+}
+
+static bool something_can_break(const ShvModel *model, const ShvSceneDefinition *scene)
+{
+    if (!scene->fracture.enabled) return false;
+    for (int32_t i = 0; i < model->object_count; i++)
+        if (shv_material_can_open(&model->materials[model->objects[i].material])) return true;
+    return false;
+}
+
+static ShvStatus build(ShvModel *model, const ShvSceneDefinition *scene, const char *folder, ShvError *error)
+{
+    SHV_TRY(check_scene(scene, error));
+    model->seed = scene->seed;
+    model->threads = scene->threads > 0 ? scene->threads : omp_get_num_procs();
+    SHV_TRY(make_materials(model, scene, error));
+    SHV_TRY(make_objects(model, scene, error));
+    SHV_TRY(make_mesh(model, scene, folder, error));
+    model->can_break = something_can_break(model, scene);
+    if (model->can_break) SHV_TRY(shv_adjacency_build(&model->adjacency, &model->mesh, error));
+    return SHV_OK;
+}
+
+ShvStatus shv_model_build(ShvModel *model, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
+                          ShvError *error)
+{
+    *model = (ShvModel){.memory = memory};
+    const ShvStatus status = build(model, scene, folder, error);
+    if (status != SHV_OK) shv_model_release(model);
+    return status;
+}
+
+void shv_model_release(ShvModel *model)
+{
+    shv_adjacency_release(&model->adjacency);
+    shv_mesh_release(&model->mesh);
+    shv_release(model->materials);
+    shv_release(model->objects);
+    shv_release(model->element_material);
+    *model = (ShvModel){0};
+}

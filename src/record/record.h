@@ -1,0 +1,43 @@
+/* Inside of a record, for the files of this folder. */
+#ifndef SHV_RECORD_RECORD_H
+#define SHV_RECORD_RECORD_H
+
+#include "record/series.h"
+#include "record/stage.h"
+#include "shiver/run_file.h"
+
+/* Size of the root attribute "message": it is filled in at the end without new space. */
+enum { SHV_RECORD_MESSAGE = 1024, SHV_RECORD_STATUS = 16 };
+
+struct ShvRecord {
+    ShvMemory *memory;
+    char *path, *temporary; /* temporary: NULL once the file has its name */
+    bool force, nodes;
+    int descriptor;
+    ShvStage *stage;
+    hid_t file, owners; /* owners: /fragments/elements */
+    ShvSeries series[SHV_SERIES_COUNT];
+    int32_t element_count, obstacle_count, cost_count, bytes_count;
+    int64_t frames, events;
+    int32_t fragment_count;       /* rows of /fragments/list */
+    ShvFragmentView *fragments;   /* as they were last written */
+    int32_t fragment_capacity;
+    double *values;               /* one frame of one series */
+    size_t value_capacity;
+    int32_t *element_fragment;
+    double *corners;              /* 12 × element_count with `nodes`, else NULL */
+    double start;                 /* s, shv_now */
+    ShvError broken;              /* status SHV_OK: nothing has failed so far */
+};
+
+/* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */
+bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition);
+bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners);
+bool shv_record_write_names(hid_t file, const ShvFrameView *frame);
+
+/* Appends a frame to all series (frame.c). */
+ShvStatus shv_record_append(ShvRecord *record, const ShvSimulation *simulation, ShvError *error);
+/* The message of what HDF5 or the driver below it could not do. */
+ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error);
+
+#endif

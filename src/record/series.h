@@ -1,0 +1,74 @@
+/* Series: the datasets of a run file that get one entry a frame (or one a row). One table serves writing and reading. */
+#ifndef SHV_RECORD_SERIES_H
+#define SHV_RECORD_SERIES_H
+
+#include <hdf5.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/memory.h"
+
+/* What the second dimension counts. */
+typedef enum ShvWidth { SHV_WIDTH_NONE, SHV_WIDTH_FRAGMENT, SHV_WIDTH_OBSTACLE, SHV_WIDTH_ELEMENT, SHV_WIDTH_COST,
+                        SHV_WIDTH_BYTES, SHV_WIDTH_COUNT } ShvWidth;
+
+typedef enum ShvSeriesName {
+    SHV_SERIES_TIME,
+    SHV_SERIES_MODE,      /* 1: some fragment is in fracture mode */
+    SHV_SERIES_ANIMATION, /* 1: on the animation grid */
+    SHV_SERIES_POSITION,
+    SHV_SERIES_ORIENTATION,
+    SHV_SERIES_VELOCITY,
+    SHV_SERIES_ANGULAR_VELOCITY,
+    SHV_SERIES_ALIVE,
+    SHV_SERIES_OBSTACLE_POSITION,
+    SHV_SERIES_OBSTACLE_ORIENTATION,
+    SHV_SERIES_OBSTACLE_VELOCITY,
+    SHV_SERIES_OBSTACLE_ANGULAR_VELOCITY,
+    SHV_SERIES_LEDGER,
+    SHV_SERIES_PROGRESS,
+    SHV_SERIES_WALL,
+    SHV_SERIES_COST_SECONDS,
+    SHV_SERIES_COST_CALLS,
+    SHV_SERIES_BYTES,
+    SHV_SERIES_BYTES_PEAK,
+    SHV_SERIES_CORNERS, /* this and the next two only with `nodes` */
+    SHV_SERIES_DAMAGE,
+    SHV_SERIES_NODE_FRAGMENT,
+    SHV_SERIES_FRAMES,               /* the number of those above: one entry a frame */
+    SHV_SERIES_FRAGMENTS = SHV_SERIES_FRAMES, /* one row a fragment */
+    SHV_SERIES_EVENTS,               /* one row an event */
+    SHV_SERIES_COUNT
+} ShvSeriesName;
+
+typedef struct ShvSeries {
+    hid_t dataset, memory_type; /* negative: closed */
+    hsize_t extent[3];
+    int rank;
+    ShvWidth width;
+    size_t entry_size; /* bytes in memory of one column of one frame */
+    bool doubles;
+} ShvSeries;
+
+/* The counts that the second dimensions have; SHV_WIDTH_FRAGMENT: those expected at most, for the size of chunks. */
+typedef struct ShvWidths {
+    int64_t count[SHV_WIDTH_COUNT];
+} ShvWidths;
+
+bool shv_series_of_nodes(ShvSeriesName name);
+const char *shv_series_path(ShvSeriesName name);
+/* Makes the empty dataset; its group must exist. False when HDF5 fails. */
+bool shv_series_create(ShvSeries *series, hid_t file, ShvSeriesName name, const ShvWidths *widths);
+/* Opens it and checks that shape and types are those of the table. */
+bool shv_series_open(ShvSeries *series, hid_t file, ShvSeriesName name);
+void shv_series_close(ShvSeries *series);
+
+/* Writes entries [begin, begin + count) with `columns` columns each, extending both dimensions as needed. */
+bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t columns, const void *data);
+/* Reads them to `data` (columns × components × count). What the file does not have becomes NaN or 0. */
+bool shv_series_read(const ShvSeries *series, int64_t begin, int64_t count, int64_t columns, void *data);
+/* Whether a file of `file_bytes` bytes can hold `count` entries: deflate reaches 1032:1 at most, and what is not
+   deflated takes its size. Guards allocations against the counts of a damaged file. */
+bool shv_series_plausible(const ShvSeries *series, int64_t file_bytes);
+
+#endif

@@ -1,0 +1,17 @@
+/* Compound types of the run file: rows of /fragments/list, /events, /ledger and /progress are the public structs. */
+#ifndef SHV_RECORD_TYPES_H
+#define SHV_RECORD_TYPES_H
+
+#include <hdf5.h>
+
+#include "shiver/run_file.h"
+
+typedef enum ShvRow { SHV_ROW_FRAGMENT, SHV_ROW_EVENT, SHV_ROW_LEDGER, SHV_ROW_PROGRESS } ShvRow;
+
+/* The row as it lies in memory, and as it lies in the file (packed, little-endian). Both are closed by the caller;
+   negative on failure. SHV_ROW_FRAGMENT leaves mode, pose and velocities out: those are in /trajectory. */
+hid_t shv_row_memory_type(ShvRow row);
+hid_t shv_row_file_type(ShvRow row);
+size_t shv_row_size(ShvRow row);
+
+#endif

@@ -1,0 +1,190 @@
+#include "rigid/flight_step.h"
+
+typedef struct Analytic {
+    ShvRigidBackend backend; /* first: the interface's pointer is this one's */
+    ShvFlightBody **bodies;  /* by increasing fragment */
+    int32_t count, capacity;
+    ShvTouch *touches;
+    int32_t touch_capacity;
+    ShvObstacle *others;
+} Analytic;
+
+/* ---- bodies ---- */
+
+static int32_t place_of(const Analytic *analytic, int32_t fragment)
+{
+    int32_t low = 0, high = analytic->count;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (analytic->bodies[middle]->fragment < fragment)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static ShvMemory *memory_of(const Analytic *analytic)
+{
+    return analytic->backend.world.fragments->memory;
+}
+
+static ShvStatus reserve_body(Analytic *analytic, ShvError *error)
+{
+    if (analytic->count < analytic->capacity) return SHV_OK;
+    const int32_t capacity = 2 * analytic->capacity + 16;
+    ShvFlightBody **bodies =
+        shv_reallocate(memory_of(analytic), SHV_PART_RIGID, analytic->bodies, (size_t)capacity, sizeof *bodies);
+    if (!bodies) return shv_fail_memory(error, "the fragments in flight", (size_t)capacity * sizeof *bodies);
+    analytic->bodies = bodies;
+    analytic->capacity = capacity;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_touches(Analytic *analytic, int32_t surface_nodes, ShvError *error)
+{
+    const int64_t wanted = (int64_t)SHV_TOUCHES_AN_OBSTACLE * analytic->backend.world.obstacles->count + surface_nodes;
+    if (wanted <= analytic->touch_capacity) return SHV_OK;
+    if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "Too many obstacles: remove some.");
+    ShvTouch *touches =
+        shv_reallocate(memory_of(analytic), SHV_PART_RIGID, analytic->touches, (size_t)wanted, sizeof *touches);
+    if (!touches) return shv_fail_memory(error, "the touches of a fragment", (size_t)wanted * sizeof *touches);
+    analytic->touches = touches;
+    analytic->touch_capacity = (int32_t)wanted;
+    return SHV_OK;
+}
+
+static ShvFlightStep step_of(Analytic *analytic, ShvFlightBody *body)
+{
+    const ShvRigidWorld *world = &analytic->backend.world;
+    return (ShvFlightStep){.world = world,
+                           .body = body,
+                           .fragment = &world->fragments->items[body->fragment],
+                           .touches = analytic->touches,
+                           .others = analytic->others};
+}
+
+static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
+{
+    Analytic *analytic = (Analytic *)backend;
+    SHV_TRY(reserve_body(analytic, error));
+    ShvFlightBody *body;
+    SHV_TRY(shv_flight_body_create(&body, &backend->world, fragment, error));
+    const ShvStatus status = reserve_touches(analytic, body->arms.count, error);
+    if (status != SHV_OK) {
+        shv_flight_body_destroy(body);
+        return status;
+    }
+    const int32_t place = place_of(analytic, fragment);
+    for (int32_t i = analytic->count; i > place; i--) analytic->bodies[i] = analytic->bodies[i - 1];
+    analytic->bodies[place] = body;
+    analytic->count++;
+    ShvFlightStep step = step_of(analytic, body);
+    shv_flight_step_greet(&step);
+    return SHV_OK;
+}
+
+static void take_out(ShvRigidBackend *backend, int32_t fragment)
+{
+    Analytic *analytic = (Analytic *)backend;
+    const int32_t place = place_of(analytic, fragment);
+    if (place == analytic->count || analytic->bodies[place]->fragment != fragment) return;
+    shv_flight_body_destroy(analytic->bodies[place]);
+    analytic->count--;
+    for (int32_t i = place; i < analytic->count; i++) analytic->bodies[i] = analytic->bodies[i + 1];
+}
+
+/* ---- advance ---- */
+
+static ShvStatus check_motion(const ShvFlightBody *body, const ShvFragment *fragment, double step, ShvError *error)
+{
+    if (!shv_finite3(fragment->position) || !shv_finite3(fragment->velocity) ||
+        !shv_finite3(fragment->angular_velocity))
+        return shv_fail(error, SHV_DIVERGED,
+                        "The motion of fragment %d is not finite any more: use a smaller rigid.time_step or check its "
+                        "velocities.",
+                        (int)fragment->id);
+    const double turn =
+        step * shv_free_rotation_fastest(&body->rotation, fragment->orientation, body->angular_momentum);
+    if (!(turn <= SHV_LARGEST_TURN))
+        return shv_fail(error, SHV_DIVERGED,
+                        "Fragment %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.",
+                        (int)fragment->id, turn, step);
+    return SHV_OK;
+}
+
+/* Moves one body; *woke tells whether it leaves flight. */
+static ShvStatus advance_body(Analytic *analytic, ShvFlightStep step, bool *woke, ShvRigidContact *contact,
+                              ShvError *error)
+{
+    *woke = false;
+    shv_flight_body_read(step.body, step.fragment);
+    SHV_TRY(check_motion(step.body, step.fragment, step.step, error));
+    *woke = shv_flight_step_run(&step, contact);
+    analytic->backend.contact_work += step.work.normal;
+    analytic->backend.friction_work += step.work.friction;
+    return SHV_OK;
+}
+
+static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
+                         ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
+                         ShvError *error)
+{
+    Analytic *analytic = (Analytic *)backend;
+    if (!(step > 0.0)) return SHV_OK;
+    ShvStatus status = SHV_OK;
+    int32_t kept = 0;
+    for (int32_t i = 0; i < analytic->count; i++) {
+        ShvFlightBody *body = analytic->bodies[i];
+        bool woke = false;
+        if (status == SHV_OK) {
+            ShvFlightStep own = step_of(analytic, body);
+            own.time = time;
+            own.step = step;
+            own.gravity = shv_load3(gravity);
+            own.judge = judge;
+            own.judge_data = judge_data;
+            ShvRigidContact contact;
+            status = advance_body(analytic, own, &woke, &contact, error);
+            if (woke) wakes[(*wake_count)++] = contact;
+        }
+        if (woke)
+            shv_flight_body_destroy(body);
+        else
+            analytic->bodies[kept++] = body;
+    }
+    analytic->count = kept;
+    return status;
+}
+
+/* ---- life ---- */
+
+static void destroy(ShvRigidBackend *backend)
+{
+    Analytic *analytic = (Analytic *)backend;
+    if (!analytic) return;
+    for (int32_t i = 0; i < analytic->count; i++) shv_flight_body_destroy(analytic->bodies[i]);
+    shv_release(analytic->bodies);
+    shv_release(analytic->touches);
+    shv_release(analytic->others);
+    shv_release(analytic);
+}
+
+ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error)
+{
+    static const ShvRigidFunctions functions = {
+        .name = "analytic", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+    *backend = NULL;
+    Analytic *analytic = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *analytic);
+    if (!analytic) return shv_fail_memory(error, "the rigid backend", sizeof *analytic);
+    analytic->backend.functions = &functions;
+    analytic->backend.world = *world;
+    const size_t obstacles = (size_t)world->obstacles->count;
+    analytic->others = shv_allocate(world->fragments->memory, SHV_PART_RIGID, obstacles, sizeof *analytic->others);
+    if (!analytic->others) {
+        destroy(&analytic->backend);
+        return shv_fail_memory(error, "the rigid backend", obstacles * sizeof(ShvObstacle));
+    }
+    *backend = &analytic->backend;
+    return SHV_OK;
+}

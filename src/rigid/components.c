@@ -1,0 +1,332 @@
+#include "rigid/fragment.h"
+
+/* Workspace of one search, all in proportion to the fragment. */
+typedef struct Parts {
+    int32_t count;
+    int32_t *element_part; /* per element of the fragment */
+    int32_t *nodes;        /* its nodes, increasing */
+    int32_t node_count;
+    int32_t *sorted; /* elements or nodes grouped by part; also the spare half of the sort */
+    int32_t *element_counts, *node_counts;
+} Parts;
+
+static void release_parts(Parts *parts)
+{
+    shv_release(parts->element_part);
+    shv_release(parts->nodes);
+    shv_release(parts->sorted);
+    shv_release(parts->element_counts);
+    *parts = (Parts){0};
+}
+
+static int32_t find_root(int32_t *root, int32_t node)
+{
+    while (root[node] != node) {
+        root[node] = root[root[node]];
+        node = root[node];
+    }
+    return node;
+}
+
+static void join(int32_t *root, int32_t a, int32_t b)
+{
+    a = find_root(root, a);
+    b = find_root(root, b);
+    if (a < b) root[b] = a;
+    if (b < a) root[a] = b;
+}
+
+/* Bottom-up merge sort: node lists are nearly sorted, and the C library's sort may allocate. */
+static void sort_increasing(int32_t *values, int32_t *spare, int32_t count)
+{
+    for (int64_t width = 1; width < count; width *= 2) {
+        for (int64_t begin = 0; begin < count; begin += 2 * width) {
+            const int64_t middle = begin + width < count ? begin + width : count;
+            const int64_t end = begin + 2 * width < count ? begin + 2 * width : count;
+            if (middle == end || values[middle - 1] <= values[middle]) continue;
+            int64_t a = begin, b = middle;
+            for (int64_t k = begin; k < end; k++)
+                spare[k] = b == end || (a < middle && values[a] <= values[b]) ? values[a++] : values[b++];
+            for (int64_t k = begin; k < end; k++) values[k] = spare[k];
+        }
+    }
+}
+
+enum { UNSEEN = -2, NO_PART = -1 };
+
+static void collect_nodes(Parts *parts, ShvFragments *fragments, const ShvState *state, const int32_t *elements,
+                          int32_t count)
+{
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t a = 0; a < 4; a++) fragments->label[shv_state_node(state, elements[i], a)] = UNSEEN;
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t a = 0; a < 4; a++) {
+            const int32_t node = shv_state_node(state, elements[i], a);
+            if (fragments->label[node] != UNSEEN) continue;
+            fragments->label[node] = NO_PART;
+            fragments->root[node] = node;
+            parts->nodes[parts->node_count++] = node;
+        }
+    sort_increasing(parts->nodes, parts->sorted, parts->node_count);
+}
+
+/* Components through shared nodes, numbered by their lowest element. */
+static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvState *state, const int32_t *elements,
+                            int32_t count, ShvError *error)
+{
+    *parts = (Parts){0};
+    parts->element_part = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)count, sizeof(int32_t));
+    parts->nodes = shv_allocate(fragments->memory, SHV_PART_RIGID, 4 * (size_t)count, sizeof(int32_t));
+    parts->sorted = shv_allocate(fragments->memory, SHV_PART_RIGID, 4 * (size_t)count, sizeof(int32_t));
+    if (!parts->element_part || !parts->nodes || !parts->sorted) {
+        release_parts(parts);
+        return shv_fail_memory(error, "the components of a fragment", 9 * (size_t)count * sizeof(int32_t));
+    }
+    collect_nodes(parts, fragments, state, elements, count);
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t a = 1; a < 4; a++)
+            join(fragments->root, shv_state_node(state, elements[i], 0), shv_state_node(state, elements[i], a));
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t root = find_root(fragments->root, shv_state_node(state, elements[i], 0));
+        if (fragments->label[root] == NO_PART) fragments->label[root] = parts->count++;
+        parts->element_part[i] = fragments->label[root];
+    }
+    parts->element_counts = shv_allocate(fragments->memory, SHV_PART_RIGID, 2 * (size_t)parts->count, sizeof(int32_t));
+    if (!parts->element_counts) {
+        const size_t bytes = 2 * (size_t)parts->count * sizeof(int32_t);
+        release_parts(parts);
+        return shv_fail_memory(error, "the components of a fragment", bytes);
+    }
+    parts->node_counts = parts->element_counts + parts->count;
+    for (int32_t i = 0; i < count; i++) parts->element_counts[parts->element_part[i]]++;
+    for (int32_t i = 0; i < parts->node_count; i++)
+        parts->node_counts[fragments->label[find_root(fragments->root, parts->nodes[i])]]++;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_scratch(ShvFragments *fragments, const ShvState *state, ShvError *error)
+{
+    if (state->node_count <= fragments->scratch_capacity) return SHV_OK;
+    const int32_t capacity = state->node_capacity > state->node_count ? state->node_capacity : state->node_count;
+    int32_t *root =
+        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->root, (size_t)capacity, sizeof(int32_t));
+    if (root) fragments->root = root;
+    int32_t *label =
+        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->label, (size_t)capacity, sizeof(int32_t));
+    if (label) fragments->label = label;
+    if (!root || !label)
+        return shv_fail_memory(error, "the node labels of fragments", (size_t)capacity * sizeof(int32_t));
+    fragments->scratch_capacity = capacity;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_items(ShvFragments *fragments, int32_t more, ShvError *error)
+{
+    const int64_t wanted = (int64_t)fragments->count + more;
+    if (wanted <= fragments->capacity) return SHV_OK;
+    if (wanted > INT32_MAX / 2)
+        return shv_fail(error, SHV_UNSUPPORTED, "More than %d fragments: use a coarser mesh or a stronger material.",
+                        INT32_MAX / 2);
+    const int64_t capacity = wanted + wanted / 2;
+    ShvFragment *items =
+        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->items, (size_t)capacity, sizeof *items);
+    if (!items) return shv_fail_memory(error, "the fragments", (size_t)capacity * sizeof *items);
+    fragments->items = items;
+    fragments->capacity = (int32_t)capacity;
+    return SHV_OK;
+}
+
+/* Room for `more` list entries: the lists of the living are copied to a new block with as much free room as they take,
+   so that the copying costs a constant share of what is appended. */
+static ShvStatus reserve_nodes(ShvFragments *fragments, int32_t more, ShvError *error)
+{
+    if ((int64_t)fragments->node_end + more <= fragments->node_capacity) return SHV_OK;
+    int64_t living = 0;
+    for (int32_t f = 0; f < fragments->count; f++)
+        if (fragments->items[f].mode != SHV_MODE_DEAD) living += fragments->items[f].node_count;
+    const int64_t capacity = 2 * (living + more);
+    if (capacity > INT32_MAX)
+        return shv_fail(error, SHV_UNSUPPORTED, "The fragments have too many nodes: use a coarser mesh.");
+    int32_t *nodes = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)capacity, sizeof(int32_t));
+    if (!nodes) return shv_fail_memory(error, "the node lists of fragments", (size_t)capacity * sizeof(int32_t));
+    int32_t end = 0;
+    for (int32_t f = 0; f < fragments->count; f++) {
+        ShvFragment *fragment = &fragments->items[f];
+        if (fragment->mode == SHV_MODE_DEAD) continue;
+        for (int32_t i = 0; i < fragment->node_count; i++) nodes[end + i] = fragments->nodes[fragment->node_begin + i];
+        fragment->node_begin = end;
+        end += fragment->node_count;
+    }
+    shv_release(fragments->nodes);
+    fragments->nodes = nodes;
+    fragments->node_capacity = (int32_t)capacity;
+    fragments->node_end = end;
+    return SHV_OK;
+}
+
+/* Entries grouped by part, in their order within a part; `counts` becomes the begins. */
+static void group(const int32_t *values, int32_t count, int32_t *counts, int32_t parts, const int32_t *part_of,
+                  int32_t *sorted)
+{
+    int32_t begin = 0;
+    for (int32_t p = 0; p < parts; p++) {
+        const int32_t size = counts[p];
+        counts[p] = begin;
+        begin += size;
+    }
+    for (int32_t i = 0; i < count; i++) sorted[counts[part_of[i]]++] = values[i];
+    for (int32_t p = parts - 1; p > 0; p--) counts[p] = counts[p - 1];
+    if (parts > 0) counts[0] = 0;
+}
+
+static int32_t group_size(const int32_t *begins, int32_t part, int32_t parts, int32_t total)
+{
+    return (part + 1 < parts ? begins[part + 1] : total) - begins[part];
+}
+
+/* Rearranges the fragment's own range of elements and appends its node lists, by part. Room has been reserved. */
+static void write_lists(ShvFragments *fragments, Parts *parts, int32_t element_begin, int32_t count)
+{
+    int32_t *elements = fragments->elements + element_begin;
+    group(elements, count, parts->element_counts, parts->count, parts->element_part, parts->sorted);
+    for (int32_t i = 0; i < count; i++) elements[i] = parts->sorted[i];
+    int32_t *part_of_node = parts->sorted;
+    for (int32_t i = 0; i < parts->node_count; i++)
+        part_of_node[i] = fragments->label[find_root(fragments->root, parts->nodes[i])];
+    group(parts->nodes, parts->node_count, parts->node_counts, parts->count, part_of_node,
+          fragments->nodes + fragments->node_end);
+}
+
+/* Starts one fragment a part, from the template `like`. */
+static void start_fragments(ShvFragments *fragments, const Parts *parts, const ShvModel *model, ShvState *state,
+                            const ShvFragment *like, int32_t count)
+{
+    for (int32_t p = 0; p < parts->count; p++) {
+        const int32_t id = fragments->count++;
+        ShvFragment *fragment = &fragments->items[id];
+        *fragment = *like;
+        fragment->id = id;
+        fragment->element_begin = like->element_begin + parts->element_counts[p];
+        fragment->element_count = group_size(parts->element_counts, p, parts->count, count);
+        fragment->node_begin = fragments->node_end + parts->node_counts[p];
+        fragment->node_count = group_size(parts->node_counts, p, parts->count, parts->node_count);
+        const int32_t *elements = fragments->elements + fragment->element_begin;
+        for (int32_t i = 0; i < fragment->element_count; i++) state->element_fragment[elements[i]] = id;
+        shv_fragment_measure(fragment, fragments, model, state);
+        shv_fragment_fit(fragment, fragments, state);
+        fragment->orientation = like->orientation;
+    }
+    fragments->node_end += parts->node_count;
+    fragments->alive += parts->count;
+}
+
+static int32_t object_of(const ShvModel *model, int32_t element)
+{
+    int32_t object = 0;
+    while (object + 1 < model->object_count && element >= model->objects[object].element_end) object++;
+    return object;
+}
+
+/* Surface nodes of the whole mesh: where nothing breaks, they never change. */
+static ShvStatus mark_boundary(ShvFragments *fragments, const ShvModel *model, ShvError *error)
+{
+    int32_t *triangles = NULL, count = 0;
+    SHV_TRY(shv_mesh_boundary(&model->mesh, SHV_PART_RIGID, &triangles, &count, error));
+    fragments->boundary = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)model->mesh.node_count, 1);
+    if (fragments->boundary)
+        for (int64_t i = 0; i < 3 * (int64_t)count; i++) fragments->boundary[triangles[i]] = 1;
+    shv_release(triangles);
+    return fragments->boundary ? SHV_OK : shv_fail_memory(error, "the surface nodes", (size_t)model->mesh.node_count);
+}
+
+static ShvStatus fill(ShvFragments *fragments, const ShvModel *model, ShvState *state, Parts *parts, ShvError *error)
+{
+    const int32_t count = state->element_count;
+    fragments->elements = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)count, sizeof(int32_t));
+    if (!fragments->elements) return shv_fail_memory(error, "the fragments", (size_t)count * sizeof(int32_t));
+    for (int32_t e = 0; e < count; e++) fragments->elements[e] = e;
+    if (!model->can_break) SHV_TRY(mark_boundary(fragments, model, error));
+    SHV_TRY(reserve_scratch(fragments, state, error));
+    SHV_TRY(find_parts(parts, fragments, state, fragments->elements, count, error));
+    SHV_TRY(reserve_items(fragments, parts->count, error));
+    SHV_TRY(reserve_nodes(fragments, parts->node_count, error));
+    write_lists(fragments, parts, 0, count);
+    const ShvFragment like = {.parent = -1,
+                              .birth = state->time,
+                              .death = (double)NAN,
+                              .mode = SHV_MODE_FLIGHT,
+                              .orientation = shv_quat_identity(),
+                              .last_insertion = state->time,
+                              .strength = (double)INFINITY};
+    start_fragments(fragments, parts, model, state, &like, count);
+    for (int32_t f = 0; f < fragments->count; f++)
+        fragments->items[f].object = object_of(model, fragments->elements[fragments->items[f].element_begin]);
+    return SHV_OK;
+}
+
+ShvStatus shv_fragments_create(ShvFragments *fragments, const ShvModel *model, ShvState *state, ShvError *error)
+{
+    *fragments = (ShvFragments){.memory = model->memory};
+    Parts parts = {0};
+    const ShvStatus status = fill(fragments, model, state, &parts, error);
+    release_parts(&parts);
+    if (status != SHV_OK) shv_fragments_release(fragments);
+    return status;
+}
+
+void shv_fragments_release(ShvFragments *fragments)
+{
+    shv_release(fragments->items);
+    shv_release(fragments->elements);
+    shv_release(fragments->nodes);
+    shv_release(fragments->boundary);
+    shv_release(fragments->root);
+    shv_release(fragments->label);
+    *fragments = (ShvFragments){0};
+}
+
+static void refresh(ShvFragments *fragments, const Parts *parts, const ShvModel *model, const ShvState *state,
+                    int32_t index)
+{
+    ShvFragment *fragment = &fragments->items[index];
+    for (int32_t i = 0; i < parts->node_count; i++) fragments->nodes[fragments->node_end + i] = parts->nodes[i];
+    fragment->node_begin = fragments->node_end;
+    fragment->node_count = parts->node_count;
+    fragments->node_end += parts->node_count;
+    shv_fragment_measure(fragment, fragments, model, state);
+}
+
+static ShvStatus split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t index, Parts *parts,
+                       ShvError *error)
+{
+    const int32_t begin = fragments->items[index].element_begin, count = fragments->items[index].element_count;
+    SHV_TRY(reserve_scratch(fragments, state, error));
+    SHV_TRY(find_parts(parts, fragments, state, fragments->elements + begin, count, error));
+    if (parts->count > 1) SHV_TRY(reserve_items(fragments, parts->count, error));
+    SHV_TRY(reserve_nodes(fragments, parts->node_count, error));
+    if (parts->count <= 1) {
+        refresh(fragments, parts, model, state, index);
+        return SHV_OK;
+    }
+    ShvFragment like = fragments->items[index];
+    like.parent = index;
+    like.birth = state->time;
+    like.death = (double)NAN;
+    fragments->items[index].mode = SHV_MODE_DEAD;
+    fragments->items[index].death = state->time;
+    fragments->items[index].node_count = 0;
+    fragments->alive--;
+    write_lists(fragments, parts, begin, count);
+    start_fragments(fragments, parts, model, state, &like, count);
+    return SHV_OK;
+}
+
+ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
+                              int32_t *parts, ShvError *error)
+{
+    Parts found = {0};
+    const ShvStatus status = split(fragments, model, state, fragment, &found, error);
+    *parts = found.count;
+    release_parts(&found);
+    return status;
+}

@@ -1,0 +1,85 @@
+#include "rigid/flight_body.h"
+
+static const double slop_of_radius = 1e-6;
+
+static ShvStatus copy_surface(ShvFlightBody *body, const ShvRigidWorld *world, ShvError *error)
+{
+    const ShvFragment *fragment = &world->fragments->items[body->fragment];
+    int32_t *nodes = NULL, count = 0;
+    SHV_TRY(shv_fragment_surface(world->fragments, world->model, world->state, body->fragment, &nodes, &count, error));
+    body->offsets = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 3 * (size_t)count, sizeof(double));
+    if (body->offsets)
+        for (int32_t i = 0; i < count; i++)
+            shv_store3(body->offsets + 3 * (int64_t)i,
+                       shv_sub(shv_load3(world->state->reference + 3 * (int64_t)nodes[i]), fragment->reference_centre));
+    shv_release(nodes);
+    body->arms = (ShvArms){body->offsets, count, fragment->radius};
+    return body->offsets ? SHV_OK : shv_fail_memory(error, "a fragment in flight", 3 * (size_t)count * sizeof(double));
+}
+
+static ShvStatus fill(ShvFlightBody *body, const ShvRigidWorld *world, ShvError *error)
+{
+    const ShvFragment *fragment = &world->fragments->items[body->fragment];
+    const size_t obstacles = (size_t)world->obstacles->count;
+    body->touched = shv_allocate(world->fragments->memory, SHV_PART_RIGID, obstacles, 1);
+    body->touching = shv_allocate(world->fragments->memory, SHV_PART_RIGID, obstacles, 1);
+    if (!body->touched || !body->touching) return shv_fail_memory(error, "a fragment in flight", 2 * obstacles);
+    SHV_TRY(copy_surface(body, world, error));
+    body->rotation = shv_free_rotation_make(&fragment->inertia);
+    body->slop = slop_of_radius * fragment->radius;
+    body->angular_momentum =
+        shv_free_rotation_momentum(&body->rotation, fragment->orientation, fragment->angular_velocity);
+    body->seen_orientation = fragment->orientation;
+    body->seen_spin = fragment->angular_velocity;
+    return SHV_OK;
+}
+
+ShvStatus shv_flight_body_create(ShvFlightBody **body, const ShvRigidWorld *world, int32_t fragment, ShvError *error)
+{
+    *body = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof **body);
+    if (!*body) return shv_fail_memory(error, "a fragment in flight", sizeof **body);
+    (*body)->fragment = fragment;
+    const ShvStatus status = fill(*body, world, error);
+    if (status == SHV_OK) return SHV_OK;
+    shv_flight_body_destroy(*body);
+    *body = NULL;
+    return status;
+}
+
+void shv_flight_body_destroy(ShvFlightBody *body)
+{
+    if (!body) return;
+    shv_release(body->touched);
+    shv_release(body->touching);
+    shv_release(body->offsets);
+    shv_release(body);
+}
+
+static bool same_vector(ShvVec3 a, ShvVec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_quaternion(ShvQuat a, ShvQuat b)
+{
+    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+void shv_flight_body_read(ShvFlightBody *body, const ShvFragment *fragment)
+{
+    if (same_vector(body->seen_spin, fragment->angular_velocity) &&
+        same_quaternion(body->seen_orientation, fragment->orientation))
+        return;
+    body->angular_momentum =
+        shv_free_rotation_momentum(&body->rotation, fragment->orientation, fragment->angular_velocity);
+    body->seen_spin = fragment->angular_velocity;
+    body->seen_orientation = fragment->orientation;
+}
+
+void shv_flight_body_write(ShvFlightBody *body, ShvFragment *fragment)
+{
+    fragment->angular_velocity =
+        shv_free_rotation_velocity(&body->rotation, fragment->orientation, body->angular_momentum);
+    body->seen_spin = fragment->angular_velocity;
+    body->seen_orientation = fragment->orientation;
+}

@@ -1,0 +1,167 @@
+#include "scene/assemble.h"
+
+#include <math.h>
+
+#include "base/text.h"
+#include "base/vector.h"
+
+/* A unit vector of the same direction. Divided by its largest component first: the squares of a tiny or huge vector would
+   leave the range of doubles, and it would count as zero. */
+static void make_unit(double *vector)
+{
+    const double largest = fmax(fabs(vector[0]), fmax(fabs(vector[1]), fabs(vector[2])));
+    if (largest == 0.0) return;
+    for (int axis = 0; axis < 3; axis++) vector[axis] /= largest;
+    shv_store3(vector, shv_unit(shv_load3(vector)));
+}
+
+static void assemble_materials(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+{
+    const ShvMaterialItem *items = scene->materials.data;
+    const int32_t count = scene->materials.count;
+    ShvMaterialDefinition *materials = shv_pool_take(pool, (size_t)count, sizeof *materials);
+    if (!materials) return;
+    for (int32_t i = 0; i < count; i++) {
+        materials[i] = items[i].definition;
+        materials[i].name = items[i].head.name;
+    }
+    definition->materials = materials;
+    definition->material_count = count;
+}
+
+/* The wall of a hollow ball is given by its thickness, which in the definition belongs to shells alone. */
+static ShvObjectDefinition finished_object(const ShvObjectItem *item)
+{
+    ShvObjectDefinition object = item->definition;
+    object.name = item->head.name;
+    make_unit(object.placement.rotation_axis);
+    if (object.mesh.kind == SHV_MESH_HOLLOW_BALL) {
+        object.mesh.inner_radius = object.mesh.radius - object.mesh.thickness;
+        object.mesh.thickness = 0.0;
+    }
+    return object;
+}
+
+static const char *copy_name(ShvPool *pool, const char *name, int32_t number)
+{
+    char text[96];
+    const int length = shv_format(text, sizeof text, "%.63s_%d", name, (int)number);
+    return shv_pool_text(pool, text, (size_t)length);
+}
+
+static int64_t count_objects(const ShvSceneItem *scene)
+{
+    const ShvObjectItem *items = scene->objects.data;
+    int64_t count = 0;
+    for (int32_t i = 0; i < scene->objects.count; i++) count += items[i].repeat_count > 0 ? items[i].repeat_count : 1;
+    return count;
+}
+
+static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *pool, ShvPool *work,
+                             ShvDiagnostics *diagnostics)
+{
+    const ShvObjectItem *items = scene->objects.data;
+    const int64_t total = count_objects(scene);
+    if (total > SHV_SCENE_LARGEST_OBJECTS) {
+        shv_error(diagnostics, items[0].head.key->place, "%lld objects with all repeats; at most %d are possible",
+                  (long long)total, (int)SHV_SCENE_LARGEST_OBJECTS);
+        return;
+    }
+    ShvObjectDefinition *objects = shv_pool_take(pool, (size_t)total, sizeof *objects);
+    const ShvObjectItem **sources = shv_pool_take(work, (size_t)total, sizeof *sources);
+    if (!objects || !sources) return;
+    int32_t count = 0;
+    for (int32_t i = 0; i < scene->objects.count; i++) {
+        const ShvObjectItem *item = &items[i];
+        const int32_t copies = item->repeat_count;
+        for (int32_t k = 0; k < (copies > 0 ? copies : 1); k++) {
+            ShvObjectDefinition *object = &objects[count];
+            sources[count++] = item;
+            *object = finished_object(item);
+            if (copies == 0) continue;
+            object->name = copy_name(pool, item->head.name, k + 1);
+            for (int axis = 0; axis < 3; axis++)
+                object->placement.position[axis] += (double)k * item->repeat_offset[axis];
+        }
+    }
+    assembly->object_sources = sources;
+    assembly->definition.objects = objects;
+    assembly->definition.object_count = count;
+}
+
+static void assemble_conditions(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+{
+    const ShvItems *groups[] = {&scene->supports, &scene->velocities, &scene->tractions};
+    const size_t total =
+        (size_t)scene->supports.count + (size_t)scene->velocities.count + (size_t)scene->tractions.count;
+    ShvConditionDefinition *conditions = shv_pool_take(pool, total, sizeof *conditions);
+    if (!conditions) return;
+    for (int g = 0; g < 3; g++) {
+        const ShvConditionItem *items = groups[g]->data;
+        for (int32_t i = 0; i < groups[g]->count; i++) {
+            ShvConditionDefinition *condition = &conditions[definition->condition_count++];
+            *condition = items[i].definition;
+            condition->name = items[i].head.name;
+            make_unit(condition->selection.plane_normal);
+        }
+    }
+    definition->conditions = conditions;
+}
+
+static void assemble_keyframes(ShvObstacleDefinition *obstacle, const ShvItems *items, ShvPool *pool)
+{
+    const ShvKeyframeItem *from = items->data;
+    ShvKeyframe *keyframes = shv_pool_take(pool, (size_t)items->count, sizeof *keyframes);
+    if (!keyframes) return;
+    for (int32_t i = 0; i < items->count; i++) {
+        keyframes[i] = from[i].keyframe;
+        make_unit(keyframes[i].rotation_axis);
+    }
+    obstacle->keyframes = keyframes;
+    obstacle->keyframe_count = items->count;
+}
+
+static void assemble_obstacles(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+{
+    const ShvObstacleItem *items = scene->obstacles.data;
+    const int32_t count = scene->obstacles.count;
+    ShvObstacleDefinition *obstacles = shv_pool_take(pool, (size_t)count, sizeof *obstacles);
+    if (!obstacles) return;
+    for (int32_t i = 0; i < count; i++) {
+        ShvObstacleDefinition *obstacle = &obstacles[i];
+        *obstacle = items[i].definition;
+        obstacle->name = items[i].head.name;
+        make_unit(obstacle->plane_normal);
+        make_unit(obstacle->placement.rotation_axis);
+        if (items[i].keyframes.count > 0) {
+            obstacle->motion = SHV_OBSTACLE_SCRIPTED;
+            assemble_keyframes(obstacle, &items[i].keyframes, pool);
+        } else if (obstacle->mass > 0.0) {
+            obstacle->motion = SHV_OBSTACLE_FREE;
+        }
+    }
+    definition->obstacles = obstacles;
+    definition->obstacle_count = count;
+}
+
+static void assemble_events(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+{
+    const ShvEventItem *items = scene->events.data;
+    const int32_t count = scene->events.count;
+    ShvEventDefinition *events = shv_pool_take(pool, (size_t)count, sizeof *events);
+    if (!events) return;
+    for (int32_t i = 0; i < count; i++) events[i] = items[i].definition;
+    definition->events = events;
+    definition->event_count = count;
+}
+
+void shv_assemble(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *pool, ShvPool *work,
+                  ShvDiagnostics *diagnostics)
+{
+    *assembly = (ShvAssembly){.definition = scene->definition};
+    assemble_materials(&assembly->definition, scene, pool);
+    assemble_objects(assembly, scene, pool, work, diagnostics);
+    assemble_conditions(&assembly->definition, scene, pool);
+    assemble_obstacles(&assembly->definition, scene, pool);
+    assemble_events(&assembly->definition, scene, pool);
+}

@@ -1,0 +1,30 @@
+/* Collects the faults of a scene. */
+#ifndef SHV_SCENE_DIAGNOSTICS_H
+#define SHV_SCENE_DIAGNOSTICS_H
+
+#include "scene/pool.h"
+#include "shiver/scene.h"
+
+/* Where something stands: line and column from 1 in the scene file (origin 0), or in override `origin` − 1. */
+typedef struct ShvPlace {
+    int32_t line, column, origin;
+} ShvPlace;
+
+/* A new, empty list; `name` stands for the file in messages. NULL when memory is out. */
+ShvDiagnostics *shv_diagnostics_create(ShvMemory *memory, const char *name, const char *const *overrides,
+                                       int32_t override_count);
+void shv_diagnose(ShvDiagnostics *diagnostics, ShvSeverity severity, ShvPlace place, const char *format, ...);
+#define shv_error(diagnostics, place, ...)   shv_diagnose(diagnostics, SHV_SEVERITY_ERROR, place, __VA_ARGS__)
+#define shv_warning(diagnostics, place, ...) shv_diagnose(diagnostics, SHV_SEVERITY_WARNING, place, __VA_ARGS__)
+/* Puts the list in the order of the file. */
+void shv_diagnostics_sort(ShvDiagnostics *diagnostics);
+/* True when a message was lost because memory is out. */
+bool shv_diagnostics_failed(const ShvDiagnostics *diagnostics);
+
+typedef struct ShvQuoted {
+    char text[72];
+} ShvQuoted;
+/* 'text' in quotes for a message: long texts are cut between characters, control characters become '?'. */
+ShvQuoted shv_quoted(const char *text);
+
+#endif

@@ -1,0 +1,663 @@
+#include "scene/schema.h"
+
+#include <math.h>
+
+#define LENGTH_OF(array) ((int)(sizeof(array) / sizeof *(array)))
+#define INFINITE         ((double)INFINITY)
+
+static const ShvRange positive = {0.0, INFINITE, true, false}, not_negative = {0.0, INFINITE, false, false};
+static const ShvRange share = {0.0, 1.0, false, false}, positive_share = {0.0, 1.0, true, false};
+static const ShvRange open_share = {0.0, 1.0, true, true}, above_one = {1.0, INFINITE, true, false};
+static const ShvRange at_least_one = {1.0, INFINITE, false, false}, poisson = {-1.0, 0.5, true, true};
+static const ShvRange jitter = {0.0, 0.3, false, false}, copies = {1.0, 65535.0, false, false};
+static const ShvRange version = {1.0, 1.0, false, false}, threads = {0.0, 1024.0, false, false};
+
+/* An axis and an angle lie side by side in placements and keyframes; one table reads both. */
+typedef struct Rotation {
+    double axis[3], degrees;
+} Rotation;
+#define SAME_AS_ROTATION(type)                                                                                         \
+    _Static_assert(offsetof(type, rotation_degrees) - offsetof(type, rotation_axis) == offsetof(Rotation, degrees),    \
+                   "the rotation table fits " #type)
+SAME_AS_ROTATION(ShvPlacement);
+SAME_AS_ROTATION(ShvKeyframe);
+
+/* Choices are written through int. */
+_Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) == sizeof(int) &&
+                   sizeof(ShvRigidEngine) == sizeof(int) && sizeof(ShvWake) == sizeof(int) &&
+                   sizeof(ShvStabiliser) == sizeof(int) && sizeof(ShvCriterion) == sizeof(int) &&
+                   sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
+                   sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
+                   sizeof(ShvEventKind) == sizeof(int),
+               "an enum has the size of int");
+
+/* ---- pieces that several tables share ----------------------------------------------------------------- */
+
+static const ShvKey rotation_keys[] = {
+    {"axis", SHV_KEY_VECTOR, .flags = SHV_KEY_DIRECTION, .offset = offsetof(Rotation, axis),
+     .sentence = "Axis through the origin of the mesh; need not be of unit length."},
+    {"angle", SHV_KEY_NUMBER, SHV_DIMENSION_ANGLE, SHV_KEY_REQUIRED, .offset = offsetof(Rotation, degrees),
+     .sentence = "Angle, by the right-hand rule."},
+};
+#define ROTATION_TABLE(path, of)                                                                                       \
+    {                                                                                                                  \
+        .name = path ".rotation", .sentence = "Orientation of " of ".", .keys = rotation_keys,                         \
+        .key_count = LENGTH_OF(rotation_keys)                                                                          \
+    }
+static const ShvTable object_rotation_table = ROTATION_TABLE("objects.<name>", "an object at the start");
+static const ShvTable obstacle_rotation_table = ROTATION_TABLE("obstacles.<name>", "an obstacle at the start");
+static const ShvTable keyframe_rotation_table =
+    ROTATION_TABLE("obstacles.<name>.motion.<index>", "an obstacle at a keyframe");
+
+#define POSITION_KEY(place, text)                                                                                      \
+    {                                                                                                                  \
+        "position", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, .offset = (place) + offsetof(ShvPlacement, position),        \
+                                                          .sentence = text                                             \
+    }
+#define ROTATION_KEY(place, rotation)                                                                                  \
+    {                                                                                                                  \
+        "rotation", SHV_KEY_MAPPING, .table = &(rotation), .offset = (place) + offsetof(ShvPlacement, rotation_axis),  \
+                                     .sentence = "Turns it about its own origin, before it is moved to `position`."    \
+    }
+#define VELOCITY_KEY(place)                                                                                            \
+    {                                                                                                                  \
+        "velocity", SHV_KEY_VECTOR, SHV_DIMENSION_VELOCITY, .offset = (place) + offsetof(ShvPlacement, velocity),      \
+                                                            .sentence = "Velocity of the centre of mass at the start." \
+    }
+#define ANGULAR_VELOCITY_KEY(place)                                                                                    \
+    {                                                                                                                  \
+        "angular_velocity", SHV_KEY_VECTOR, SHV_DIMENSION_ANGULAR_VELOCITY,                                            \
+            .offset = (place) + offsetof(ShvPlacement, angular_velocity),                                              \
+            .sentence = "Angular velocity at the start, world axes, about the centre of mass."                         \
+    }
+#define FILE_KEY(key, member, text)                                                                                    \
+    {                                                                                                                  \
+        key, SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED | SHV_KEY_FILE, .offset = (member), .sentence = text              \
+    }
+#define SCALE_KEY(member)                                                                                              \
+    {                                                                                                                  \
+        "scale", SHV_KEY_NUMBER,                                                                                       \
+            .range = &positive, .offset = (member),                                                                    \
+            .sentence = "Multiplies every coordinate of the file: 0.001 for a file in millimetres."                    \
+    }
+
+/* ---- materials ---------------------------------------------------------------------------------------- */
+
+#define MATERIAL(member) offsetof(ShvMaterialItem, definition.member)
+static const ShvChoice kinematics_choices[] = {
+    {"green", SHV_GREEN_STRAIN}, {"corotational", SHV_COROTATIONAL}, {NULL, 0}};
+static const ShvChoice law_choices[] = {{"ppr", SHV_PPR}, {"camacho_ortiz", SHV_CAMACHO_ORTIZ}, {NULL, 0}};
+static const ShvKey weibull_keys[] = {
+    {"modulus", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .range = &not_negative, .offset = MATERIAL(weibull_modulus),
+     .sentence = "Weibull modulus: large means little scatter; 0 means none."},
+    {"volume", SHV_KEY_NUMBER, SHV_DIMENSION_VOLUME, .range = &not_negative, .offset = MATERIAL(weibull_volume),
+     .sentence = "Volume to which `cohesive_strength` belongs; 0 gives facets of any size the same scatter."},
+};
+static const ShvTable weibull_table = {.name = "materials.<name>.weibull",
+                                       .sentence =
+                                           "Scatter of strength from facet to facet, drawn from the scene's seed.",
+                                       .keys = weibull_keys,
+                                       .key_count = LENGTH_OF(weibull_keys)};
+static const ShvKey material_keys[] = {
+    {"density", SHV_KEY_NUMBER, SHV_DIMENSION_DENSITY, SHV_KEY_REQUIRED, &positive, .offset = MATERIAL(density),
+     .sentence = "Mass density."},
+    {"youngs_modulus", SHV_KEY_NUMBER, SHV_DIMENSION_PRESSURE, SHV_KEY_REQUIRED, &positive,
+     .offset = MATERIAL(youngs_modulus), .sentence = "Young's modulus."},
+    {"poissons_ratio", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .range = &poisson, .offset = MATERIAL(poissons_ratio),
+     .sentence = "Poisson's ratio."},
+    {"kinematics", SHV_KEY_CHOICE, .choices = kinematics_choices, .offset = MATERIAL(kinematics),
+     .sentence = "Strain measure: Green strain with the St. Venant-Kirchhoff law, or linear elasticity in the rotated "
+                 "frame of each element."},
+    {"breakable", SHV_KEY_BOOLEAN, .offset = MATERIAL(breakable), .sentence = "Whether its facets can open."},
+    {"law", SHV_KEY_CHOICE, .choices = law_choices, .offset = MATERIAL(law),
+     .sentence = "Cohesive law: Park-Paulino-Roesler or Camacho-Ortiz."},
+    {"fracture_energy", SHV_KEY_NUMBER, SHV_DIMENSION_SURFACE_ENERGY, .range = &not_negative,
+     .offset = MATERIAL(fracture_energy), .absent = "required where breakable and of finite strength",
+     .sentence = "Energy to open a unit of area in mode I."},
+    {"cohesive_strength", SHV_KEY_NUMBER, SHV_DIMENSION_PRESSURE, SHV_KEY_INFINITE, &not_negative,
+     .offset = MATERIAL(cohesive_strength), .absent = "required where breakable",
+     .sentence = "Strength in mode I; `.inf` never opens."},
+    {"fracture_energy_shear", SHV_KEY_NUMBER, SHV_DIMENSION_SURFACE_ENERGY, .range = &not_negative,
+     .offset = MATERIAL(fracture_energy_shear), .absent = "`fracture_energy`",
+     .sentence = "Energy to open a unit of area in mode II."},
+    {"cohesive_strength_shear", SHV_KEY_NUMBER, SHV_DIMENSION_PRESSURE, SHV_KEY_INFINITE, &not_negative,
+     .offset = MATERIAL(cohesive_strength_shear), .absent = "`cohesive_strength`", .sentence = "Strength in mode II."},
+    {"ppr_shape", SHV_KEY_NUMBER, .range = &above_one, .offset = MATERIAL(ppr_shape),
+     .sentence = "Shape α of the PPR softening curve in mode I: 2 is linear, above it brittle, below it plateau-like."},
+    {"ppr_shape_shear", SHV_KEY_NUMBER, .range = &above_one, .offset = MATERIAL(ppr_shape_shear),
+     .absent = "`ppr_shape`", .sentence = "Shape β in mode II."},
+    {"weibull", SHV_KEY_MAPPING, .table = &weibull_table, .sentence = "Scatter of strength."},
+};
+static void start_material(void *item)
+{
+    *(ShvMaterialItem *)item = (ShvMaterialItem){.definition = shv_material_default()};
+}
+static const ShvTable material_table = {.name = "materials.<name>",
+                                        .sentence = "A material.",
+                                        .keys = material_keys,
+                                        .key_count = LENGTH_OF(material_keys),
+                                        .size = sizeof(ShvMaterialItem),
+                                        .start = start_material};
+
+/* ---- meshes ------------------------------------------------------------------------------------------- */
+
+#define MESH(member) offsetof(ShvMeshDefinition, member)
+#define EDGE_KEY                                                                                                       \
+    {                                                                                                                  \
+        "edge", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive,                                     \
+            .offset = MESH(edge), .sentence = "Wanted edge length of the tetrahedra."                                  \
+    }
+#define RADIUS_KEY(text)                                                                                               \
+    {                                                                                                                  \
+        "radius", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive, .offset = MESH(radius),           \
+                                                                                     .sentence = text                  \
+    }
+#define SIZE_KEY(text)                                                                                                 \
+    {                                                                                                                  \
+        "size", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive, .offset = MESH(size),               \
+                                                                                   .sentence = text                    \
+    }
+#define MESH_TABLE(kind, text)                                                                                         \
+    static const ShvTable kind##_table = {.name = "objects.<name>.mesh." #kind,                                        \
+                                          .sentence = text,                                                            \
+                                          .keys = kind##_keys,                                                         \
+                                          .key_count = LENGTH_OF(kind##_keys)}
+
+static const ShvKey box_keys[] = {SIZE_KEY("Edge lengths along x, y and z."), EDGE_KEY};
+MESH_TABLE(box, "A box, centred on its origin.");
+static const ShvKey ball_keys[] = {RADIUS_KEY("Radius."), EDGE_KEY};
+MESH_TABLE(ball, "A solid ball, centred on its origin.");
+static const ShvKey hollow_ball_keys[] = {RADIUS_KEY("Outer radius."),
+                                          {"thickness", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED,
+                                           &positive, .offset = MESH(thickness),
+                                           .sentence = "Thickness of the wall, less than the radius."},
+                                          EDGE_KEY};
+MESH_TABLE(hollow_ball, "A ball with a concentric hole, centred on its origin.");
+static const ShvKey cylinder_keys[] = {
+    RADIUS_KEY("Outer radius."),
+    {"inner_radius", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &not_negative, .offset = MESH(inner_radius),
+     .sentence = "Radius of a hole along the axis, less than the radius; 0 means solid."},
+    {"height", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive, .offset = MESH(height),
+     .sentence = "Height along z."},
+    EDGE_KEY};
+MESH_TABLE(cylinder, "A cylinder or tube along z, centred on its origin.");
+static const ShvKey notched_beam_keys[] = {
+    SIZE_KEY("Length along x, depth along y and height along z."),
+    EDGE_KEY,
+    {"notch_depth", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive, .offset = MESH(notch_depth),
+     .sentence = "Depth of the notch from the lower face upwards, less than the height."},
+    {"notch_offset", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .offset = MESH(notch_offset),
+     .sentence = "Where the notch is along x, from midspan."},
+    {"notch_edge", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &not_negative, .offset = MESH(notch_edge),
+     .sentence = "Edge length at the notch, graded to `edge` away from it; 0 means `edge`."}};
+MESH_TABLE(notched_beam, "A beam with a notch in its lower face, centred on its origin.");
+static const ShvKey gmsh_keys[] = {
+    FILE_KEY("file", MESH(file), "File of tetrahedra: MSH 2.2 ASCII, or 4.1 ASCII or binary."), SCALE_KEY(MESH(scale))};
+MESH_TABLE(gmsh, "Tetrahedra of a Gmsh file.");
+static const ShvKey tetgen_keys[] = {
+    FILE_KEY("file", MESH(file), "Name of the .node file, or what .node and .ele files have in common."),
+    SCALE_KEY(MESH(scale))};
+MESH_TABLE(tetgen, "Tetrahedra of TetGen's .node and .ele files.");
+static const ShvKey shell_keys[] = {
+    FILE_KEY("surface", MESH(file), "File of a closed triangle surface: OBJ, STL or PLY."),
+    SCALE_KEY(MESH(scale)),
+    {"thickness", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive, .offset = MESH(thickness),
+     .sentence = "Thickness inwards from the surface, after scaling."},
+    {"layers", SHV_KEY_INT32, .range = &at_least_one, .offset = MESH(layers),
+     .sentence = "Layers of prisms, three tetrahedra each."},
+    {"refine_to", SHV_KEY_INT64, .range = &not_negative, .offset = MESH(refine_to),
+     .sentence = "Splits the longest edges until the surface has at least so many triangles; 0 leaves it."}};
+MESH_TABLE(shell, "A shell, extruded from a surface.");
+
+#define MESH_KIND(kind, value, text)                                                                                   \
+    {                                                                                                                  \
+#kind, SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &kind##_table, .variant = value, .sentence = text   \
+    }
+static const ShvKey mesh_keys[] = {
+    MESH_KIND(box, SHV_MESH_BOX, "Makes a box."),
+    MESH_KIND(ball, SHV_MESH_BALL, "Makes a solid ball."),
+    MESH_KIND(hollow_ball, SHV_MESH_HOLLOW_BALL, "Makes a hollow ball."),
+    MESH_KIND(cylinder, SHV_MESH_CYLINDER, "Makes a cylinder or tube."),
+    MESH_KIND(notched_beam, SHV_MESH_NOTCHED_BEAM, "Makes a notched beam."),
+    MESH_KIND(gmsh, SHV_MESH_GMSH, "Reads a Gmsh file."),
+    MESH_KIND(tetgen, SHV_MESH_TETGEN, "Reads TetGen files."),
+    MESH_KIND(shell, SHV_MESH_SHELL, "Extrudes a surface."),
+    {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
+     .sentence =
+         "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
+         "steer cracks. Surface nodes stay on the surface."},
+    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter."},
+};
+static const ShvTable mesh_table = {.name = "objects.<name>.mesh",
+                                    .sentence =
+                                        "The tetrahedra of an object: exactly one way to get them, and options.",
+                                    .keys = mesh_keys,
+                                    .key_count = LENGTH_OF(mesh_keys),
+                                    .variants = true,
+                                    .variant_offset = MESH(kind)};
+
+/* ---- objects ------------------------------------------------------------------------------------------ */
+
+#define OBJECT(member) offsetof(ShvObjectItem, definition.member)
+static const ShvKey repeat_keys[] = {
+    {"count", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &copies,
+     .offset = offsetof(ShvObjectItem, repeat_count), .absent = "",
+     .sentence = "How many; they are named name_1, name_2, …"},
+    {"offset", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, .offset = offsetof(ShvObjectItem, repeat_offset),
+     .sentence = "From each to the next; the first is at `position`."},
+};
+static const ShvTable repeat_table = {.name = "objects.<name>.repeat",
+                                      .sentence = "A row or stack of equal objects.",
+                                      .keys = repeat_keys,
+                                      .key_count = LENGTH_OF(repeat_keys)};
+static const ShvKey object_keys[] = {
+    {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
+     .sentence = "Its tetrahedra."},
+    {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
+     .sentence = "Name of its material."},
+    POSITION_KEY(OBJECT(placement), "Where the origin of the mesh is at the start."),
+    ROTATION_KEY(OBJECT(placement), object_rotation_table),
+    VELOCITY_KEY(OBJECT(placement)),
+    ANGULAR_VELOCITY_KEY(OBJECT(placement)),
+    {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
+};
+static void start_object(void *item)
+{
+    *(ShvObjectItem *)item = (ShvObjectItem){.definition = shv_object_default()};
+}
+static const ShvTable object_table = {.name = "objects.<name>",
+                                      .sentence = "A body of tetrahedra, which may break.",
+                                      .keys = object_keys,
+                                      .key_count = LENGTH_OF(object_keys),
+                                      .size = sizeof(ShvObjectItem),
+                                      .start = start_object};
+
+/* ---- conditions --------------------------------------------------------------------------------------- */
+
+#define SELECTION(member) offsetof(ShvSelection, member)
+static const ShvKey select_box_keys[] = {
+    {"min", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, .offset = SELECTION(box_min),
+     .sentence = "Lower corner."},
+    {"max", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, .offset = SELECTION(box_max),
+     .sentence = "Upper corner, nowhere below the lower one."},
+};
+static const ShvKey select_plane_keys[] = {
+    {"normal", SHV_KEY_VECTOR, .flags = SHV_KEY_REQUIRED | SHV_KEY_DIRECTION, .offset = SELECTION(plane_normal),
+     .absent = "", .sentence = "Normal; need not be of unit length."},
+    {"offset", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .offset = SELECTION(plane_offset),
+     .sentence = "Distance of the plane from the world's origin along its normal."},
+    {"tolerance", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &not_negative, .offset = SELECTION(tolerance),
+     .sentence = "How far from the plane still counts."},
+};
+#define SELECTION_TABLES(conditions, label)                                                                            \
+    static const ShvTable conditions##_box_table = {.name = label ".<name>.on.box",                                    \
+                                                    .sentence = "Nodes within a box of world coordinates.",            \
+                                                    .keys = select_box_keys,                                           \
+                                                    .key_count = LENGTH_OF(select_box_keys)};                          \
+    static const ShvTable conditions##_plane_table = {.name = label ".<name>.on.plane",                                \
+                                                      .sentence = "Nodes near a plane.",                               \
+                                                      .keys = select_plane_keys,                                       \
+                                                      .key_count = LENGTH_OF(select_plane_keys)};                      \
+    static const ShvKey conditions##_selection_keys[] = {                                                              \
+        {"box", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &conditions##_box_table,                           \
+         .variant = SHV_SELECT_BOX, .sentence = "Nodes within a box."},                                                \
+        {"plane", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &conditions##_plane_table,                       \
+         .variant = SHV_SELECT_PLANE, .sentence = "Nodes near a plane."},                                              \
+    };                                                                                                                 \
+    static const ShvTable conditions##_selection_table = {                                                             \
+        .name = label ".<name>.on",                                                                                    \
+        .sentence = "The nodes it acts on, judged once, on the placed mesh at the start.",                             \
+        .keys = conditions##_selection_keys,                                                                           \
+        .key_count = LENGTH_OF(conditions##_selection_keys),                                                           \
+        .variants = true,                                                                                              \
+        .variant_offset = SELECTION(kind)}
+SELECTION_TABLES(supports, "supports");
+SELECTION_TABLES(velocities, "imposed_velocities");
+SELECTION_TABLES(tractions, "tractions");
+
+#define CONDITION(member) offsetof(ShvConditionItem, definition.member)
+#define CONDITION_OBJECT_KEY                                                                                           \
+    {                                                                                                                  \
+        "object", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CONDITION(object),                                \
+                                .sentence = "Name of the object."                                                      \
+    }
+#define CONDITION_ON_KEY(conditions, text)                                                                             \
+    {                                                                                                                  \
+        "on", SHV_KEY_MAPPING, .table = &conditions##_selection_table, .offset = CONDITION(selection),                 \
+                               .sentence = text                                                                        \
+    }
+#define CONDITION_AXES_KEY(text)                                                                                       \
+    {                                                                                                                  \
+        "axes", SHV_KEY_AXES, .offset = CONDITION(axes), .sentence = text                                              \
+    }
+#define CONDITION_RAMP_KEY                                                                                             \
+    {                                                                                                                  \
+        "ramp_time", SHV_KEY_NUMBER, SHV_DIMENSION_TIME,                                                               \
+            .range = &not_negative, .offset = CONDITION(ramp_time),                                                    \
+            .sentence = "Time from `start` in which the value rises from zero; 0 means at once."                       \
+    }
+#define CONDITION_START_KEY                                                                                            \
+    {                                                                                                                  \
+        "start", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &not_negative, .offset = CONDITION(start),               \
+                                                     .sentence = "When it begins."                                     \
+    }
+#define CONDITION_END_KEY                                                                                              \
+    {                                                                                                                  \
+        "end", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_INFINITE, &not_negative,                                    \
+            .offset = CONDITION(end),                                                                                  \
+            .sentence = "When it ends, after `start`; `.inf` means never. A `release` event ends it too."              \
+    }
+static const ShvKey support_keys[] = {
+    CONDITION_OBJECT_KEY,
+    CONDITION_ON_KEY(supports, "Which nodes; all of the object when it is left out."),
+    CONDITION_AXES_KEY("World axes along which the nodes are held."),
+    CONDITION_START_KEY,
+    CONDITION_END_KEY,
+};
+static const ShvKey velocity_keys[] = {
+    CONDITION_OBJECT_KEY,
+    CONDITION_ON_KEY(velocities, "Which nodes; all of the object when it is left out."),
+    CONDITION_AXES_KEY("World axes along which the velocity is imposed; the nodes are free along the others."),
+    {"velocity", SHV_KEY_VECTOR, SHV_DIMENSION_VELOCITY, SHV_KEY_REQUIRED, .offset = CONDITION(value),
+     .sentence = "The velocity."},
+    CONDITION_RAMP_KEY,
+    CONDITION_START_KEY,
+    CONDITION_END_KEY,
+};
+static const ShvKey traction_keys[] = {
+    CONDITION_OBJECT_KEY,
+    CONDITION_ON_KEY(tractions,
+                     "Boundary facets all of whose nodes are chosen; the whole surface when it is left out."),
+    {"traction", SHV_KEY_VECTOR, SHV_DIMENSION_PRESSURE, SHV_KEY_REQUIRED, .offset = CONDITION(value),
+     .sentence = "Force by area at the start, world axes."},
+    CONDITION_RAMP_KEY,
+    CONDITION_START_KEY,
+    CONDITION_END_KEY,
+};
+static void start_condition(void *item, ShvConditionKind kind)
+{
+    ShvConditionItem *condition = item;
+    *condition = (ShvConditionItem){.definition = shv_condition_default()};
+    condition->definition.kind = kind;
+    for (int axis = 0; axis < 3; axis++) condition->definition.axes[axis] = true;
+}
+static void start_support(void *item)
+{
+    start_condition(item, SHV_CONDITION_SUPPORT);
+}
+static void start_velocity(void *item)
+{
+    start_condition(item, SHV_CONDITION_VELOCITY);
+}
+static void start_traction(void *item)
+{
+    start_condition(item, SHV_CONDITION_TRACTION);
+}
+#define CONDITION_TABLE(prefix, label, text)                                                                           \
+    static const ShvTable prefix##_table = {.name = label ".<name>",                                                   \
+                                            .sentence = text,                                                          \
+                                            .keys = prefix##_keys,                                                     \
+                                            .key_count = LENGTH_OF(prefix##_keys),                                     \
+                                            .size = sizeof(ShvConditionItem),                                          \
+                                            .start = start_##prefix}
+CONDITION_TABLE(support, "supports", "Nodes that are held at rest.");
+CONDITION_TABLE(velocity, "imposed_velocities", "Nodes that move as told.");
+CONDITION_TABLE(traction, "tractions", "A load on a part of the surface.");
+
+/* ---- obstacles ---------------------------------------------------------------------------------------- */
+
+#define OBSTACLE(member) offsetof(ShvObstacleItem, definition.member)
+static const ShvKey plane_keys[] = {
+    {"normal", SHV_KEY_VECTOR, .flags = SHV_KEY_REQUIRED | SHV_KEY_DIRECTION, .offset = OBSTACLE(plane_normal),
+     .absent = "", .sentence = "Normal, out of the solid; need not be of unit length."},
+    {"offset", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .offset = OBSTACLE(plane_offset),
+     .sentence = "Distance of the plane from the world's origin along its normal."},
+};
+static const ShvTable plane_table = {.name = "obstacles.<name>.plane",
+                                     .sentence = "A half space, solid behind the plane. It is fixed.",
+                                     .keys = plane_keys,
+                                     .key_count = LENGTH_OF(plane_keys)};
+static const ShvKey sphere_keys[] = {{"radius", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive,
+                                      .offset = OBSTACLE(radius), .sentence = "Radius."}};
+static const ShvTable sphere_table = {.name = "obstacles.<name>.sphere",
+                                      .sentence = "A solid sphere, centred on its origin.",
+                                      .keys = sphere_keys,
+                                      .key_count = LENGTH_OF(sphere_keys)};
+static const ShvKey block_keys[] = {{"size", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &positive,
+                                     .offset = OBSTACLE(size), .sentence = "Edge lengths along x, y and z."}};
+static const ShvTable block_table = {.name = "obstacles.<name>.box",
+                                     .sentence = "A solid box, centred on its origin.",
+                                     .keys = block_keys,
+                                     .key_count = LENGTH_OF(block_keys)};
+static const ShvKey surface_keys[] = {
+    FILE_KEY("file", OBSTACLE(file), "File of a closed triangle surface: OBJ, STL or PLY."),
+    SCALE_KEY(OBSTACLE(scale))};
+static const ShvTable surface_table = {.name = "obstacles.<name>.mesh",
+                                       .sentence = "The solid within a closed triangle surface.",
+                                       .keys = surface_keys,
+                                       .key_count = LENGTH_OF(surface_keys)};
+static const ShvKey keyframe_keys[] = {
+    {"time", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_REQUIRED, .offset = offsetof(ShvKeyframeItem, keyframe.time),
+     .sentence = "When; later than the keyframe before."},
+    {"position", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED,
+     .offset = offsetof(ShvKeyframeItem, keyframe.position),
+     .sentence = "Where the obstacle's origin is then; on a straight line in between."},
+    {"rotation", SHV_KEY_MAPPING, .table = &keyframe_rotation_table,
+     .offset = offsetof(ShvKeyframeItem, keyframe.rotation_axis),
+     .sentence = "How it is turned then; by the shortest arc in between."},
+};
+static void start_keyframe(void *item)
+{
+    *(ShvKeyframeItem *)item = (ShvKeyframeItem){.keyframe = {.rotation_axis = {0.0, 0.0, 1.0}}};
+}
+static const ShvTable keyframe_table = {
+    .name = "obstacles.<name>.motion.<index>",
+    .sentence = "A keyframe of a scripted motion, which rests before the first and after the last.",
+    .keys = keyframe_keys,
+    .key_count = LENGTH_OF(keyframe_keys),
+    .size = sizeof(ShvKeyframeItem),
+    .start = start_keyframe};
+#define OBSTACLE_SHAPE(name, shape, value, text)                                                                       \
+    {                                                                                                                  \
+        name, SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &(shape), .variant = value, .sentence = text         \
+    }
+static const ShvKey obstacle_keys[] = {
+    OBSTACLE_SHAPE("plane", plane_table, SHV_OBSTACLE_PLANE, "A half space."),
+    OBSTACLE_SHAPE("sphere", sphere_table, SHV_OBSTACLE_SPHERE, "A sphere."),
+    OBSTACLE_SHAPE("box", block_table, SHV_OBSTACLE_BOX, "A box."),
+    OBSTACLE_SHAPE("mesh", surface_table, SHV_OBSTACLE_MESH, "A triangle mesh."),
+    {"friction", SHV_KEY_NUMBER, .range = &not_negative, .offset = OBSTACLE(friction),
+     .sentence = "Coulomb coefficient of friction."},
+    {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = OBSTACLE(restitution),
+     .sentence = "Coefficient of restitution of rigid impacts; deforming bodies rebound by their own elasticity."},
+    {"mass", SHV_KEY_NUMBER, SHV_DIMENSION_MASS, .range = &positive, .offset = OBSTACLE(mass),
+     .absent = "none: not free",
+     .sentence = "Makes it a free, unbreakable rigid body with the inertia of a homogeneous solid."},
+    {"motion", SHV_KEY_LIST, .table = &keyframe_table, .offset = offsetof(ShvObstacleItem, keyframes),
+     .sentence = "Makes it move by script: a list of keyframes."},
+    POSITION_KEY(OBSTACLE(placement), "Where its origin is at the start; not of planes and scripted obstacles."),
+    ROTATION_KEY(OBSTACLE(placement), obstacle_rotation_table),
+    VELOCITY_KEY(OBSTACLE(placement)),
+    ANGULAR_VELOCITY_KEY(OBSTACLE(placement)),
+};
+static void start_obstacle(void *item)
+{
+    *(ShvObstacleItem *)item = (ShvObstacleItem){.definition = shv_obstacle_default()};
+}
+static const ShvTable obstacle_table = {.name = "obstacles.<name>",
+                                        .sentence =
+                                            "A rigid obstacle: fixed, free (with `mass`) or scripted (with `motion`). "
+                                            "Exactly one shape.",
+                                        .keys = obstacle_keys,
+                                        .key_count = LENGTH_OF(obstacle_keys),
+                                        .size = sizeof(ShvObstacleItem),
+                                        .start = start_obstacle,
+                                        .variants = true,
+                                        .variant_offset = OBSTACLE(shape)};
+
+/* ---- events ------------------------------------------------------------------------------------------- */
+
+#define EVENT(member) offsetof(ShvEventItem, definition.member)
+#define TARGET_KEY                                                                                                     \
+    {                                                                                                                  \
+        "target", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = EVENT(target),                                    \
+                                .sentence = "Name of an object (all its fragments) or of a free obstacle."             \
+    }
+static const ShvKey set_velocity_keys[] = {
+    TARGET_KEY,
+    {"velocity", SHV_KEY_VECTOR, SHV_DIMENSION_VELOCITY, SHV_KEY_REQUIRED, .offset = EVENT(value),
+     .sentence = "Velocity from now on."},
+    {"angular_velocity", SHV_KEY_VECTOR, SHV_DIMENSION_ANGULAR_VELOCITY, .offset = EVENT(angular),
+     .sentence = "Angular velocity from now on, of each fragment about its centre of mass."},
+};
+static const ShvTable set_velocity_table = {.name = "events.<index>.set_velocity",
+                                            .sentence = "Gives a body another velocity.",
+                                            .keys = set_velocity_keys,
+                                            .key_count = LENGTH_OF(set_velocity_keys)};
+static const ShvKey impulse_keys[] = {
+    TARGET_KEY,
+    {"impulse", SHV_KEY_VECTOR, SHV_DIMENSION_IMPULSE, SHV_KEY_REQUIRED, .offset = EVENT(value),
+     .sentence = "Impulse, shared by mass over the fragments of an object."},
+};
+static const ShvTable impulse_table = {.name = "events.<index>.impulse",
+                                       .sentence = "Pushes a body.",
+                                       .keys = impulse_keys,
+                                       .key_count = LENGTH_OF(impulse_keys)};
+static const ShvKey event_keys[] = {
+    {"at", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_REQUIRED, &not_negative, .offset = EVENT(time),
+     .sentence = "When; not before the event above it."},
+    {"release", SHV_KEY_TEXT, .flags = SHV_KEY_VARIANT, .variant = SHV_EVENT_RELEASE, .offset = EVENT(target),
+     .sentence = "Name of a support, imposed velocity or traction that ends."},
+    {"set_velocity", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &set_velocity_table,
+     .variant = SHV_EVENT_SET_VELOCITY, .sentence = "Another velocity of a body."},
+    {"impulse", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &impulse_table, .variant = SHV_EVENT_IMPULSE,
+     .sentence = "A push."},
+    {"gravity", SHV_KEY_VECTOR, SHV_DIMENSION_ACCELERATION, SHV_KEY_VARIANT, .variant = SHV_EVENT_GRAVITY,
+     .offset = EVENT(value), .sentence = "Another gravity."},
+};
+static void start_event(void *item)
+{
+    *(ShvEventItem *)item = (ShvEventItem){.definition = shv_event_default()};
+}
+static const ShvTable event_table = {.name = "events.<index>",
+                                     .sentence = "Something that happens at a time: exactly one thing an event.",
+                                     .keys = event_keys,
+                                     .key_count = LENGTH_OF(event_keys),
+                                     .size = sizeof(ShvEventItem),
+                                     .start = start_event,
+                                     .variants = true,
+                                     .variant_offset = EVENT(kind)};
+
+/* ---- the rest of the top level ------------------------------------------------------------------------ */
+
+#define SCENE(member) offsetof(ShvSceneItem, definition.member)
+static const ShvChoice engine_choices[] = {{"analytic", SHV_RIGID_ANALYTIC}, {NULL, 0}};
+static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
+static const ShvKey rigid_keys[] = {
+    {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
+     .sentence = "What moves bodies between impacts: `analytic` is ballistic flight and free rotation in closed form."},
+    {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
+     .sentence = "Time step of rigid flight."},
+    {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
+     .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one."},
+    {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),
+     .sentence = "Share of the weakest facet's strength that the estimate must reach."},
+    {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),
+     .sentence = "Factor K of the impact stress estimate K ρ c v."},
+};
+static const ShvTable rigid_table = {.name = "rigid",
+                                     .sentence = "Bodies while nothing can break.",
+                                     .keys = rigid_keys,
+                                     .key_count = LENGTH_OF(rigid_keys)};
+static const ShvChoice stabiliser_choices[] = {{"none", SHV_STABILISER_NONE}, {NULL, 0}};
+static const ShvChoice criterion_choices[] = {
+    {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
+static const ShvChoice activation_choices[] = {
+    {"traction", SHV_ACTIVATION_TRACTION}, {"strength", SHV_ACTIVATION_STRENGTH}, {NULL, 0}};
+static const ShvKey fracture_keys[] = {
+    {"enabled", SHV_KEY_BOOLEAN, .offset = SCENE(fracture.enabled),
+     .sentence = "Whether facets open; bodies deform in any case."},
+    {"stabiliser", SHV_KEY_CHOICE, .choices = stabiliser_choices, .offset = SCENE(fracture.stabiliser),
+     .sentence = "What keeps large steps stable: `none` is explicit central difference below the stable step."},
+    {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &positive, .offset = SCENE(fracture.time_step),
+     .absent = "auto", .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step."},
+    {"safety", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.safety),
+     .sentence = "Share of the stable step that the automatic step takes."},
+    {"check_every", SHV_KEY_INT32, .flags = SHV_KEY_AUTOMATIC, .range = &not_negative,
+     .offset = SCENE(fracture.check_every), .absent = "auto",
+     .sentence = "Steps between checks of the criterion; `auto` (or 0) keeps the overshoot at insertion below 10 %."},
+    {"threshold", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.threshold),
+     .sentence = "Share of its strength at which a facet opens."},
+    {"criterion", SHV_KEY_CHOICE, .choices = criterion_choices, .offset = SCENE(fracture.criterion),
+     .sentence = "Traction on the facet, or largest principal stress at its nodes."},
+    {"activation", SHV_KEY_CHOICE, .choices = activation_choices, .offset = SCENE(fracture.activation),
+     .sentence = "Where the cohesive law starts: at the traction that the facet carries, which makes no jump, or at "
+                 "the strength."},
+    {"regularisation", SHV_KEY_NUMBER, .range = &open_share, .offset = SCENE(fracture.regularisation),
+     .sentence = "Openings below this share of the final one unload with bounded stiffness."},
+    {"quiet_checks", SHV_KEY_INT32, .range = &at_least_one, .offset = SCENE(fracture.quiet_checks),
+     .sentence = "Checks without insertion after which a body may leave fracture mode."},
+    {"longest", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &not_negative, .offset = SCENE(fracture.longest),
+     .absent = "auto",
+     .sentence =
+         "A body leaves fracture mode so long after its last insertion; `auto` (or 0) takes 20 transits of the slowest "
+         "bending wave."},
+    {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
+     .sentence = "The run stops when the residual of the energy ledger exceeds this share of the largest energy."},
+};
+static const ShvTable fracture_table = {.name = "fracture",
+                                        .sentence = "Bodies while they may break.",
+                                        .keys = fracture_keys,
+                                        .key_count = LENGTH_OF(fracture_keys)};
+static const ShvKey output_keys[] = {
+    {"file", SHV_KEY_TEXT, .offset = SCENE(output.file), .absent = "from the name of the scene file",
+     .sentence = "Run file, from the working directory."},
+    {"rate", SHV_KEY_NUMBER, SHV_DIMENSION_FREQUENCY, .range = &positive, .offset = SCENE(output.rate),
+     .sentence = "Frames a second."},
+    {"fracture_every", SHV_KEY_INT64, .range = &not_negative, .offset = SCENE(output.fracture_every),
+     .sentence = "Also records a frame every so many steps of fracture mode; 0 records none."},
+    {"nodes", SHV_KEY_BOOLEAN, .offset = SCENE(output.nodes),
+     .sentence = "Whether node positions and facet damage are recorded."},
+};
+static const ShvTable output_table = {
+    .name = "output", .sentence = "What is recorded.", .keys = output_keys, .key_count = LENGTH_OF(output_keys)};
+
+#define ITEMS(member) offsetof(ShvSceneItem, member)
+static const ShvKey scene_keys[] = {
+    {"shiver", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = offsetof(ShvSceneItem, version),
+     .absent = "", .sentence = "Version of the scene format."},
+    {"name", SHV_KEY_TEXT, .offset = SCENE(name), .absent = "the name of the scene file",
+     .sentence = "Name of the scene."},
+    {"duration", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_REQUIRED, &positive, .offset = SCENE(duration),
+     .sentence = "Simulated time."},
+    {"gravity", SHV_KEY_VECTOR, SHV_DIMENSION_ACCELERATION, .offset = SCENE(gravity), .sentence = "Gravity."},
+    {"seed", SHV_KEY_UINT64, .offset = SCENE(seed), .sentence = "Seed of the strengths that scatter."},
+    {"threads", SHV_KEY_INT32, .range = &threads, .offset = SCENE(threads),
+     .sentence = "Threads; 0 takes all processors. Results do not depend on it."},
+    {"materials", SHV_KEY_NAMED, .flags = SHV_KEY_REQUIRED, .table = &material_table, .offset = ITEMS(materials),
+     .sentence = "Materials by name."},
+    {"objects", SHV_KEY_NAMED, .flags = SHV_KEY_REQUIRED, .table = &object_table, .offset = ITEMS(objects),
+     .sentence = "Objects by name."},
+    {"obstacles", SHV_KEY_NAMED, .table = &obstacle_table, .offset = ITEMS(obstacles),
+     .sentence = "Obstacles by name."},
+    {"supports", SHV_KEY_NAMED, .table = &support_table, .offset = ITEMS(supports), .sentence = "Supports by name."},
+    {"imposed_velocities", SHV_KEY_NAMED, .table = &velocity_table, .offset = ITEMS(velocities),
+     .sentence = "Imposed velocities by name."},
+    {"tractions", SHV_KEY_NAMED, .table = &traction_table, .offset = ITEMS(tractions),
+     .sentence = "Tractions by name."},
+    {"events", SHV_KEY_LIST, .table = &event_table, .offset = ITEMS(events),
+     .sentence = "Events in the order of their times."},
+    {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
+    {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
+    {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},
+};
+static void start_scene(void *item)
+{
+    *(ShvSceneItem *)item = (ShvSceneItem){.definition = shv_scene_default()};
+}
+const ShvTable shv_scene_table = {.name = "the scene",
+                                  .sentence = "The top level.",
+                                  .keys = scene_keys,
+                                  .key_count = LENGTH_OF(scene_keys),
+                                  .size = sizeof(ShvSceneItem),
+                                  .start = start_scene};

@@ -1,0 +1,119 @@
+#include "shiver/plan.h"
+#include "sim/internal.h"
+
+int32_t shv_simulation_object_count(const ShvSimulation *simulation) { return simulation->hybrid.model.object_count; }
+
+/* Quality and lumped properties come from the object's own part of the joint mesh, seen as a mesh of its own. */
+static ShvMesh part_of(const ShvModel *model, const ShvObject *object)
+{
+    return (ShvMesh){.node_count = object->node_end,
+                     .element_count = object->element_end - object->element_begin,
+                     .positions = model->mesh.positions,
+                     .elements = model->mesh.elements + 4 * (int64_t)object->element_begin};
+}
+
+static void measure_mesh(ShvPreflight *preflight, const ShvModel *model, const ShvObject *object)
+{
+    const ShvMesh part = part_of(model, object);
+    const ShvMeshQuality quality = shv_mesh_quality(&part);
+    preflight->tets = part.element_count;
+    preflight->nodes = object->node_end - object->node_begin;
+    preflight->volume = quality.volume;
+    preflight->shortest_edge = quality.shortest_edge;
+    preflight->mean_edge = quality.mean_edge;
+    preflight->longest_edge = quality.longest_edge;
+    preflight->smallest_altitude = quality.smallest_altitude;
+    preflight->worst_aspect = quality.worst_aspect;
+    ShvVec3 low = shv_mesh_position(&model->mesh, object->node_begin), high = low;
+    for (int32_t i = object->node_begin; i < object->node_end; i++) {
+        const ShvVec3 x = shv_mesh_position(&model->mesh, i);
+        low = shv_vec3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
+        high = shv_vec3(fmax(high.x, x.x), fmax(high.y, x.y), fmax(high.z, x.z));
+    }
+    shv_store3(preflight->extent, shv_sub(high, low));
+}
+
+static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const ShvObject *object)
+{
+    preflight->stable_step = INFINITY;
+    for (int32_t e = object->element_begin; e < object->element_end; e++) {
+        const double step = shv_solid_exact_step(&hybrid->solid, e);
+        if (!(step < preflight->stable_step)) continue;
+        preflight->stable_step = step;
+        preflight->stable_element = e;
+    }
+    ShvVec3 sum = shv_vec3(0.0, 0.0, 0.0);
+    for (int a = 0; a < 4; a++)
+        sum = shv_add(sum, shv_mesh_position(&hybrid->model.mesh,
+                                             hybrid->model.mesh.elements[4 * (int64_t)preflight->stable_element + a]));
+    shv_store3(preflight->stable_centroid, shv_scale(sum, 0.25));
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    preflight->step = isnan(fracture->time_step) ? fracture->safety * shv_solid_stable_step(&hybrid->solid, NULL)
+                                                 : fracture->time_step;
+    preflight->courant = preflight->step / preflight->stable_step;
+}
+
+static void measure_cohesion(ShvPreflight *preflight, const ShvMaterial *material)
+{
+    preflight->breakable = material->breakable && isfinite(material->strength[SHV_NORMAL]);
+    preflight->cohesive_zone = shv_material_cohesive_zone(material);
+    preflight->snap_back = shv_material_snap_back(material);
+    preflight->final_opening = shv_material_final_opening(material);
+    preflight->opening_speed = 2.0 * material->strength[SHV_NORMAL] / (material->density * material->bar_speed);
+    preflight->cohesive_step = preflight->final_opening / preflight->opening_speed;
+    preflight->steps_to_open = preflight->cohesive_step / preflight->step;
+}
+
+static void measure_waves(ShvPreflight *preflight, const ShvMaterial *material)
+{
+    const double *extent = preflight->extent;
+    const double longest = fmax(extent[0], fmax(extent[1], extent[2]));
+    const double shortest = fmin(extent[0], fmin(extent[1], extent[2]));
+    preflight->bar_speed = material->bar_speed;
+    preflight->dilatational_speed = material->dilatational_speed;
+    preflight->bar_transit = longest / material->bar_speed;
+    /* Free plate, fundamental: f = 1.03 c₀ h/L². */
+    preflight->bending_period = longest * longest / (1.03 * material->bar_speed * shortest);
+}
+
+/* Stress/strength a step gains behind the front of a wave that a wall starts at the speed of the first contact: the front
+   rises over about one mean edge. */
+static double overshoot(const ShvSimulation *simulation, int32_t object, const ShvPreflight *preflight)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[object].material];
+    double speed = 0.0;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
+        const ShvFragment *fragment = NULL;
+        for (int32_t k = 0; k < hybrid->fragments.count && !fragment; k++)
+            if (hybrid->fragments.items[k].object == object) fragment = &hybrid->fragments.items[k];
+        if (!fragment) return NAN;
+        const ShvSurfacePoint nearest = shv_obstacle_closest(&hybrid->obstacles.items[i], fragment->position, INFINITY);
+        const double fall = -shv_dot(shv_load3(hybrid->gravity), nearest.normal);
+        const double start = -shv_dot(fragment->velocity, nearest.normal);
+        const double gap = fmax(0.0, nearest.gap - fragment->radius);
+        const double squared = start * start + 2.0 * fall * gap;
+        if (squared > 0.0 && (start > 0.0 || fall > 0.0)) speed = fmax(speed, sqrt(squared));
+    }
+    const double stress = material->density * material->bar_speed * speed;
+    const double rise = preflight->mean_edge / material->bar_speed;
+    return speed > 0.0 ? stress / material->strength[SHV_NORMAL] * preflight->step / rise : (double)NAN;
+}
+
+ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight, ShvError *error)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    if (object < 0 || object >= hybrid->model.object_count)
+        return shv_fail(error, SHV_BAD_INPUT, "object %d does not exist; there are %d", (int)object,
+                        (int)hybrid->model.object_count);
+    const ShvObject *body = &hybrid->model.objects[object];
+    const ShvMaterial *material = &hybrid->model.materials[body->material];
+    *preflight = (ShvPreflight){.object = body->name, .material = material->name};
+    measure_mesh(preflight, &hybrid->model, body);
+    preflight->mass = preflight->volume * material->density;
+    measure_step(preflight, hybrid, body);
+    measure_cohesion(preflight, material);
+    measure_waves(preflight, material);
+    preflight->overshoot_each_step = overshoot(simulation, object, preflight);
+    return SHV_OK;
+}

@@ -1,0 +1,280 @@
+#include "shiver/simulation.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "sim/internal.h"
+
+ShvSimulationOptions shv_simulation_options_default(void)
+{
+    return (ShvSimulationOptions){.cookie = SHV_DEFINITION_COOKIE};
+}
+
+static ShvStatus check_scene(const ShvSceneDefinition *scene, const ShvSimulationOptions *options, ShvError *error)
+{
+    if (!scene || scene->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene definition did not start from shv_scene_default()");
+    if (options && options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_simulation_options_default()");
+    if (!(scene->duration >= 0.0) || !isfinite(scene->duration))
+        return shv_fail(error, SHV_BAD_INPUT, "duration must be a finite number of seconds, zero or more, not %g",
+                        scene->duration);
+    if (!(scene->output.rate > 0.0) || !isfinite(scene->output.rate))
+        return shv_fail(error, SHV_BAD_INPUT, "output.rate must be positive, not %g", scene->output.rate);
+    if (!(scene->rigid.time_step > 0.0) || !isfinite(scene->rigid.time_step))
+        return shv_fail(error, SHV_BAD_INPUT, "rigid.time_step must be positive, not %g", scene->rigid.time_step);
+    return SHV_OK;
+}
+
+static ShvStatus create_views(ShvSimulation *simulation, ShvError *error)
+{
+    const ShvModel *model = &simulation->hybrid.model;
+    ShvViews *views = &simulation->views;
+    const size_t obstacles = (size_t)simulation->hybrid.obstacles.count, objects = (size_t)model->object_count;
+    views->obstacles = shv_allocate(simulation->memory, SHV_PART_RECORD, obstacles, sizeof(ShvObstacleView));
+    views->objects = shv_allocate(simulation->memory, SHV_PART_RECORD, objects, sizeof(ShvObjectView));
+    if (!views->obstacles || !views->objects)
+        return shv_fail_memory(error, "views", obstacles * sizeof(ShvObstacleView) + objects * sizeof(ShvObjectView));
+    for (int32_t i = 0; i < model->object_count; i++) {
+        const ShvObject *object = &model->objects[i];
+        views->objects[i] = (ShvObjectView){object->name,          model->materials[object->material].name,
+                                            object->element_begin, object->element_end,
+                                            object->node_begin,    object->node_end};
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefinition *scene,
+                                const ShvSimulationOptions *options, ShvError *error)
+{
+    *simulation = NULL;
+    SHV_TRY(check_scene(scene, options, error));
+    ShvMemory *memory = options && options->memory ? options->memory : shv_memory_create();
+    if (!memory) return shv_fail_memory(error, "the allocation counter", 0);
+    const bool owns = !options || !options->memory;
+    ShvSimulation *made = shv_allocate(memory, SHV_PART_GENERAL, 1, sizeof *made);
+    if (!made) {
+        if (owns) shv_memory_destroy(memory);
+        return shv_fail_memory(error, "the simulation", sizeof *made);
+    }
+    made->memory = memory;
+    made->owns_memory = owns;
+    made->scene = scene;
+    ShvStatus status = shv_hybrid_create(&made->hybrid, memory, scene, options ? options->folder : NULL, error);
+    if (status == SHV_OK) status = create_views(made, error);
+    if (status != SHV_OK) {
+        shv_simulation_destroy(made);
+        return status;
+    }
+    made->hybrid.stop = options ? options->stop : NULL;
+    made->hybrid.stop_data = options ? options->stop_data : NULL;
+    *simulation = made;
+    return SHV_OK;
+}
+
+void shv_simulation_destroy(ShvSimulation *simulation)
+{
+    if (!simulation) return;
+    ShvMemory *memory = simulation->owns_memory ? simulation->memory : NULL;
+    shv_hybrid_release(&simulation->hybrid);
+    shv_release(simulation->views.fragments);
+    shv_release(simulation->views.obstacles);
+    shv_release(simulation->views.objects);
+    shv_release(simulation);
+    if (memory) shv_memory_destroy(memory);
+}
+
+/* ---- views ---- */
+
+static void view_fragment(ShvFragmentView *view, const ShvFragment *fragment)
+{
+    const ShvMat3 *inertia = &fragment->inertia;
+    *view = (ShvFragmentView){
+        .id = fragment->id,
+        .parent = fragment->parent,
+        .object = fragment->object,
+        .birth = fragment->birth,
+        .death = fragment->death,
+        .mode = (ShvFragmentMode)fragment->mode,
+        .tets = fragment->element_count,
+        .mass = fragment->mass,
+        .volume = fragment->volume,
+        .inertia = {inertia->m[0][0], inertia->m[1][1], inertia->m[2][2], inertia->m[1][2], inertia->m[0][2],
+                    inertia->m[0][1]},
+        .orientation = {fragment->orientation.w, fragment->orientation.x, fragment->orientation.y,
+                        fragment->orientation.z},
+    };
+    shv_store3(view->reference_centre, fragment->reference_centre);
+    shv_store3(view->position, fragment->position);
+    shv_store3(view->velocity, fragment->velocity);
+    shv_store3(view->angular_velocity, fragment->angular_velocity);
+}
+
+static ShvStatus view_fragments(ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFragments *fragments = &simulation->hybrid.fragments;
+    ShvViews *views = &simulation->views;
+    if (views->fragment_capacity < fragments->count) {
+        const size_t capacity = (size_t)fragments->capacity;
+        ShvFragmentView *grown = shv_reallocate(simulation->memory, SHV_PART_RECORD, views->fragments, capacity,
+                                                sizeof(ShvFragmentView));
+        if (!grown) return shv_fail_memory(error, "views of fragments", capacity * sizeof(ShvFragmentView));
+        views->fragments = grown;
+        views->fragment_capacity = fragments->capacity;
+    }
+    for (int32_t i = 0; i < fragments->count; i++) view_fragment(&views->fragments[i], &fragments->items[i]);
+    return SHV_OK;
+}
+
+static void view_obstacles(ShvSimulation *simulation)
+{
+    const ShvObstacles *obstacles = &simulation->hybrid.obstacles;
+    for (int32_t i = 0; i < obstacles->count; i++) {
+        const ShvObstacle *obstacle = &obstacles->items[i];
+        ShvObstacleView *view = &simulation->views.obstacles[i];
+        view->name = obstacle->definition->name;
+        shv_store3(view->position, obstacle->position);
+        view->orientation[0] = obstacle->orientation.w;
+        shv_store3(view->orientation + 1,
+                   shv_vec3(obstacle->orientation.x, obstacle->orientation.y, obstacle->orientation.z));
+        shv_store3(view->velocity, obstacle->velocity);
+        shv_store3(view->angular_velocity, obstacle->angular_velocity);
+    }
+}
+
+static void view_costs(ShvSimulation *simulation)
+{
+    for (int i = 0; i < SHV_COST_COUNT; i++)
+        simulation->views.costs[i] = (ShvCostView){shv_cost_name((ShvCost)i), simulation->hybrid.costs.seconds[i],
+                                                   simulation->hybrid.costs.calls[i]};
+    for (int i = 0; i < SHV_PART_COUNT; i++)
+        simulation->views.bytes[i] = (ShvBytesView){shv_part_name((ShvPart)i),
+                                                    shv_memory_bytes(simulation->memory, (ShvPart)i),
+                                                    shv_memory_peak_bytes(simulation->memory, (ShvPart)i)};
+}
+
+static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
+{
+    ShvHybrid *hybrid = &simulation->hybrid;
+    const ShvStatus observed = shv_hybrid_observe(hybrid, error);
+    SHV_TRY(view_fragments(simulation, error));
+    view_obstacles(simulation);
+    view_costs(simulation);
+    simulation->frame = (ShvFrameView){
+        .time = hybrid->state.time,
+        .animation = animation,
+        .fracture = hybrid->awake.count > 0,
+        .fragments = simulation->views.fragments,
+        .fragment_count = hybrid->fragments.count,
+        .alive_count = hybrid->fragments.alive,
+        .obstacles = simulation->views.obstacles,
+        .obstacle_count = hybrid->obstacles.count,
+        .events = hybrid->log.items,
+        .event_count = hybrid->log.count,
+        .ledger = hybrid->balance,
+        .steps = hybrid->state.step,
+        .step = hybrid->step,
+        .courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0,
+        .costs = simulation->views.costs,
+        .cost_count = SHV_COST_COUNT,
+        .bytes = simulation->views.bytes,
+        .bytes_count = SHV_PART_COUNT,
+    };
+    if (hybrid->model.can_break) {
+        const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
+        simulation->frame.inserted = energy.inserted;
+        simulation->frame.opened = energy.opened;
+        simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
+    }
+    return observed;
+}
+
+/* ---- frames ---- */
+
+static double animation_time(const ShvSimulation *simulation)
+{
+    return fmin((double)simulation->animation_frame / simulation->scene->output.rate, simulation->scene->duration);
+}
+
+bool shv_simulation_finished(const ShvSimulation *simulation)
+{
+    return simulation->started && simulation->hybrid.state.time >= simulation->scene->duration;
+}
+
+/* Keeps the frame view true after a failure: it shows the last consistent state. */
+static ShvStatus failed(ShvSimulation *simulation, ShvStatus status)
+{
+    ShvError ignored;
+    (void)fill_frame(simulation, false, &ignored);
+    return status;
+}
+
+ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
+{
+    ShvHybrid *hybrid = &simulation->hybrid;
+    if (simulation->started) hybrid->log.count = 0;
+    if (!simulation->started) {
+        simulation->started = true;
+        simulation->animation_frame = 1;
+        return fill_frame(simulation, true, error);
+    }
+    if (shv_simulation_finished(simulation)) return SHV_OK;
+    const double until = animation_time(simulation);
+    const int64_t every = simulation->scene->output.fracture_every;
+    int64_t taken = 0;
+    const ShvStatus status =
+        shv_hybrid_advance(hybrid, until, every > 0 ? every - simulation->fracture_steps : 0, &taken, error);
+    simulation->fracture_steps += taken;
+    if (status != SHV_OK) return failed(simulation, status);
+    const bool animation = hybrid->state.time >= until;
+    if (animation) simulation->animation_frame++;
+    if (every > 0 && simulation->fracture_steps >= every) simulation->fracture_steps = 0;
+    return fill_frame(simulation, animation, error);
+}
+
+const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation) { return &simulation->frame; }
+
+ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
+{
+    const ShvModel *model = &simulation->hybrid.model;
+    return (ShvMeshView){model->mesh.node_count, model->mesh.element_count,       model->mesh.positions,
+                         model->mesh.elements,   simulation->views.objects, model->object_count};
+}
+
+void shv_simulation_corner_positions(const ShvSimulation *simulation, double *corners)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    const ShvState *state = &hybrid->state;
+#pragma omp parallel for schedule(static) num_threads(hybrid->model.threads)
+    for (int32_t e = 0; e < state->element_count; e++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[state->element_fragment[e]];
+        const bool flying = fragment->mode == SHV_MODE_FLIGHT;
+        for (int32_t a = 0; a < 4; a++) {
+            const int32_t node = shv_state_node(state, e, a);
+            const ShvVec3 local = shv_sub(shv_load3(state->reference + 3 * (int64_t)node), fragment->reference_centre);
+            const ShvVec3 x = flying ? shv_add(fragment->position, shv_rotate(fragment->orientation, local))
+                                     : shv_state_position(state, node);
+            shv_store3(corners + 12 * (int64_t)e + 3 * a, x);
+        }
+    }
+}
+
+void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    const ShvModel *model = &hybrid->model;
+    const int32_t count = hybrid->state.element_count;
+    if (fragment) memcpy(fragment, hybrid->state.element_fragment, (size_t)count * sizeof(int32_t));
+    if (!damage) return;
+    memset(damage, 0, 4 * (size_t)count * sizeof(double));
+    if (!model->can_break) return;
+    for (int64_t i = 0; i < 4 * (int64_t)count; i++) {
+        const int32_t facet = model->adjacency.element_facets[i];
+        if (facet >= model->adjacency.interior_count) continue;
+        const int32_t cohesive = hybrid->cohesive.facet_cohesive[facet];
+        if (cohesive >= 0) damage[i] = shv_cohesive_facet_damage(&hybrid->cohesive, cohesive);
+    }
+}
+
+uint64_t shv_simulation_hash(const ShvSimulation *simulation) { return shv_state_hash(&simulation->hybrid.state); }

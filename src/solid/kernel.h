@@ -1,0 +1,250 @@
+/* One batch of eight elements, written once for all processors: displacement gradient, stress response, nodal
+   forces.
+
+   Everything starts from the displacement gradient H = Σ (u_b − u_0) ⊗ ∇N_b and never from D_s D_m⁻¹ − I, so that a
+   body at rest has exactly no strain, and a rigid shift changes no bit. */
+#ifndef SHV_SOLID_KERNEL_H
+#define SHV_SOLID_KERNEL_H
+
+#include "base/simd.h"
+#include "solid/polar.h"
+#include "solid/solid.h"
+
+_Static_assert((int)SHV_LANES == (int)SHV_WIDE_LANES, "a batch fills one register");
+
+/* Which responses occur in a batch. */
+typedef enum ShvBatchKind { SHV_BATCH_GREEN, SHV_BATCH_COROTATIONAL, SHV_BATCH_BOTH } ShvBatchKind;
+
+typedef struct ShvElasticity {
+    ShvBatchKind kind;
+    ShvWide lambda, mu;
+    ShvWideMask green; /* only set for SHV_BATCH_BOTH */
+} ShvElasticity;
+
+static inline ShvElasticity shv_batch_mixed_elasticity(const ShvModel *model, int32_t batch)
+{
+    _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
+    for (int lane = 0; lane < SHV_LANES; lane++) {
+        int32_t element = batch * SHV_LANES + lane;
+        if (element >= model->mesh.element_count) element = model->mesh.element_count - 1;
+        const ShvMaterial *material = shv_model_material(model, element);
+        lambda[lane] = material->lambda;
+        mu[lane] = material->mu;
+        green[lane] = material->kinematics == SHV_GREEN_STRAIN ? 1.0 : 0.0;
+    }
+    return (ShvElasticity){SHV_BATCH_BOTH, shv_wide_load(lambda), shv_wide_load(mu),
+                           shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
+}
+
+static inline ShvElasticity shv_batch_elasticity(const ShvSolid *solid, int32_t batch)
+{
+    const int16_t index = solid->batch_material[batch];
+    if (index < 0) return shv_batch_mixed_elasticity(solid->model, batch);
+    const ShvMaterial *material = &solid->model->materials[index];
+    ShvElasticity elasticity = {.kind = material->kinematics == SHV_GREEN_STRAIN ? SHV_BATCH_GREEN
+                                                                                 : SHV_BATCH_COROTATIONAL};
+    elasticity.lambda = shv_wide_set1(material->lambda);
+    elasticity.mu = shv_wide_set1(material->mu);
+    return elasticity;
+}
+
+/* Gradient of N_(b+1), component j. */
+static inline ShvWide shv_batch_shape_gradient(const ShvSolid *solid, int32_t batch, int b, int j)
+{
+    return shv_wide_load(solid->gradients + ((int64_t)batch * 9 + 3 * b + j) * SHV_LANES);
+}
+
+static inline void shv_batch_displacement_gradient(const ShvSolid *solid, const ShvState *state, int32_t batch,
+                                                   ShvWide h[3][3])
+{
+    int32_t index[4 * SHV_LANES];
+    const int32_t *nodes = state->connectivity + (int64_t)batch * (4 * SHV_LANES);
+    for (int i = 0; i < 4 * SHV_LANES; i++) index[i] = 3 * nodes[i];
+    for (int i = 0; i < 3; i++) {
+        const double *component = state->displacement + i;
+        const ShvWide base = shv_wide_gather(component, index);
+        ShvWide difference[3];
+        for (int b = 0; b < 3; b++)
+            difference[b] = shv_wide_sub(shv_wide_gather(component, index + (b + 1) * SHV_LANES), base);
+        for (int j = 0; j < 3; j++) {
+            h[i][j] = shv_wide_mul(difference[0], shv_batch_shape_gradient(solid, batch, 0, j));
+            h[i][j] = shv_wide_fma(difference[1], shv_batch_shape_gradient(solid, batch, 1, j), h[i][j]);
+            h[i][j] = shv_wide_fma(difference[2], shv_batch_shape_gradient(solid, batch, 2, j), h[i][j]);
+        }
+    }
+}
+
+/* 2 E = H + Hᵀ + Hᵀ H, all nine components filled. */
+static inline void shv_wide_twice_green_strain(ShvWide h[3][3], ShvWide e[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++) {
+            ShvWide sum = shv_wide_add(h[i][j], h[j][i]);
+            for (int k = 0; k < 3; k++) sum = shv_wide_fma(h[k][i], h[k][j], sum);
+            e[i][j] = e[j][i] = sum;
+        }
+}
+
+static inline ShvWide shv_wide_trace(ShvWide a[3][3])
+{
+    return shv_wide_add(shv_wide_add(a[0][0], a[1][1]), a[2][2]);
+}
+
+/* St. Venant-Kirchhoff: P = F S, S = λ tr E I + 2µ E. */
+static inline void shv_green_stress(const ShvElasticity *elasticity, ShvWide h[3][3], ShvWide p[3][3])
+{
+    ShvWide s[3][3];
+    shv_wide_twice_green_strain(h, s);
+    const ShvWide pressure = shv_wide_mul(shv_wide_mul(shv_wide_set1(0.5), elasticity->lambda), shv_wide_trace(s));
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++) {
+            s[i][j] = i == j ? shv_wide_fma(elasticity->mu, s[i][j], pressure) : shv_wide_mul(elasticity->mu, s[i][j]);
+            s[j][i] = s[i][j];
+        }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            p[i][j] = s[i][j];
+            for (int k = 0; k < 3; k++) p[i][j] = shv_wide_fma(h[i][k], s[k][j], p[i][j]);
+        }
+}
+
+/* Per volume: λ/2 (tr E)² + µ E:E. */
+static inline ShvWide shv_green_energy(const ShvElasticity *elasticity, ShvWide h[3][3])
+{
+    ShvWide e[3][3];
+    shv_wide_twice_green_strain(h, e);
+    const ShvWide trace = shv_wide_trace(e);
+    const ShvWide volumetric =
+        shv_wide_mul(shv_wide_mul(shv_wide_set1(0.125), elasticity->lambda), shv_wide_mul(trace, trace));
+    return shv_wide_fma(shv_wide_mul(shv_wide_set1(0.25), elasticity->mu), shv_wide_squared_norm(e), volumetric);
+}
+
+/* F − R = H − (R − I), and R : (F − R), the trace of the strain in the rotated frame; R − I in `turn`. */
+static inline ShvWide shv_corotational_strain(ShvWide h[3][3], ShvWide turn[3][3], ShvWide strain[3][3])
+{
+    shv_wide_polar_turn(h, turn);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) strain[i][j] = shv_wide_sub(h[i][j], turn[i][j]);
+    ShvWide trace = shv_wide_trace(strain);
+    for (int k = 0; k < 9; k++) trace = shv_wide_fma(turn[k / 3][k % 3], strain[k / 3][k % 3], trace);
+    return trace;
+}
+
+/* Linear in the rotated frame: P = R (λ tr ε I + 2µ ε), ε = Rᵀ F − I. It is the exact derivative of
+   µ |F − R|² + λ/2 (tr ε)², because R is the nearest rotation. */
+static inline void shv_corotational_stress(const ShvElasticity *elasticity, ShvWide h[3][3], ShvWide p[3][3])
+{
+    ShvWide turn[3][3], strain[3][3];
+    const ShvWide pressure = shv_wide_mul(elasticity->lambda, shv_corotational_strain(h, turn, strain));
+    const ShvWide twice_mu = shv_wide_add(elasticity->mu, elasticity->mu);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const ShvWide rotated = shv_wide_mul(pressure, turn[i][j]);
+            p[i][j] = shv_wide_fma(twice_mu, strain[i][j], i == j ? shv_wide_add(rotated, pressure) : rotated);
+        }
+}
+
+static inline ShvWide shv_corotational_energy(const ShvElasticity *elasticity, ShvWide h[3][3])
+{
+    ShvWide turn[3][3], strain[3][3];
+    const ShvWide trace = shv_corotational_strain(h, turn, strain);
+    const ShvWide volumetric =
+        shv_wide_mul(shv_wide_mul(shv_wide_set1(0.5), elasticity->lambda), shv_wide_mul(trace, trace));
+    return shv_wide_fma(elasticity->mu, shv_wide_squared_norm(strain), volumetric);
+}
+
+/* First Piola-Kirchhoff stress of every lane. */
+static inline void shv_batch_piola(const ShvElasticity *elasticity, ShvWide h[3][3], ShvWide p[3][3])
+{
+    if (elasticity->kind == SHV_BATCH_COROTATIONAL) {
+        shv_corotational_stress(elasticity, h, p);
+        return;
+    }
+    shv_green_stress(elasticity, h, p);
+    if (elasticity->kind == SHV_BATCH_GREEN) return;
+    ShvWide other[3][3];
+    shv_corotational_stress(elasticity, h, other);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) p[i][j] = shv_wide_select(elasticity->green, p[i][j], other[i][j]);
+}
+
+/* Strain energy of every lane, J; zero in padding lanes. */
+static inline ShvWide shv_batch_energy(const ShvSolid *solid, const ShvState *state, int32_t batch)
+{
+    ShvWide h[3][3], density;
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_displacement_gradient(solid, state, batch, h);
+    if (elasticity.kind == SHV_BATCH_COROTATIONAL) {
+        density = shv_corotational_energy(&elasticity, h);
+    } else {
+        density = shv_green_energy(&elasticity, h);
+        if (elasticity.kind == SHV_BATCH_BOTH)
+            density = shv_wide_select(elasticity.green, density, shv_corotational_energy(&elasticity, h));
+    }
+    return shv_wide_mul(shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES), density);
+}
+
+/* Determinant of F = I + H: current over reference volume. */
+static inline ShvWide shv_wide_volume_ratio(ShvWide h[3][3])
+{
+    ShvWide f[3][3], cofactors[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) f[i][j] = i == j ? shv_wide_add(h[i][j], shv_wide_set1(1.0)) : h[i][j];
+    return shv_wide_cofactors(f, cofactors);
+}
+
+/* Adds the forces of a batch, lane after lane: −V P ∇N_b on corner b, the opposite of their sum on corner 0. */
+static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int32_t batch, ShvWide p[3][3])
+{
+    _Alignas(64) double corner_force[4][3][SHV_LANES];
+    const ShvWide minus_volume =
+        shv_wide_sub(shv_wide_zero(), shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES));
+    for (int i = 0; i < 3; i++) {
+        ShvWide sum = shv_wide_zero();
+        ShvWide row[3];
+        for (int j = 0; j < 3; j++) row[j] = shv_wide_mul(minus_volume, p[i][j]);
+        for (int b = 0; b < 3; b++) {
+            ShvWide f = shv_wide_mul(row[0], shv_batch_shape_gradient(solid, batch, b, 0));
+            f = shv_wide_fma(row[1], shv_batch_shape_gradient(solid, batch, b, 1), f);
+            f = shv_wide_fma(row[2], shv_batch_shape_gradient(solid, batch, b, 2), f);
+            shv_wide_store(corner_force[b + 1][i], f);
+            sum = shv_wide_add(sum, f);
+        }
+        shv_wide_store(corner_force[0][i], shv_wide_sub(shv_wide_zero(), sum));
+    }
+    const int32_t *nodes = state->connectivity + (int64_t)batch * (4 * SHV_LANES);
+    for (int lane = 0; lane < SHV_LANES; lane++)
+        for (int corner = 0; corner < 4; corner++) {
+            double *force = state->force + 3 * (int64_t)nodes[corner * SHV_LANES + lane];
+            for (int i = 0; i < 3; i++) force[i] += corner_force[corner][i][lane];
+        }
+}
+
+static inline void shv_batch_add_force(const ShvSolid *solid, ShvState *state, int32_t batch)
+{
+    ShvWide h[3][3], p[3][3];
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_piola(&elasticity, h, p);
+    shv_batch_scatter(solid, state, batch, p);
+}
+
+/* Cauchy stress P Fᵀ / J of every lane into six rows of eight (xx, yy, zz, yz, xz, xy). */
+static inline void shv_batch_cauchy(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress)
+{
+    static const int rows[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    ShvWide h[3][3], p[3][3];
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_piola(&elasticity, h, p);
+    const ShvWide ratio = shv_wide_max(shv_wide_set1(SHV_SMALLEST_VOLUME_RATIO), shv_wide_volume_ratio(h));
+    const ShvWide scale = shv_wide_div(shv_wide_set1(1.0), ratio);
+    for (int c = 0; c < 6; c++) {
+        const int i = rows[c][0], j = rows[c][1];
+        ShvWide sum = p[i][j];
+        for (int k = 0; k < 3; k++) sum = shv_wide_fma(p[i][k], h[j][k], sum);
+        shv_wide_store(stress + c * SHV_LANES, shv_wide_mul(scale, sum));
+    }
+}
+
+#endif

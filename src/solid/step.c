@@ -1,0 +1,151 @@
+#include <float.h>
+
+#include "solid/solid.h"
+
+/* Σ_a ∇N_a ∇N_aᵀ over the four corners of an element, 1/m². */
+static ShvMat3 gradient_products(const ShvSolid *solid, int32_t element)
+{
+    const double *first = solid->gradients + (int64_t)(element / SHV_LANES) * (9 * SHV_LANES) + element % SHV_LANES;
+    double g[4][3] = {{0.0}};
+    for (int b = 0; b < 3; b++)
+        for (int j = 0; j < 3; j++) {
+            g[b + 1][j] = first[(3 * b + j) * SHV_LANES];
+            g[0][j] -= g[b + 1][j];
+        }
+    ShvMat3 sum = {{{0.0}}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int a = 0; a < 4; a++) sum.m[i][j] += g[a][i] * g[a][j];
+    return sum;
+}
+
+/* |∇N_a| is the inverse of the altitude above corner a. For λ < 0 the dilatation only softens, and 2µ alone bounds. */
+double shv_solid_safe_step(const ShvSolid *solid, int32_t element)
+{
+    const ShvMaterial *material = shv_model_material(solid->model, element);
+    const ShvMat3 products = gradient_products(solid, element);
+    const double modulus = fmax(material->lambda, 0.0) + 2.0 * material->mu;
+    const double inverse_square = products.m[0][0] + products.m[1][1] + products.m[2][2];
+    return 1.0 / sqrt(modulus / material->density * inverse_square);
+}
+
+/* B Bᵀ of the strain-displacement matrix (engineering shear, rows xx, yy, zz, yz, xz, xy), from the gradient
+   products. */
+static void strain_products(const ShvMat3 *s, double b[6][6])
+{
+    const double(*m)[3] = s->m;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const int k = 3 - i - j;
+            b[i][j] = i == j ? m[i][i] : 0.0;
+            /* Shear row 3 + j lacks axis j. It shares with the normal row i the product of axis i and the third
+               axis. */
+            b[i][3 + j] = b[3 + j][i] = i == j ? 0.0 : m[i][k];
+            b[3 + i][3 + j] = i == j ? m[0][0] + m[1][1] + m[2][2] - m[i][i] : m[i][j];
+        }
+}
+
+/* a := r a r for the symmetric root r of the elasticity matrix: p I + q 1 1ᵀ on the normal part, √µ on shear. */
+static void scale_by_elastic_root(const ShvMaterial *material, double a[6][6])
+{
+    const double p = sqrt(2.0 * material->mu), shear = sqrt(material->mu);
+    const double q = (sqrt(3.0 * material->lambda + 2.0 * material->mu) - p) / 3.0;
+    for (int side = 0; side < 2; side++)
+        for (int i = 0; i < 6; i++) {
+            double *row[6];
+            for (int j = 0; j < 6; j++) row[j] = side == 0 ? &a[i][j] : &a[j][i];
+            const double sum = *row[0] + *row[1] + *row[2];
+            for (int j = 0; j < 3; j++) *row[j] = p * *row[j] + q * sum;
+            for (int j = 3; j < 6; j++) *row[j] *= shear;
+        }
+}
+
+/* One Jacobi rotation that makes a[p][q] zero (Golub and Van Loan, Matrix Computations, 8.5). */
+static void rotate(double a[6][6], int p, int q)
+{
+    if (a[p][q] == 0.0) return;
+    const double theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+    const double t = (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+    const double c = 1.0 / sqrt(t * t + 1.0), s = t * c, shift = t * a[p][q];
+    a[p][p] -= shift;
+    a[q][q] += shift;
+    a[p][q] = a[q][p] = 0.0;
+    for (int r = 0; r < 6; r++) {
+        if (r == p || r == q) continue;
+        const double x = a[r][p], y = a[r][q];
+        a[r][p] = a[p][r] = c * x - s * y;
+        a[r][q] = a[q][r] = s * x + c * y;
+    }
+}
+
+static double off_diagonal_norm(double a[6][6])
+{
+    double sum = 0.0;
+    for (int p = 0; p < 6; p++)
+        for (int q = p + 1; q < 6; q++) sum += 2.0 * a[p][q] * a[p][q];
+    return sqrt(sum);
+}
+
+/* Upper bound of the largest eigenvalue of a positive semidefinite matrix, and closer than 1e-12 of it. What Jacobi
+   sweeps leave off the diagonal moves no eigenvalue by more than its norm (Weyl), and rounding in building and
+   rotating the matrix stays below some hundred units in the last place of its trace, hence the last factor. */
+static double largest_eigenvalue(double a[6][6])
+{
+    enum { SWEEPS = 30 };
+    double trace = 0.0, largest = 0.0;
+    for (int i = 0; i < 6; i++) trace += a[i][i];
+    for (int sweep = 0; sweep < SWEEPS && off_diagonal_norm(a) > 1e-14 * trace; sweep++)
+        for (int p = 0; p < 6; p++)
+            for (int q = p + 1; q < 6; q++) rotate(a, p, q);
+    for (int i = 0; i < 6; i++) largest = fmax(largest, a[i][i]);
+    return largest + off_diagonal_norm(a) + 512.0 * DBL_EPSILON * trace;
+}
+
+/* The element's stiffness is V Bᵀ C B and its mass ρV/4 at each corner, so that ω² are the eigenvalues of (4/ρ) Bᵀ C B;
+   those that are not zero are those of (4/ρ) C^½ B Bᵀ C^½, six rows instead of twelve. */
+double shv_solid_exact_step(const ShvSolid *solid, int32_t element)
+{
+    const ShvMaterial *material = shv_model_material(solid->model, element);
+    const ShvMat3 products = gradient_products(solid, element);
+    double a[6][6];
+    strain_products(&products, a);
+    scale_by_elastic_root(material, a);
+    return sqrt(material->density / largest_eigenvalue(a));
+}
+
+typedef struct Smallest {
+    double step;
+    int32_t element;
+} Smallest;
+
+/* The element of the smaller step; the lower one of two equals, so that the order of looking does not matter. */
+static Smallest smaller(Smallest a, Smallest b)
+{
+    if (a.step != b.step) return a.step < b.step ? a : b;
+    return a.element < b.element ? a : b;
+}
+
+/* Elements whose safe step is no smaller than the best exact one cannot set it: most need no eigenvalue. */
+static Smallest search_batch(const ShvSolid *solid, int32_t batch, Smallest best)
+{
+    for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < solid->model->mesh.element_count; e++)
+        if (shv_solid_safe_step(solid, e) <= best.step)
+            best = smaller(best, (Smallest){shv_solid_exact_step(solid, e), e});
+    return best;
+}
+
+double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
+{
+    Smallest best = {(double)INFINITY, INT32_MAX};
+#pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1)
+    {
+        Smallest own = {(double)INFINITY, INT32_MAX};
+#pragma omp for schedule(static)
+        for (int32_t batch = 0; batch < solid->batch_count; batch++)
+            if (solid->batch_active[batch]) own = search_batch(solid, batch, own);
+#pragma omp critical(shv_solid_smallest_step)
+        best = smaller(best, own);
+    }
+    if (element) *element = best.element == INT32_MAX ? -1 : best.element;
+    return best.step;
+}

@@ -1,0 +1,255 @@
+#include <stdlib.h>
+
+#include "cohesive/fixture.h"
+
+#include "base/random.h"
+
+static void all_facets(const Fixture *f, int32_t *facets)
+{
+    for (int32_t i = 0; i < f->model.adjacency.interior_count; i++) facets[i] = i;
+}
+
+static void shuffle(int32_t *facets, int32_t count, uint64_t seed)
+{
+    for (int32_t i = count - 1; i > 0; i--) {
+        const int32_t k = (int32_t)(shv_random_bits(seed, (uint64_t)i) % (uint64_t)(i + 1)), kept = facets[i];
+        facets[i] = facets[k];
+        facets[k] = kept;
+    }
+}
+
+static double element_mass(const Fixture *f)
+{
+    double sum = 0.0;
+    for (int32_t e = 0; e < f->state.element_count; e++) sum += f->state.element_mass[e];
+    return sum;
+}
+
+static double node_mass(const Fixture *f)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < f->state.node_count; i++) sum += f->state.mass[i];
+    return sum;
+}
+
+static ShvVec3 momentum(const Fixture *f, double *scale)
+{
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    *scale = 0.0;
+    for (int32_t i = 0; i < f->state.node_count; i++) {
+        const ShvVec3 p = shv_scale(shv_load3(f->state.velocity + 3 * (int64_t)i), f->state.mass[i]);
+        sum = shv_add(sum, p);
+        *scale += shv_norm(p);
+    }
+    return sum;
+}
+
+static void check_corners(const Fixture *f)
+{
+    int64_t corners = 0;
+    for (int32_t i = 0; i < f->state.node_count; i++) {
+        double mass = 0.0;
+        assert_true(f->state.corner_count[i] > 0);
+        for (int32_t k = 0; k < f->state.corner_count[i]; k++, corners++) {
+            const int32_t corner = f->state.corners[f->state.corner_start[i] + k];
+            assert_int_equal(shv_state_node(&f->state, corner / 4, corner % 4), i);
+            if (k > 0) assert_true(corner > f->state.corners[f->state.corner_start[i] + k - 1]);
+            mass += 0.25 * f->state.element_mass[corner / 4];
+        }
+        assert_true(mass == f->state.mass[i]);
+        assert_true(f->state.reference[3 * i] == f->model.mesh.positions[3 * f->state.origin[i]]);
+    }
+    assert_int_equal(corners, 4 * (int64_t)f->state.element_count);
+    for (int32_t lane = f->state.element_count; lane < f->state.batch_count * SHV_LANES; lane++)
+        for (int k = 0; k < 4; k++)
+            assert_int_equal(f->state.connectivity[shv_corner_slot(lane, k)],
+                             shv_state_node(&f->state, f->state.element_count - 1, k));
+}
+
+static void everything_at_once(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.03, 0.02, 0.02, 0.005);
+    fixture_build(&f);
+    for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++) f.state.velocity[i] = shv_random_uniform(1, (uint64_t)i) - 0.3;
+    const double elements = element_mass(&f), nodes = node_mass(&f);
+    double scale;
+    const ShvVec3 before = momentum(&f, &scale);
+    const int32_t count = f.model.adjacency.interior_count;
+    int32_t *facets = calloc((size_t)count, sizeof *facets), duplicated;
+    all_facets(&f, facets);
+    const int32_t start = f.state.node_count;
+    check_ok(shv_cohesive_insert(&f.cohesive, &f.state, NULL, facets, count, &duplicated, &f.error), f.error);
+    assert_int_equal(f.state.node_count, 4 * f.state.element_count);
+    assert_int_equal(duplicated, f.state.node_count - start);
+    assert_int_equal(fixture_components(&f), f.state.element_count);
+    assert_true(element_mass(&f) == elements);
+    check_near(node_mass(&f), nodes, 1e-14 * nodes);
+    check_near(shv_norm(shv_sub(momentum(&f, &scale), before)), 0.0, 1e-12 * scale);
+    check_corners(&f);
+    assert_true(isinf(shv_cohesive_weakest(&f.cohesive, NULL, 0)));
+    free(facets);
+    fixture_release(&f);
+}
+
+static void a_single_facet_splits_nothing(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.03, 0.03, 0.03, 0.005);
+    fixture_build(&f);
+    int32_t found = -1;
+    for (int32_t i = 0; i < f.model.adjacency.interior_count && found < 0; i++) {
+        const ShvVec3 x = fixture_facet_centre(&f, i);
+        if (shv_norm(x) < 0.004) found = i;
+    }
+    assert_true(found >= 0);
+    int32_t duplicated;
+    check_ok(shv_cohesive_insert(&f.cohesive, &f.state, NULL, &found, 1, &duplicated, &f.error), f.error);
+    assert_int_equal(duplicated, 0);
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.pair_count, 0);
+    check_fails(shv_cohesive_insert(&f.cohesive, &f.state, NULL, &found, 1, &duplicated, &f.error), SHV_BAD_INPUT, f.error, "intact");
+    assert_int_equal(f.cohesive.count, 1);
+    fixture_release(&f);
+}
+
+static void a_plane_cuts_in_two(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.04, 0.02, 0.02, 0.005);
+    fixture_build(&f);
+    int32_t *facets = calloc((size_t)f.model.adjacency.interior_count, sizeof *facets), duplicated;
+    const int32_t count = fixture_plane(&f, 0.0, 1e-9, facets);
+    assert_true(count > 0);
+    int32_t on_plane = 0;
+    for (int32_t i = 0; i < f.state.node_count; i++) on_plane += fabs(f.state.reference[3 * i]) < 1e-9;
+    check_ok(shv_cohesive_insert(&f.cohesive, &f.state, NULL, facets, count, &duplicated, &f.error), f.error);
+    assert_int_equal(duplicated, on_plane);
+    assert_int_equal(fixture_components(&f), 2);
+    check_corners(&f);
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.pair_count, 3 * count);
+    const ShvCohesiveEnergy energy = shv_cohesive_energy(&f.cohesive, &f.state);
+    check_near(energy.inserted_area, 0.02 * 0.02, 1e-15);
+    assert_int_equal(energy.opened, 0);
+    free(facets);
+    fixture_release(&f);
+}
+
+/* The groups at a node by brute force: corners joined when some intact facet contains both elements and the node. */
+static int32_t brute_copies(const Fixture *f, int32_t origin)
+{
+    const ShvAdjacency *a = &f->model.adjacency;
+    const int32_t *corners = a->corners + a->corner_start[origin], count = a->corner_start[origin + 1] - a->corner_start[origin];
+    int32_t label[256], groups = count;
+    for (int32_t i = 0; i < count; i++) label[i] = i;
+    for (int32_t facet = 0; facet < a->interior_count; facet++) {
+        if (f->cohesive.facet_cohesive[facet] >= 0) continue;
+        int32_t side[2] = {-1, -1};
+        for (int s = 0; s < 2; s++)
+            for (int32_t i = 0; i < count; i++)
+                if (corners[i] / 4 == a->facet_elements[2 * facet + s] && corners[i] % 4 != a->facet_faces[2 * facet + s]) side[s] = i;
+        if (side[0] < 0 || side[1] < 0 || label[side[0]] == label[side[1]]) continue;
+        const int32_t from = label[side[1]], to = label[side[0]];
+        for (int32_t i = 0; i < count; i++)
+            if (label[i] == from) label[i] = to;
+        groups--;
+    }
+    return groups;
+}
+
+/* In one go, in any order: the same bits. In pieces: the same splits. Cracks at random leave edges and vertices where
+   elements meet in nothing else. */
+static void order_does_not_matter(void **state)
+{
+    (void)state;
+    uint64_t hash[4];
+    for (int run = 0; run < 4; run++) {
+        Fixture f;
+        fixture_define(&f, 0.03, 0.02, 0.02, 0.005);
+        fixture_build(&f);
+        const int32_t total = f.model.adjacency.interior_count, count = total / 2;
+        int32_t *facets = calloc((size_t)total, sizeof *facets), duplicated, sum = 0;
+        all_facets(&f, facets);
+        shuffle(facets, total, 17);
+        shuffle(facets, count, (uint64_t)run + 100);
+        const int32_t pieces = run < 3 ? 1 : 7;
+        for (int32_t p = 0; p < pieces; p++) {
+            const int32_t begin = count * p / pieces, end = count * (p + 1) / pieces;
+            check_ok(shv_cohesive_insert(&f.cohesive, &f.state, NULL, facets + begin, end - begin, &duplicated, &f.error), f.error);
+            sum += duplicated;
+            check_corners(&f);
+        }
+        hash[run] = shv_state_hash(&f.state);
+        int32_t copies = 0;
+        for (int32_t i = 0; i < f.model.mesh.node_count; i++) copies += brute_copies(&f, i) - 1;
+        assert_int_equal(sum, copies);
+        free(facets);
+        fixture_release(&f);
+    }
+    assert_true(hash[0] == hash[1] && hash[0] == hash[2]);
+}
+
+static void failure_changes_nothing(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.02, 0.02, 0.02, 0.005);
+    fixture_build(&f);
+    const int32_t count = f.model.adjacency.interior_count;
+    int32_t *facets = calloc((size_t)count, sizeof *facets), duplicated;
+    all_facets(&f, facets);
+    const uint64_t before = shv_state_hash(&f.state);
+    int failures = 0;
+    for (int64_t allowed = 0;; allowed++) {
+        shv_memory_fail_after(f.memory, allowed);
+        const ShvStatus status = shv_cohesive_insert(&f.cohesive, &f.state, NULL, facets, count, &duplicated, &f.error);
+        shv_memory_fail_after(f.memory, -1);
+        if (status == SHV_OK) break;
+        failures++;
+        assert_int_equal(status, SHV_NO_MEMORY);
+        assert_int_equal(f.cohesive.count, 0);
+        assert_int_equal(duplicated, 0);
+        assert_true(shv_state_hash(&f.state) == before);
+        for (int32_t i = 0; i < count; i++) assert_int_equal(f.cohesive.facet_cohesive[i], -1);
+    }
+    assert_true(failures > 10);
+    assert_int_equal(f.state.node_count, 4 * f.state.element_count);
+    free(facets);
+    fixture_release(&f);
+}
+
+static void creation_fails_cleanly(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.02, 0.02, 0.02, 0.01);
+    f.scene.fracture.criterion = SHV_CRITERION_PRINCIPAL;
+    fixture_build(&f);
+    shv_cohesive_release(&f.cohesive);
+    int failures = 0;
+    for (int64_t allowed = 0;; allowed++) {
+        shv_memory_fail_after(f.memory, allowed);
+        const ShvStatus status = shv_cohesive_create(&f.cohesive, &f.model, &f.scene.fracture, &f.error);
+        shv_memory_fail_after(f.memory, -1);
+        if (status == SHV_OK) break;
+        failures++;
+        assert_int_equal(status, SHV_NO_MEMORY);
+        assert_int_equal(shv_memory_bytes(f.memory, SHV_PART_COHESIVE), 0);
+    }
+    assert_true(failures >= 8);
+    fixture_release(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(everything_at_once),      cmocka_unit_test(a_single_facet_splits_nothing),
+        cmocka_unit_test(a_plane_cuts_in_two),     cmocka_unit_test(order_does_not_matter),
+        cmocka_unit_test(failure_changes_nothing), cmocka_unit_test(creation_fails_cleanly),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

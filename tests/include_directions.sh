@@ -1,0 +1,42 @@
+#!/bin/sh
+# Each module may include only the modules named for it here; the public headers are everybody's.
+# usage: include_directions.sh SOURCE_FOLDER
+set -eu
+cd "$1"
+allowed()
+{
+    case $1 in
+    base) echo base ;;
+    mesh) echo base mesh ;;
+    model) echo base mesh model ;;
+    solid) echo base mesh model solid ;;
+    cohesive) echo base mesh model cohesive ;;
+    shape) echo base mesh model shape ;;
+    pbd) echo base mesh model solid cohesive shape rigid pbd ;;
+    contact) echo base mesh model solid cohesive shape contact ;;
+    rigid) echo base mesh model solid cohesive shape rigid ;;
+    hybrid) echo base mesh model solid cohesive shape pbd contact rigid hybrid ;;
+    sim) echo base mesh model solid cohesive shape pbd contact rigid hybrid sim ;;
+    scene) echo base scene ;;
+    record) echo base record ;;
+    export) echo base export ;;
+    cli) echo base mesh cli ;;
+    *) echo "unknown" ;;
+    esac
+}
+bad=0
+for folder in src/*/; do
+    module=$(basename "$folder")
+    may=" $(allowed "$module") "
+    case $may in *unknown*) echo "src/$module is not in tests/include_directions.sh"; bad=1; continue ;; esac
+    for file in "$folder"*.[ch]; do
+        for included in $(sed -n 's/^#include "\([^"]*\)\/[^"]*".*/\1/p' "$file" | sort -u); do
+            [ "$included" = shiver ] && continue
+            case $may in *" $included "*) ;; *) echo "$file includes $included/, which $module may not know"; bad=1 ;; esac
+        done
+    done
+done
+for file in include/shiver/*.h; do
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|cli)/' "$file" && bad=1
+done
+exit $bad

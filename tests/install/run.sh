@@ -1,0 +1,19 @@
+#!/bin/sh
+# Installs a build to a temporary prefix and builds a program against it, once through CMake and once through pkg-config.
+# usage: run.sh BUILD_FOLDER SOURCE_FOLDER C_COMPILER
+set -eu
+build=$1 source=$2 compiler=$3
+prefix=$(mktemp -d)
+trap 'rm -rf "$prefix"' EXIT
+cmake --install "$build" --prefix "$prefix" >"$prefix/install.log"
+"$prefix/bin/shiver" --version
+
+cmake -S "$source/tests/install" -B "$prefix/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$compiler" >"$prefix/cmake.log"
+cmake --build "$prefix/by-cmake" >>"$prefix/cmake.log" || { cat "$prefix/cmake.log"; exit 1; }
+"$prefix/by-cmake/drop"
+
+PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name shiver.pc)")
+export PKG_CONFIG_PATH
+# shellcheck disable=SC2046 # flags on purpose
+"$compiler" -std=c17 "$source/tests/install/drop.c" $(pkg-config --define-variable=prefix="$prefix" --cflags --libs --static shiver) -o "$prefix/by-pkg-config"
+"$prefix/by-pkg-config"

@@ -1,0 +1,172 @@
+#include "check.h"
+
+#include "model/material.h"
+
+static ShvMaterialDefinition glass(void)
+{
+    ShvMaterialDefinition definition = shv_material_default();
+    definition.name = "glass";
+    definition.density = 2500.0;
+    definition.youngs_modulus = 70e9;
+    definition.poissons_ratio = 0.25;
+    definition.fracture_energy = 8.0;
+    definition.cohesive_strength = 40e6;
+    return definition;
+}
+
+static void constants_follow_from_the_definition(void **state)
+{
+    (void)state;
+    const ShvMaterialDefinition definition = glass();
+    ShvMaterial material;
+    ShvError error;
+    check_ok(shv_material_make(&material, &definition, &error), error);
+    /* ν = ¼: λ = µ = 0.4 E, λ + 2µ = 1.2 E. */
+    check_near(material.lambda / 28e9, 1.0, 1e-15);
+    check_near(material.mu / 28e9, 1.0, 1e-15);
+    check_near(material.dilatational_speed, sqrt(84e9 / 2500.0), 1e-11);
+    check_near(material.bar_speed, sqrt(70e9 / 2500.0), 1e-11);
+    check_near(material.shear_speed, sqrt(28e9 / 2500.0), 1e-11);
+    assert_true(material.fracture_energy[SHV_SHEAR] == 8.0);
+    assert_true(material.strength[SHV_SHEAR] == 40e6);
+    assert_true(material.shape[SHV_SHEAR] == 2.0);
+    /* R = (π/8) E/(1−ν²) G/σ²: 3.1416/8 × 74.667e9 × 5e-15; 2EG/σ²; 2G/σ. */
+    check_near(shv_material_cohesive_zone(&material), 3.141592653589793 / 8.0 * 70e9 / 0.9375 * 5e-15, 1e-18);
+    check_near(shv_material_snap_back(&material), 7e-4, 1e-18);
+    check_near(shv_material_final_opening(&material), 4e-7, 1e-21);
+}
+
+static void shear_values_and_shape_are_kept(void **state)
+{
+    (void)state;
+    ShvMaterialDefinition definition = glass();
+    definition.fracture_energy_shear = 16.0;
+    definition.cohesive_strength_shear = 30e6;
+    definition.ppr_shape = 3.0;
+    definition.ppr_shape_shear = 1.5;
+    ShvMaterial material;
+    ShvError error;
+    check_ok(shv_material_make(&material, &definition, &error), error);
+    assert_true(material.fracture_energy[SHV_SHEAR] == 16.0 && material.strength[SHV_SHEAR] == 30e6);
+    assert_true(material.shape[SHV_NORMAL] == 3.0 && material.shape[SHV_SHEAR] == 1.5);
+    check_near(shv_material_final_opening(&material), 6e-7, 1e-21);
+    definition.law = SHV_CAMACHO_ORTIZ;
+    check_ok(shv_material_make(&material, &definition, &error), error);
+    check_near(shv_material_final_opening(&material), 4e-7, 1e-21);
+}
+
+/* σ = 0, G = 0, σ = ∞, G = ∞, unbreakable: lengths are limits, never 0/0. */
+static void limits_have_lengths(void **state)
+{
+    (void)state;
+    const double infinite = (double)INFINITY;
+    const struct {
+        bool breakable;
+        double strength, energy, zone, opening;
+        bool opens;
+    } cases[] = {
+        {true, 0.0, 8.0, infinite, infinite, true},
+        {true, 0.0, 0.0, infinite, 0.0, true},
+        {true, 40e6, 0.0, 0.0, 0.0, true},
+        {true, infinite, 8.0, infinite, 0.0, false},
+        {true, 40e6, infinite, infinite, infinite, true},
+        {true, infinite, infinite, infinite, infinite, false},
+        {false, 40e6, 8.0, infinite, 4e-7, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ShvMaterialDefinition definition = glass();
+        definition.breakable = cases[i].breakable;
+        definition.cohesive_strength = cases[i].strength;
+        definition.fracture_energy = cases[i].energy;
+        ShvMaterial material;
+        ShvError error;
+        check_ok(shv_material_make(&material, &definition, &error), error);
+        assert_true(shv_material_can_open(&material) == cases[i].opens);
+        assert_true(shv_material_cohesive_zone(&material) == cases[i].zone);
+        assert_true(shv_material_snap_back(&material) == cases[i].zone);
+        assert_true(shv_material_final_opening(&material) == cases[i].opening);
+    }
+}
+
+static void unbreakable_material_needs_no_fracture_data(void **state)
+{
+    (void)state;
+    ShvMaterialDefinition definition = shv_material_default();
+    definition.name = "steel";
+    definition.density = 7800.0;
+    definition.youngs_modulus = 210e9;
+    definition.poissons_ratio = 0.3;
+    definition.breakable = false;
+    ShvMaterial material;
+    ShvError error;
+    check_ok(shv_material_make(&material, &definition, &error), error);
+    assert_true(isinf(material.strength[SHV_NORMAL]) && isinf(material.strength[SHV_SHEAR]));
+    assert_false(shv_material_can_open(&material));
+}
+
+static void impossible_values_are_refused_by_name(void **state)
+{
+    (void)state;
+    const double nan = (double)NAN, infinite = (double)INFINITY;
+    ShvMaterialDefinition d;
+    ShvMaterial material;
+    ShvError error;
+#define REFUSES(assignment, part)                                                                                      \
+    do {                                                                                                               \
+        d = glass();                                                                                                   \
+        assignment;                                                                                                    \
+        check_fails(shv_material_make(&material, &d, &error), SHV_BAD_INPUT, error, "glass");                          \
+        assert_non_null(strstr(error.message, part));                                                                  \
+    } while (0)
+    REFUSES(d.density = 0.0, "density");
+    REFUSES(d.density = nan, "density");
+    REFUSES(d.density = infinite, "density");
+    REFUSES(d.youngs_modulus = -1.0, "youngs_modulus");
+    REFUSES(d.youngs_modulus = infinite, "youngs_modulus");
+    REFUSES(d.poissons_ratio = 0.5, "poissons_ratio");
+    REFUSES(d.poissons_ratio = -1.0, "poissons_ratio");
+    REFUSES(d.poissons_ratio = nan, "poissons_ratio");
+    REFUSES(d.kinematics = (ShvKinematics)7, "kinematics");
+    REFUSES(d.law = (ShvCohesiveLaw)7, "law");
+    REFUSES(d.fracture_energy = nan, "fracture_energy");
+    REFUSES(d.fracture_energy = -8.0, "fracture_energy");
+    REFUSES(d.cohesive_strength = nan, "cohesive_strength");
+    REFUSES(d.fracture_energy_shear = -1.0, "fracture_energy_shear");
+    REFUSES(d.cohesive_strength_shear = -1.0, "cohesive_strength_shear");
+    REFUSES(d.ppr_shape = 1.0, "ppr_shape");
+    REFUSES(d.ppr_shape_shear = infinite, "ppr_shape_shear");
+    REFUSES(d.weibull_modulus = -1.0, "weibull_modulus");
+    REFUSES(d.weibull_volume = nan, "weibull_volume");
+    REFUSES((d.youngs_modulus = 1e300, d.density = 1e-300), "speed of sound");
+#undef REFUSES
+    d = (ShvMaterialDefinition){0};
+    check_fails(shv_material_make(&material, &d, &error), SHV_BAD_INPUT, error, "shv_material_default");
+    d = glass();
+    d.name = NULL;
+    check_fails(shv_material_make(&material, &d, &error), SHV_BAD_INPUT, error, "no name");
+}
+
+static void nearly_incompressible_is_finite(void **state)
+{
+    (void)state;
+    ShvMaterialDefinition definition = glass();
+    definition.poissons_ratio = 0.4999;
+    ShvMaterial material;
+    ShvError error;
+    check_ok(shv_material_make(&material, &definition, &error), error);
+    /* c_d √(ρ/E) = √((1−ν)/((1+ν)(1−2ν))) = 40.83. */
+    check_near(material.dilatational_speed / material.bar_speed, 40.83, 0.01);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constants_follow_from_the_definition),
+        cmocka_unit_test(shear_values_and_shape_are_kept),
+        cmocka_unit_test(limits_have_lengths),
+        cmocka_unit_test(unbreakable_material_needs_no_fracture_data),
+        cmocka_unit_test(impossible_values_are_refused_by_name),
+        cmocka_unit_test(nearly_incompressible_is_finite),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,189 @@
+#include "fake_simulation.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COSTS = 2, PARTS = 2, OBSTACLES = 2, EVENTS = 64 };
+
+struct ShvSimulation {
+    FakeSetup setup;
+    int64_t frame_index; /* −1 before the first frame */
+    int32_t *brick_begin, *brick_end; /* of each fragment */
+    ShvFragmentView *fragments;
+    ShvObstacleView obstacles[OBSTACLES];
+    ShvEventView events[EVENTS];
+    ShvCostView costs[COSTS];
+    ShvBytesView bytes[PARTS];
+    double *positions;
+    int32_t *elements;
+    ShvObjectView object;
+    ShvFrameView frame;
+};
+
+static const double STEP = 1.0 / 240.0;
+
+static void make_mesh(ShvSimulation *simulation)
+{
+    const int32_t bricks = simulation->setup.bricks;
+    simulation->positions = calloc((size_t)bricks * 15, sizeof(double));
+    simulation->elements = calloc((size_t)bricks * 8, sizeof(int32_t));
+    for (int32_t b = 0; b < bricks; b++) {
+        const double corners[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+        const int32_t tets[8] = {0, 1, 2, 3, 1, 2, 3, 4};
+        for (int k = 0; k < 15; k++) simulation->positions[15 * b + k] = corners[k] + (k % 3 == 0 ? b : 0);
+        for (int k = 0; k < 8; k++) simulation->elements[8 * b + k] = tets[k] + 5 * b;
+    }
+    simulation->object = (ShvObjectView){"wall", "glass", 0, 2 * bricks, 0, 5 * bricks};
+}
+
+static void start_fragment(ShvSimulation *simulation, int32_t parent, int32_t begin, int32_t end, double birth)
+{
+    const int32_t id = simulation->frame.fragment_count++;
+    simulation->brick_begin[id] = begin;
+    simulation->brick_end[id] = end;
+    simulation->fragments[id] = (ShvFragmentView){.id = id,
+                                                  .parent = parent,
+                                                  .birth = birth,
+                                                  .death = NAN,
+                                                  .mode = SHV_FRAGMENT_FLIGHT,
+                                                  .tets = 2 * (end - begin),
+                                                  .mass = 2.5 * (end - begin),
+                                                  .volume = 0.5 * (end - begin),
+                                                  .inertia = {1, 2, 3, 0.1 * id, 0.2, 0.3},
+                                                  .reference_centre = {0.5 * (begin + end), 0.5, 0.5}};
+}
+
+/* Where a fragment is: thrown from its reference centre at time 0 with a velocity of its own. */
+static void move(ShvFragmentView *fragment, double time)
+{
+    const double i = fragment->id, angle = 0.5 * (1.0 + 0.01 * i) * time;
+    const double velocity[3] = {0.1 * sin(i), 0.1 * cos(i), 3.0 + 0.01 * i};
+    for (int k = 0; k < 3; k++) {
+        fragment->position[k] = fragment->reference_centre[k] + velocity[k] * time;
+        fragment->velocity[k] = velocity[k];
+        fragment->orientation[k + 1] = sin(angle) / sqrt(3.0);
+        fragment->angular_velocity[k] = (1.0 + 0.01 * i) / sqrt(3.0);
+    }
+    fragment->position[2] -= 4.905 * time * time;
+    fragment->velocity[2] -= 9.81 * time;
+    fragment->orientation[0] = cos(angle);
+}
+
+static void split_one(ShvSimulation *simulation, double time)
+{
+    ShvFrameView *frame = &simulation->frame;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        ShvFragmentView *fragment = &simulation->fragments[i];
+        const int32_t begin = simulation->brick_begin[i], end = simulation->brick_end[i], middle = (begin + end) / 2;
+        if (fragment->mode == SHV_FRAGMENT_DEAD || end - begin < 2) continue;
+        if (frame->fragment_count + 2 > simulation->setup.most) return;
+        fragment->mode = SHV_FRAGMENT_DEAD;
+        fragment->death = time;
+        start_fragment(simulation, i, begin, middle, time);
+        start_fragment(simulation, i, middle, end, time);
+        if (frame->event_count < EVENTS)
+            simulation->events[frame->event_count++] =
+                (ShvEventView){.time = time, .kind = SHV_RUN_SPLIT, .fragment = i, .obstacle = 1, .value = 2, .kinetic_before = 7,
+                               .momentum_after = {1, 2, 3}, .angular_after = {4, 5, 6 + time}};
+        return;
+    }
+}
+
+ShvSimulation *fake_create(const FakeSetup *setup)
+{
+    ShvSimulation *simulation = calloc(1, sizeof *simulation);
+    simulation->setup = *setup;
+    simulation->frame_index = -1;
+    simulation->brick_begin = calloc((size_t)setup->most, sizeof(int32_t));
+    simulation->brick_end = calloc((size_t)setup->most, sizeof(int32_t));
+    simulation->fragments = calloc((size_t)setup->most, sizeof(ShvFragmentView));
+    make_mesh(simulation);
+    return simulation;
+}
+
+void fake_destroy(ShvSimulation *simulation)
+{
+    free(simulation->brick_begin);
+    free(simulation->brick_end);
+    free(simulation->fragments);
+    free(simulation->positions);
+    free(simulation->elements);
+    free(simulation);
+}
+
+static void fill_rest(ShvSimulation *simulation, double time)
+{
+    ShvFrameView *frame = &simulation->frame;
+    const double n = (double)simulation->frame_index;
+    frame->fragments = simulation->fragments;
+    frame->obstacles = simulation->obstacles;
+    frame->obstacle_count = OBSTACLES;
+    frame->events = simulation->events;
+    frame->costs = simulation->costs;
+    frame->cost_count = COSTS;
+    frame->bytes = simulation->bytes;
+    frame->bytes_count = PARTS;
+    simulation->obstacles[0] = (ShvObstacleView){"floor", {0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    simulation->obstacles[1] = (ShvObstacleView){"hammer", {time, 2, 3}, {0, 1, 0, 0}, {1, 0, 0}, {0, 0, n}};
+    simulation->costs[0] = (ShvCostView){"force", 0.25 * n, (int64_t)(10 * n)};
+    simulation->costs[1] = (ShvCostView){"stress", 0.125 * n, (int64_t)n};
+    simulation->bytes[0] = (ShvBytesView){"mesh", 1000, 2000};
+    simulation->bytes[1] = (ShvBytesView){"state", (size_t)(100 + n), 5000};
+    frame->ledger = (ShvLedgerView){.time = time, .kinetic = 100 - n, .strain = 0.5 * n, .momentum = {1, 2, n}, .largest = 100};
+    frame->steps = 10 * simulation->frame_index;
+    frame->step = 1e-7;
+    frame->courant = 0.9;
+    frame->inserted = (int32_t)n;
+}
+
+void fake_advance(ShvSimulation *simulation)
+{
+    ShvFrameView *frame = &simulation->frame;
+    const int64_t index = ++simulation->frame_index;
+    const double time = (double)index * STEP;
+    const int32_t every = simulation->setup.split_every;
+    frame->event_count = 0;
+    if (index == 0) start_fragment(simulation, -1, 0, simulation->setup.bricks, 0.0);
+    if (every > 0 && index > 0 && index % every == 0)
+        for (int32_t i = 0; i < simulation->setup.splits; i++) split_one(simulation, time);
+    frame->time = time;
+    frame->animation = index % 2 == 0;
+    frame->fracture = index % 3 == 1;
+    frame->alive_count = 0;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        if (simulation->fragments[i].mode == SHV_FRAGMENT_DEAD) continue;
+        simulation->fragments[i].mode = frame->fracture ? SHV_FRAGMENT_FRACTURE : SHV_FRAGMENT_FLIGHT;
+        move(&simulation->fragments[i], time);
+        frame->alive_count++;
+    }
+    fill_rest(simulation, time);
+}
+
+/* ---- what the run file asks of a simulation ---- */
+
+const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation) { return &simulation->frame; }
+
+ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
+{
+    const int32_t bricks = simulation->setup.bricks;
+    return (ShvMeshView){5 * bricks, 2 * bricks, simulation->positions, simulation->elements, &simulation->object, 1};
+}
+
+void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage)
+{
+    for (int32_t i = 0; i < simulation->frame.fragment_count; i++) {
+        if (simulation->fragments[i].mode == SHV_FRAGMENT_DEAD) continue;
+        for (int32_t e = 2 * simulation->brick_begin[i]; e < 2 * simulation->brick_end[i]; e++) {
+            if (fragment) fragment[e] = i;
+            for (int k = 0; damage && k < 4; k++) damage[4 * e + k] = 0.25 * k;
+        }
+    }
+}
+
+void shv_simulation_corner_positions(const ShvSimulation *simulation, double *corners)
+{
+    for (int64_t i = 0; i < 8 * (int64_t)simulation->setup.bricks; i++)
+        for (int k = 0; k < 3; k++)
+            corners[3 * i + k] = simulation->positions[3 * simulation->elements[i] + k] + simulation->frame.time;
+}

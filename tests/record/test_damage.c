@@ -1,0 +1,247 @@
+/* Files that are no good run files: each gives a message. Where bytes were changed, HDF5 itself may crash; every try is a
+   process of its own. */
+#include "check.h"
+
+#include <hdf5.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "fake_simulation.h"
+#include "files.h"
+#include "shiver/run_file.h"
+
+static const FakeSetup BREAKING = {.bricks = 8, .split_every = 2, .most = 15, .splits = 1};
+
+static void record_run(const char *path, int frames)
+{
+    ShvError error;
+    ShvRecord *record;
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = path;
+    definition.scene_text = "shiver: 1\n";
+    definition.nodes = true;
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
+    for (int i = 0; i < frames; i++) {
+        fake_advance(simulation);
+        check_ok(shv_record_frame(record, simulation, &error), error);
+    }
+    check_ok(shv_record_close(record, SHV_OK, "", &error), error);
+    fake_destroy(simulation);
+}
+
+static void check_refused(const char *path, ShvStatus status, const char *part)
+{
+    ShvError error;
+    ShvRunFile *file;
+    check_fails(shv_run_file_open(&file, path, NULL, &error), status, error, part);
+    assert_null(file);
+    assert_non_null(strstr(error.message, path));
+}
+
+static void make_hdf5(const char *path, int32_t format)
+{
+    const hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), space = H5Screate(H5S_SCALAR);
+    if (format > 0) {
+        const hid_t attribute = H5Acreate2(file, "shiver_format", H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT);
+        H5Awrite(attribute, H5T_NATIVE_INT32, &format);
+        H5Aclose(attribute);
+    }
+    H5Sclose(space);
+    H5Fclose(file);
+}
+
+static void test_other_files(void **state)
+{
+    const char *path = file_in(*state, "x.h5");
+    check_refused(path, SHV_FILE_ERROR, "No such file");
+    write_file(path, "", 0);
+    check_refused(path, SHV_BAD_INPUT, "is empty");
+    write_file(path, "time,x,y,z\n", 11);
+    check_refused(path, SHV_BAD_INPUT, "no HDF5 file");
+    make_hdf5(path, 0);
+    check_refused(path, SHV_BAD_INPUT, "no run file of shiver");
+    make_hdf5(path, 77);
+    check_refused(path, SHV_BAD_INPUT, "has format 77");
+    make_hdf5(path, SHV_RUN_FILE_FORMAT);
+    check_refused(path, SHV_BAD_INPUT, "is damaged");
+    check_refused(*state, SHV_BAD_INPUT, "not an ordinary file");
+}
+
+/* The writer's lock is seen by another process, and is gone with the writer. */
+static void test_file_being_written(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    int to_parent[2], to_child[2];
+    char byte = 0;
+    assert_int_equal(pipe(to_parent) | pipe(to_child), 0);
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        ShvError error;
+        ShvRecord *record;
+        ShvRecordDefinition definition = shv_record_default();
+        definition.path = path;
+        ShvSimulation *simulation = fake_create(&BREAKING);
+        if (shv_record_create(&record, &definition, simulation, &error) != SHV_OK) _exit(1);
+        fake_advance(simulation);
+        if (shv_record_frame(record, simulation, &error) != SHV_OK) _exit(1);
+        _exit(write(to_parent[1], "x", 1) != 1 || read(to_child[0], &byte, 1) != 1);
+    }
+    assert_int_equal(read(to_parent[0], &byte, 1), 1);
+    check_refused(path, SHV_BAD_INPUT, "being written by another process");
+    assert_int_equal(write(to_child[1], "x", 1), 1);
+    waitpid(child, NULL, 0);
+    ShvError error;
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    assert_string_equal(shv_run_file_info(file)->status, "running");
+    shv_run_file_close(file);
+    for (int i = 0; i < 2; i++) assert_int_equal(close(to_parent[i]) | close(to_child[i]), 0);
+}
+
+/* HDF5's own printing is off in our calls and as it was after them. */
+static herr_t count_errors(hid_t stack, void *data)
+{
+    (void)stack;
+    ++*(int *)data;
+    return 0;
+}
+
+static void test_printing_of_hdf5_is_left_as_it_was(void **state)
+{
+    int printed = 0;
+    void *data = NULL;
+    H5E_auto2_t function = NULL;
+    const char *path = file_in(*state, "x.h5");
+    make_hdf5(path, 0);
+    H5E_auto2_t before;
+    void *before_data;
+    H5Eget_auto2(H5E_DEFAULT, &before, &before_data);
+    H5Eset_auto2(H5E_DEFAULT, count_errors, &printed);
+    check_refused(path, SHV_BAD_INPUT, "no run file of shiver");
+    H5Eget_auto2(H5E_DEFAULT, &function, &data);
+    assert_int_equal(printed, 0);
+    assert_true(function == count_errors && data == &printed);
+    H5Eset_auto2(H5E_DEFAULT, before, before_data);
+}
+
+/* ---- damaged bytes ---- */
+
+typedef enum Outcome { READ_ALL, REFUSED, CRASHED, BROKEN_RULE } Outcome;
+
+/* Reads everything that a run file offers. Exit status 0: read, 1: refused with a message, 2: refused without one. */
+static void read_everything(const char *path)
+{
+    ShvError error = {SHV_OK, ""};
+    ShvRunFile *file;
+    ShvStatus status = shv_run_file_open(&file, path, NULL, &error);
+    if (status != SHV_OK) _exit(error.message[0] != '\0' && !file ? 1 : 2);
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    const size_t fragments = (size_t)info->fragment_count, elements = (size_t)info->element_count;
+    double *values = shv_allocate(NULL, SHV_PART_GENERAL, 16 * (fragments + elements) + 3 * (size_t)info->node_count, 8);
+    ShvFragmentView *views = shv_allocate(NULL, SHV_PART_GENERAL, fragments, sizeof *views);
+    ShvObstacleView *obstacles = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)info->obstacle_count, sizeof *obstacles);
+    int32_t *integers = shv_allocate(NULL, SHV_PART_GENERAL, 4 * elements, sizeof *integers);
+    const ShvCostView *costs;
+    const ShvBytesView *bytes;
+    int32_t counts[2], mode;
+    if (!values || !views || !obstacles || !integers) _exit(1);
+    for (int64_t i = 0; i < info->frame_count && i < 10 && status == SHV_OK; i++) {
+        status = shv_run_file_frame(file, i, values, &mode, (uint8_t *)integers, values, values, values, values, &error);
+        if (status == SHV_OK) status = shv_run_file_ledger(file, i, &(ShvLedgerView){0}, &error);
+        if (status == SHV_OK) status = shv_run_file_obstacles(file, i, obstacles, &error);
+        if (status == SHV_OK && info->nodes) status = shv_run_file_corners(file, i, values, values, integers, &error);
+    }
+    for (int64_t i = 0; i < info->event_count && i < 10 && status == SHV_OK; i++)
+        status = shv_run_file_event(file, i, &(ShvEventView){0}, &error);
+    if (status == SHV_OK) status = shv_run_file_fragments(file, views, &error);
+    if (status == SHV_OK) status = shv_run_file_mesh(file, values, integers, (uint16_t *)values, NULL, &error);
+    if (status == SHV_OK) status = shv_run_file_mesh(file, NULL, NULL, NULL, integers, &error);
+    if (status == SHV_OK) status = shv_run_file_cost(file, &costs, &counts[0], &bytes, &counts[1], &error);
+    shv_run_file_close(file);
+    _exit(status == SHV_OK ? 0 : error.message[0] != '\0' ? 1 : 2);
+}
+
+static Outcome try_file(const char *path)
+{
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        signal(SIGSEGV, SIG_DFL);
+        signal(SIGABRT, SIG_DFL);
+        alarm(20);
+        read_everything(path);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFSIGNALED(status)) return CRASHED;
+    return WEXITSTATUS(status) == 0 ? READ_ALL : WEXITSTATUS(status) == 1 ? REFUSED : BROKEN_RULE;
+}
+
+static void test_truncated_anywhere(void **state)
+{
+    const char *path = file_in(*state, "run.h5"), *cut = file_in(*state, "cut.h5");
+    record_run(path, 6);
+    assert_int_equal(try_file(path), READ_ALL);
+    const long size = file_size(path);
+    char *bytes = read_bytes(path);
+    for (int i = 0; i < 60; i++) {
+        const long length = i < 20 ? i * 13 : size - 1 - (size * (i - 20)) / 40;
+        write_file(cut, bytes, (size_t)length);
+        assert_int_equal(try_file(cut), REFUSED);
+    }
+    free(bytes);
+}
+
+/* Changed bytes: in values they go unseen, in structure they are refused or HDF5 reads on. HDF5 1.10 may crash on
+   some, which a reader cannot help; our own checks must not let them through to a wrong access of ours. */
+static void test_changed_bytes(void **state)
+{
+    const char *path = file_in(*state, "run.h5"), *changed = file_in(*state, "changed.h5");
+    record_run(path, 3);
+    const long size = file_size(path);
+    char *bytes = read_bytes(path);
+    const int tries = getenv("SHIVER_FUZZ_TRIES") ? atoi(getenv("SHIVER_FUZZ_TRIES")) : 150;
+    int outcomes[4] = {0, 0, 0, 0};
+    uint64_t random = 88172645463325252u; /* xorshift64 (Marsaglia 2003) */
+    for (int i = 0; i < tries; i++) {
+        long places[4];
+        char old[4];
+        for (int k = 0; k < 4; k++) {
+            random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+            places[k] = (long)(random % (uint64_t)(i % 2 ? size : 8192 < size ? 8192 : size));
+            old[k] = bytes[places[k]];
+            bytes[places[k]] = (char)(random >> 40);
+        }
+        write_file(changed, bytes, (size_t)size);
+        const Outcome outcome = try_file(changed);
+        outcomes[outcome]++;
+        if (outcome == CRASHED && getenv("SHIVER_FUZZ_KEEP"))
+            write_file(file_in(getenv("SHIVER_FUZZ_KEEP"), "crash.h5"), bytes, (size_t)size);
+        for (int k = 3; k >= 0; k--) bytes[places[k]] = old[k];
+    }
+    free(bytes);
+    print_message("read %d, refused %d, crashed %d, refused without a word %d\n", outcomes[READ_ALL], outcomes[REFUSED],
+                  outcomes[CRASHED], outcomes[BROKEN_RULE]);
+    assert_int_equal(outcomes[BROKEN_RULE], 0);
+    assert_int_equal(outcomes[CRASHED], 0);
+    assert_true(outcomes[REFUSED] > 5 && outcomes[READ_ALL] > 5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_other_files, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_file_being_written, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_printing_of_hdf5_is_left_as_it_was, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_truncated_anywhere, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_changed_bytes, make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

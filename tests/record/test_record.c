@@ -1,0 +1,406 @@
+#include "check.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "fake_simulation.h"
+#include "files.h"
+#include "shiver/run_file.h"
+
+static const FakeSetup BREAKING = {.bricks = 8, .split_every = 2, .most = 15, .splits = 1};
+
+static ShvRecordDefinition define(const char *path)
+{
+    static const char *const overrides[] = {"duration=2", "output.rate=60"};
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = path;
+    definition.scene_name = "a wall";
+    definition.scene_text = "shiver: 1\nname: ä wall\n";
+    definition.overrides = overrides;
+    definition.override_count = 2;
+    definition.scene_hash = UINT64_C(0xfedcba9876543210);
+    definition.threads = 3;
+    return definition;
+}
+
+/* Records `frames` frames of a new simulation. */
+static void record_frames(const ShvRecordDefinition *definition, const FakeSetup *setup, int frames, ShvStatus end,
+                          const char *message)
+{
+    ShvError error;
+    ShvRecord *record;
+    ShvSimulation *simulation = fake_create(setup);
+    check_ok(shv_record_create(&record, definition, simulation, &error), error);
+    for (int i = 0; i < frames; i++) {
+        fake_advance(simulation);
+        check_ok(shv_record_frame(record, simulation, &error), error);
+    }
+    check_ok(shv_record_close(record, end, message, &error), error);
+    fake_destroy(simulation);
+}
+
+static void check_head(const ShvRunFile *file)
+{
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    assert_int_equal(info->format, SHV_RUN_FILE_FORMAT);
+    assert_string_equal(info->code_version, SHIVER_VERSION);
+    assert_string_equal(info->status, "interrupted");
+    assert_string_equal(info->message, "stopped by the user");
+    assert_string_equal(info->scene_name, "a wall");
+    assert_string_equal(info->scene_text, "shiver: 1\nname: ä wall\n");
+    assert_string_equal(info->overrides, "duration=2\noutput.rate=60\n");
+    assert_true(info->scene_hash == UINT64_C(0xfedcba9876543210));
+    assert_int_equal(info->threads, 3);
+    assert_true(strlen(info->processor) > 0);
+    assert_int_equal(info->node_count, 40);
+    assert_int_equal(info->element_count, 16);
+    assert_int_equal(info->object_count, 1);
+    assert_int_equal(info->obstacle_count, 2);
+    assert_string_equal(shv_run_file_object_name(file, 0), "wall");
+    assert_string_equal(shv_run_file_object_name(file, 1), "");
+    assert_string_equal(shv_run_file_object(file, 0).material, "glass");
+    assert_int_equal(shv_run_file_object(file, 0).element_end, 16);
+    assert_int_equal(shv_run_file_object(file, 0).node_end, 40);
+}
+
+/* Frame by frame beside the same simulation run again: every number has the same bits. */
+static void check_frame(ShvRunFile *file, int64_t index, const ShvFrameView *frame)
+{
+    ShvError error;
+    double time, position[45], orientation[60], velocity[45], angular[45];
+    int32_t mode;
+    uint8_t alive[15];
+    check_ok(shv_run_file_frame(file, index, &time, &mode, alive, position, orientation, velocity, angular, &error), error);
+    assert_true(time == frame->time && shv_run_file_times(file)[index] == time);
+    assert_int_equal(mode, frame->fracture);
+    assert_int_equal(shv_run_file_animation(file)[index], frame->animation);
+    for (int32_t i = 0; i < shv_run_file_info(file)->fragment_count; i++) {
+        const bool lives = i < frame->fragment_count && frame->fragments[i].mode != SHV_FRAGMENT_DEAD;
+        assert_int_equal(alive[i], lives);
+        if (!lives) {
+            assert_true(isnan(position[3 * i]) && isnan(orientation[4 * i + 3]) && isnan(velocity[3 * i + 2]) &&
+                        isnan(angular[3 * i + 1]));
+            continue;
+        }
+        assert_memory_equal(position + 3 * i, frame->fragments[i].position, 24);
+        assert_memory_equal(orientation + 4 * i, frame->fragments[i].orientation, 32);
+        assert_memory_equal(velocity + 3 * i, frame->fragments[i].velocity, 24);
+        assert_memory_equal(angular + 3 * i, frame->fragments[i].angular_velocity, 24);
+    }
+}
+
+static void check_rest_of_frame(ShvRunFile *file, int64_t index, const ShvFrameView *frame)
+{
+    ShvError error;
+    ShvLedgerView ledger;
+    ShvProgressView progress;
+    ShvObstacleView obstacles[2];
+    check_ok(shv_run_file_ledger(file, index, &ledger, &error), error);
+    assert_memory_equal(&ledger, &frame->ledger, sizeof ledger);
+    check_ok(shv_run_file_progress(file, index, &progress, &error), error);
+    assert_int_equal(progress.steps, frame->steps);
+    assert_int_equal(progress.alive, frame->alive_count);
+    assert_int_equal(progress.inserted, frame->inserted);
+    assert_true(progress.step == frame->step && progress.courant == frame->courant);
+    check_ok(shv_run_file_obstacles(file, index, obstacles, &error), error);
+    for (int i = 0; i < 2; i++) {
+        assert_string_equal(obstacles[i].name, frame->obstacles[i].name);
+        assert_memory_equal(obstacles[i].position, frame->obstacles[i].position, 13 * sizeof(double));
+    }
+}
+
+static void check_events(ShvRunFile *file, int64_t *next, const ShvFrameView *frame)
+{
+    ShvError error;
+    for (int32_t i = 0; i < frame->event_count; i++) {
+        ShvEventView event;
+        const ShvEventView *expected = &frame->events[i];
+        check_ok(shv_run_file_event(file, (*next)++, &event, &error), error);
+        assert_true(event.time == expected->time && event.value == expected->value);
+        assert_int_equal(event.kind, expected->kind);
+        assert_int_equal(event.fragment, expected->fragment);
+        assert_int_equal(event.obstacle, expected->obstacle);
+        assert_memory_equal(&event.kinetic_before, &expected->kinetic_before, 16 * sizeof(double));
+    }
+}
+
+static void check_genealogy(ShvRunFile *file, const ShvFrameView *last)
+{
+    ShvError error;
+    ShvFragmentView fragments[15];
+    assert_int_equal(shv_run_file_info(file)->fragment_count, last->fragment_count);
+    check_ok(shv_run_file_fragments(file, fragments, &error), error);
+    for (int32_t i = 0; i < last->fragment_count; i++) {
+        const ShvFragmentView *a = &fragments[i], *b = &last->fragments[i];
+        assert_int_equal(a->id, i);
+        assert_int_equal(a->parent, b->parent);
+        assert_int_equal(a->object, b->object);
+        assert_int_equal(a->tets, b->tets);
+        assert_int_equal(a->mode, b->mode);
+        assert_memory_equal(&a->birth, &b->birth, 2 * sizeof(double));
+        assert_memory_equal(&a->mass, &b->mass, 11 * sizeof(double));
+        if (b->mode != SHV_FRAGMENT_DEAD) assert_memory_equal(a->position, b->position, 13 * sizeof(double));
+    }
+}
+
+static void check_mesh(ShvRunFile *file, const ShvSimulation *simulation)
+{
+    ShvError error;
+    double positions[120];
+    int32_t elements[64], owner[16], expected[16];
+    uint16_t object[16];
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    check_ok(shv_run_file_mesh(file, positions, elements, object, owner, &error), error);
+    shv_simulation_element_state(simulation, expected, NULL);
+    assert_memory_equal(positions, mesh.positions, sizeof positions);
+    assert_memory_equal(elements, mesh.elements, sizeof elements);
+    assert_memory_equal(owner, expected, sizeof owner);
+    for (int i = 0; i < 16; i++) assert_int_equal(object[i], 0);
+}
+
+static void test_everything_comes_back(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    enum { FRAMES = 150 }; /* more than two chunks of rows */
+    const ShvRecordDefinition definition = define(path);
+    record_frames(&definition, &BREAKING, FRAMES, SHV_INTERRUPTED, "stopped by the user");
+    ShvMemory *memory = shv_memory_create();
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, path, memory, &error), error);
+    check_head(file);
+    assert_int_equal(shv_run_file_info(file)->frame_count, FRAMES);
+    ShvSimulation *again = fake_create(&BREAKING);
+    int64_t events = 0;
+    for (int i = 0; i < FRAMES; i++) {
+        fake_advance(again);
+        check_frame(file, i, shv_simulation_frame(again));
+        check_rest_of_frame(file, i, shv_simulation_frame(again));
+        check_events(file, &events, shv_simulation_frame(again));
+    }
+    assert_int_equal(shv_run_file_info(file)->event_count, events);
+    assert_int_equal(events, 7);
+    check_genealogy(file, shv_simulation_frame(again));
+    check_mesh(file, again);
+    fake_destroy(again);
+    check_fails(shv_run_file_ledger(file, FRAMES, &(ShvLedgerView){0}, &error), SHV_BAD_INPUT, error, "no frame 150");
+    check_fails(shv_run_file_event(file, 7, &(ShvEventView){0}, &error), SHV_BAD_INPUT, error, "no event 7");
+    check_fails(shv_run_file_corners(file, 0, NULL, NULL, NULL, &error), SHV_UNSUPPORTED, error, "output.nodes");
+    shv_run_file_close(file);
+    assert_int_equal(shv_memory_bytes(memory, SHV_PART_COUNT), 0);
+    shv_memory_destroy(memory);
+}
+
+static void test_cost_is_of_the_last_frame(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    const ShvRecordDefinition definition = define(path);
+    record_frames(&definition, &BREAKING, 5, SHV_OK, NULL);
+    ShvRunFile *file;
+    const ShvCostView *costs;
+    const ShvBytesView *bytes;
+    int32_t cost_count, bytes_count;
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    assert_string_equal(shv_run_file_info(file)->status, "finished");
+    assert_true(shv_run_file_info(file)->wall_seconds > 0.0 && shv_run_file_info(file)->wall_seconds < 100.0);
+    for (int i = 0; i < 2; i++) check_ok(shv_run_file_cost(file, &costs, &cost_count, &bytes, &bytes_count, &error), error);
+    assert_int_equal(cost_count, 2);
+    assert_string_equal(costs[1].name, "stress");
+    assert_true(costs[1].seconds == 0.5);
+    assert_int_equal(costs[0].calls, 40);
+    assert_int_equal(bytes_count, 2);
+    assert_string_equal(bytes[1].name, "state");
+    assert_int_equal(bytes[1].bytes, 104);
+    assert_int_equal(bytes[0].peak, 2000);
+    shv_run_file_close(file);
+}
+
+static void test_nodes(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    ShvRecordDefinition definition = define(path);
+    definition.nodes = true;
+    record_frames(&definition, &BREAKING, 5, SHV_OK, NULL);
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    assert_true(shv_run_file_info(file)->nodes);
+    ShvSimulation *again = fake_create(&BREAKING);
+    for (int i = 0; i < 5; i++) {
+        double corners[192], damage[64], expected[192], expected_damage[64];
+        int32_t owner[16], expected_owner[16];
+        fake_advance(again);
+        shv_simulation_corner_positions(again, expected);
+        shv_simulation_element_state(again, expected_owner, expected_damage);
+        check_ok(shv_run_file_corners(file, i, corners, damage, owner, &error), error);
+        assert_memory_equal(corners, expected, sizeof corners);
+        assert_memory_equal(damage, expected_damage, sizeof damage); /* quarters: exact in single precision too */
+        assert_memory_equal(owner, expected_owner, sizeof owner);
+    }
+    fake_destroy(again);
+    shv_run_file_close(file);
+}
+
+/* ---- names of files ---- */
+
+static void test_existing_file_is_kept_until_the_first_frame(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    ShvRecord *record;
+    ShvRecordDefinition definition = define(path);
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    write_file(path, "precious", 8);
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "--force");
+    assert_null(record);
+    assert_int_equal(files_in(*state), 1);
+    definition.force = true;
+    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
+    assert_int_equal(file_size(path), 8);
+    check_ok(shv_record_close(record, SHV_OK, NULL, &error), error); /* no frame: nothing happened */
+    assert_int_equal(file_size(path), 8);
+    assert_int_equal(files_in(*state), 1);
+    record_frames(&definition, &BREAKING, 1, SHV_OK, NULL);
+    assert_true(file_size(path) > 8);
+    assert_int_equal(files_in(*state), 1);
+    fake_destroy(simulation);
+}
+
+/* A file that appears between the start and the first frame is left alone too. */
+static void test_file_that_appears_later_is_kept(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    ShvRecord *record;
+    const ShvRecordDefinition definition = define(path);
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
+    write_file(path, "precious", 8);
+    fake_advance(simulation);
+    check_fails(shv_record_frame(record, simulation, &error), SHV_BAD_INPUT, error, "--force");
+    check_fails(shv_record_frame(record, simulation, &error), SHV_BAD_INPUT, error, "--force");
+    check_ok(shv_record_close(record, SHV_BAD_INPUT, error.message, &error), error);
+    assert_int_equal(file_size(path), 8);
+    assert_int_equal(files_in(*state), 1);
+    fake_destroy(simulation);
+}
+
+static void test_bad_names(void **state)
+{
+    ShvError error;
+    ShvRecord *record;
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    ShvRecordDefinition definition = define("");
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "no name");
+    definition.path = *state;
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "not an ordinary file");
+    definition.path = file_in(*state, "missing/run.h5");
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_FILE_ERROR, error, "missing/run.h5");
+    definition.cookie = 0;
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "shv_record_default");
+    assert_int_equal(files_in(*state), 0);
+    fake_destroy(simulation);
+}
+
+/* Two runs of the same simulation give the same bytes but for the wall time: it is the only clock in the file. */
+static void test_same_run_same_size(void **state)
+{
+    char first[512];
+    strcpy(first, file_in(*state, "a.h5"));
+    const char *second = file_in(*state, "b.h5");
+    ShvRecordDefinition definition = define(first);
+    record_frames(&definition, &BREAKING, 20, SHV_OK, NULL);
+    definition.path = second;
+    record_frames(&definition, &BREAKING, 20, SHV_OK, NULL);
+    const long size = file_size(first);
+    assert_int_equal(size, file_size(second));
+    char *a = read_bytes(first), *b = read_bytes(second);
+    long different = 0;
+    for (long i = 0; i < size; i++) different += a[i] != b[i];
+    assert_true(different <= 20 * (long)sizeof(double));
+    free(a);
+    free(b);
+}
+
+/* ---- memory ---- */
+
+static ShvStatus record_with(ShvMemory *memory, const char *path, ShvError *error)
+{
+    ShvRecord *record;
+    ShvRecordDefinition definition = define(path);
+    definition.memory = memory;
+    definition.force = true;
+    definition.nodes = true;
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    ShvStatus status = shv_record_create(&record, &definition, simulation, error);
+    for (int i = 0; i < 4 && status == SHV_OK; i++) {
+        fake_advance(simulation);
+        status = shv_record_frame(record, simulation, error);
+    }
+    ShvError closing;
+    const ShvStatus closed = shv_record_close(record, status, "", &closing);
+    if (status == SHV_OK) status = closed;
+    if (closed != SHV_OK) *error = closing;
+    fake_destroy(simulation);
+    return status;
+}
+
+static ShvStatus read_with(ShvMemory *memory, const char *path, ShvError *error)
+{
+    ShvRunFile *file;
+    ShvFragmentView fragments[15];
+    ShvObstacleView obstacles[2];
+    const ShvCostView *costs;
+    const ShvBytesView *bytes;
+    int32_t counts[2];
+    ShvStatus status = shv_run_file_open(&file, path, memory, error);
+    if (status == SHV_OK) status = shv_run_file_fragments(file, fragments, error);
+    if (status == SHV_OK) status = shv_run_file_obstacles(file, 0, obstacles, error);
+    if (status == SHV_OK) status = shv_run_file_cost(file, &costs, &counts[0], &bytes, &counts[1], error);
+    shv_run_file_close(file);
+    return status;
+}
+
+static void fail_one_by_one(const char *path, ShvStatus (*work)(ShvMemory *, const char *, ShvError *))
+{
+    ShvError error = {SHV_OK, ""};
+    for (int64_t count = 0;; count++) {
+        ShvMemory *memory = shv_memory_create();
+        shv_memory_fail_after(memory, count);
+        const ShvStatus status = work(memory, path, &error);
+        assert_int_equal(shv_memory_bytes(memory, SHV_PART_COUNT), 0);
+        shv_memory_destroy(memory);
+        if (status == SHV_OK) {
+            assert_true(count > 8);
+            break;
+        }
+        assert_true(status == SHV_NO_MEMORY || status == SHV_FILE_ERROR);
+        assert_true(strlen(error.message) > 0 && count < 1000);
+    }
+}
+
+static void test_every_allocation_may_fail(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    fail_one_by_one(path, record_with);
+    assert_int_equal(files_in(*state), 1);
+    fail_one_by_one(path, read_with);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_everything_comes_back, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_cost_is_of_the_last_frame, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_nodes, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_existing_file_is_kept_until_the_first_frame, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_file_that_appears_later_is_kept, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_bad_names, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_same_run_same_size, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_every_allocation_may_fail, make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
