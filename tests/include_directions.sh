@@ -19,7 +19,7 @@ allowed()
     sim) echo base mesh model solid cohesive shape pbd contact rigid hybrid sim ;;
     scene) echo base scene ;;
     record) echo base record ;;
-    export) echo base export ;;
+    export) echo base record export ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
     esac

@@ -56,6 +56,11 @@ typedef enum ShvMeshKind {
     SHV_MESH_SHELL   /* prisms extruded from a closed triangle surface, three tets a prism */
 } ShvMeshKind;
 
+typedef enum ShvMeshPattern {
+    SHV_PATTERN_LATTICE, /* body-centred lattice: tets all alike, cells halved towards the notch */
+    SHV_PATTERN_BRICKS   /* five tets a brick, bricks thinned along x towards the notch: fewer tets a node */
+} ShvMeshPattern;
+
 typedef struct ShvMeshDefinition {
     uint32_t cookie;
     ShvMeshKind kind;
@@ -67,6 +72,8 @@ typedef struct ShvMeshDefinition {
     double notch_depth;     /* notched beam: from the bottom face (−z) upwards, m */
     double notch_offset;    /* notched beam: along x from midspan, m */
     double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
+    double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
+    ShvMeshPattern pattern; /* notched beam */
     double jitter;          /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
     uint64_t seed;          /* of the jitter */

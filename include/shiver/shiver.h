@@ -3,6 +3,7 @@
 #define SHIVER_SHIVER_H
 
 #include "shiver/definition.h"
+#include "shiver/export.h"
 #include "shiver/plan.h"
 #include "shiver/run_file.h"
 #include "shiver/scene.h"

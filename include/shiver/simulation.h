@@ -145,6 +145,16 @@ void shv_simulation_corner_positions(const ShvSimulation *simulation, double *co
 /* Fragment index of every element, and damage 0…1 of every interior facet of it (4 per element: opposite corner 0…3; 0 on
    the boundary); either pointer may be NULL. */
 void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage);
+/* Where it stands between frames; may be asked from `stop`. */
+typedef struct ShvProgressView {
+    double time;
+    int64_t steps;
+    int32_t alive_count;
+    bool fracture;
+} ShvProgressView;
+ShvProgressView shv_simulation_progress(const ShvSimulation *simulation);
+/* Threads that the solver uses. */
+int32_t shv_simulation_threads(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */
 uint64_t shv_simulation_hash(const ShvSimulation *simulation);
 

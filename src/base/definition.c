@@ -24,7 +24,8 @@ ShvMaterialDefinition shv_material_default(void)
 
 ShvMeshDefinition shv_mesh_default(void)
 {
-    return (ShvMeshDefinition){.cookie = SHV_DEFINITION_COOKIE, .kind = SHV_MESH_BOX, .scale = 1.0, .layers = 1};
+    return (ShvMeshDefinition){
+        .cookie = SHV_DEFINITION_COOKIE, .kind = SHV_MESH_BOX, .notch_growth = 0.3, .scale = 1.0, .layers = 1};
 }
 
 /* At the origin, unturned, at rest; the axis is a valid one, so that an angle alone turns about z. */

@@ -94,6 +94,35 @@ static inline int shv_wide_any(ShvWideMask mask)
 {
     return mask != 0;
 }
+/* Records of four doubles, aligned to 32 bytes: q[c] lane i becomes base[4 index[i] + c]. */
+static inline void shv_wide_load_quads(const double *base, const int32_t *index, ShvWide q[4])
+{
+    ShvWide r[4];
+    for (int i = 0; i < 4; i++)
+        r[i] = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(base + 4 * (int64_t)index[i])),
+                                  _mm256_load_pd(base + 4 * (int64_t)index[i + 4]), 1);
+    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0), high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    for (int i = 0; i < 2; i++) {
+        const ShvWide first = i ? _mm512_unpackhi_pd(r[0], r[1]) : _mm512_unpacklo_pd(r[0], r[1]);
+        const ShvWide second = i ? _mm512_unpackhi_pd(r[2], r[3]) : _mm512_unpacklo_pd(r[2], r[3]);
+        q[i] = _mm512_permutex2var_pd(first, low, second);
+        q[i + 2] = _mm512_permutex2var_pd(first, high, second);
+    }
+}
+/* The reverse, lane after lane: of lanes with the same index the last one stays. */
+static inline void shv_wide_store_quads(double *base, const int32_t *index, const ShvWide q[4])
+{
+    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0), high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    ShvWide r[4];
+    for (int i = 0; i < 2; i++) {
+        const ShvWide first = _mm512_permutex2var_pd(q[0], i ? high : low, q[2]);
+        const ShvWide second = _mm512_permutex2var_pd(q[1], i ? high : low, q[3]);
+        r[2 * i] = _mm512_unpacklo_pd(first, second);
+        r[2 * i + 1] = _mm512_unpackhi_pd(first, second);
+    }
+    for (int i = 0; i < 4; i++) _mm256_store_pd(base + 4 * (int64_t)index[i], _mm512_castpd512_pd256(r[i]));
+    for (int i = 0; i < 4; i++) _mm256_store_pd(base + 4 * (int64_t)index[i + 4], _mm512_extractf64x4_pd(r[i], 1));
+}
 
 #elif defined(__AVX2__) && defined(__FMA__) && !defined(SHV_SIMD_PLAIN)
 #include <immintrin.h>
@@ -165,6 +194,32 @@ static inline int shv_wide_any(ShvWideMask mask)
 {
     return (_mm256_movemask_pd(mask.low) | _mm256_movemask_pd(mask.high)) != 0;
 }
+/* Four rows become four columns. */
+static inline void shv_wide_transpose(const __m256d r[4], __m256d q[4])
+{
+    for (int i = 0; i < 2; i++) {
+        const __m256d first = i ? _mm256_unpackhi_pd(r[0], r[1]) : _mm256_unpacklo_pd(r[0], r[1]);
+        const __m256d second = i ? _mm256_unpackhi_pd(r[2], r[3]) : _mm256_unpacklo_pd(r[2], r[3]);
+        q[i] = _mm256_permute2f128_pd(first, second, 0x20);
+        q[i + 2] = _mm256_permute2f128_pd(first, second, 0x31);
+    }
+}
+static inline void shv_wide_load_quads(const double *base, const int32_t *index, ShvWide q[4])
+{
+    __m256d rows[2][4], columns[2][4];
+    for (int i = 0; i < SHV_WIDE_LANES; i++) rows[i / 4][i % 4] = _mm256_load_pd(base + 4 * (int64_t)index[i]);
+    for (int half = 0; half < 2; half++) shv_wide_transpose(rows[half], columns[half]);
+    for (int c = 0; c < 4; c++) q[c] = (ShvWide){columns[0][c], columns[1][c]};
+}
+static inline void shv_wide_store_quads(double *base, const int32_t *index, const ShvWide q[4])
+{
+    for (int half = 0; half < 2; half++) {
+        __m256d columns[4], rows[4];
+        for (int c = 0; c < 4; c++) columns[c] = half ? q[c].high : q[c].low;
+        shv_wide_transpose(columns, rows);
+        for (int i = 0; i < 4; i++) _mm256_store_pd(base + 4 * (int64_t)index[4 * half + i], rows[i]);
+    }
+}
 
 #else
 
@@ -209,6 +264,16 @@ static inline int shv_wide_any(ShvWideMask mask)
     int any = 0;
     for (int i = 0; i < SHV_WIDE_LANES; i++) any |= mask.lane[i];
     return any;
+}
+static inline void shv_wide_load_quads(const double *base, const int32_t *index, ShvWide q[4])
+{
+    for (int c = 0; c < 4; c++)
+        for (int i = 0; i < SHV_WIDE_LANES; i++) q[c].lane[i] = base[4 * (int64_t)index[i] + c];
+}
+static inline void shv_wide_store_quads(double *base, const int32_t *index, const ShvWide q[4])
+{
+    for (int i = 0; i < SHV_WIDE_LANES; i++)
+        for (int c = 0; c < 4; c++) base[4 * (int64_t)index[i] + c] = q[c].lane[i];
 }
 
 #endif

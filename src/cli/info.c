@@ -67,7 +67,7 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         fputs(info->scene_text, stdout);
         return SHV_OK;
     }
-    ShvLedgerView ledger = {.residual = NAN, .largest = NAN};
+    ShvLedgerView ledger = {.residual = (double)NAN, .largest = (double)NAN};
     if (info->frame_count > 0) {
         const ShvStatus status = shv_run_file_ledger(file, info->frame_count - 1, &ledger, error);
         if (status != SHV_OK) return status;

@@ -13,32 +13,24 @@ ShvProgress shv_progress_start(double duration, bool quiet)
 
 static void show(ShvProgress *progress, double now)
 {
+    const ShvProgressView view = shv_simulation_progress(progress->simulation);
     const double wall = now - progress->start;
-    const double rate = (double)(progress->steps - progress->shown_steps) / (now - progress->shown);
-    const double remaining = progress->time > 0.0 ? wall * (progress->duration / progress->time - 1.0) : 0.0;
+    const double rate = (double)(view.steps - progress->shown_steps) / (now - progress->shown);
+    const double remaining = view.time > 0.0 ? wall * (progress->duration / view.time - 1.0) : 0.0;
     fprintf(stderr, "%st = %.6f of %.6g s, %s, %d fragments, %.0f steps/s, %.0f s run, about %.0f s to go%s",
-            progress->terminal ? "\r\033[K" : "", progress->time, progress->duration,
-            progress->fracture ? "fracture mode" : "in flight", (int)progress->fragments, rate, wall, remaining,
+            progress->terminal ? "\r\033[K" : "", view.time, progress->duration,
+            view.fracture ? "fracture mode" : "in flight", (int)view.alive_count, rate, wall, remaining,
             progress->terminal ? "" : "\n");
     fflush(stderr);
     progress->shown = now;
-    progress->shown_steps = progress->steps;
+    progress->shown_steps = view.steps;
 }
 
 void shv_progress_tick(ShvProgress *progress)
 {
-    if (progress->quiet) return;
+    if (progress->quiet || !progress->simulation) return;
     const double now = shv_now();
     if (now - progress->shown >= (progress->terminal ? 0.2 : 5.0)) show(progress, now);
-}
-
-void shv_progress_frame(ShvProgress *progress, const ShvFrameView *frame)
-{
-    progress->time = frame->time;
-    progress->fracture = frame->fracture;
-    progress->fragments = frame->alive_count;
-    progress->steps = frame->steps;
-    shv_progress_tick(progress);
 }
 
 void shv_progress_end(ShvProgress *progress)

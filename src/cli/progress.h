@@ -5,19 +5,15 @@
 #include "shiver/simulation.h"
 
 typedef struct ShvProgress {
-    double duration;         /* s, simulated */
+    const ShvSimulation *simulation; /* NULL until it is made */
+    double duration;                 /* s, simulated */
     bool quiet, terminal;
-    double start, shown;     /* wall clock */
-    double time;             /* s, simulated: of the last frame */
-    bool fracture;
-    int32_t fragments;
-    int64_t steps, shown_steps;
+    double start, shown;             /* wall clock, s */
+    int64_t shown_steps;
 } ShvProgress;
 
 ShvProgress shv_progress_start(double duration, bool quiet);
-/* Takes in a new frame. */
-void shv_progress_frame(ShvProgress *progress, const ShvFrameView *frame);
-/* Called often: shows what is known when it is time to. */
+/* Called often: shows where the simulation stands when it is time to. */
 void shv_progress_tick(ShvProgress *progress);
 void shv_progress_end(ShvProgress *progress);
 

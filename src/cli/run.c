@@ -143,7 +143,7 @@ static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvPr
         ShvError ignored;
         const ShvStatus written = shv_record_frame(record, simulation, status == SHV_OK ? error : &ignored);
         if (status == SHV_OK) status = written;
-        shv_progress_frame(progress, shv_simulation_frame(simulation));
+        shv_progress_tick(progress);
     }
     return status;
 }
@@ -161,6 +161,9 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
     recording.scene_text = shv_scene_text(scene);
     recording.scene_name = definition->name;
     recording.scene_hash = shv_scene_hash(scene);
+    recording.overrides = arguments->overrides;
+    recording.override_count = (int32_t)arguments->override_count;
+    recording.threads = shv_simulation_threads(simulation);
     recording.nodes = definition->output.nodes;
     ShvRecord *record = NULL;
     ShvStatus status = shv_record_create(&record, &recording, simulation, &error);
@@ -192,6 +195,7 @@ static int run(const ShvArguments *arguments)
     options.stop = asked_to_stop;
     options.stop_data = &progress;
     const ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    progress.simulation = simulation;
     const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, simulation, &progress, start)
                                              : shv_cli_failed(status, &error);
     shv_simulation_destroy(simulation);

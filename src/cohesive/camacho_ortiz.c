@@ -71,6 +71,13 @@ double shv_camacho_ortiz_mean(const ShvLaw *law, int component, double other, do
     return last < to ? mean * ((last - from) / (to - from)) : mean;
 }
 
+double shv_camacho_ortiz_peak(const ShvLaw *law, ShvHistory history)
+{
+    const double beta = law->ratio * law->weight;
+    if (virgin_peak(law, SHV_NORMAL) == 0.0) return 0.0;
+    return softened(law, history.normal) * fmax(1.0, beta);
+}
+
 double shv_camacho_ortiz_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear)
 {
     const double effective = history.normal, n = fmax(normal, 0.0);

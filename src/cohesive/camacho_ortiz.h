@@ -9,6 +9,7 @@ double shv_camacho_ortiz_effective(const ShvLaw *law, double normal, double shea
 /* `other`: opening of the component that is held. */
 ShvLawBranch shv_camacho_ortiz_branch(const ShvLaw *law, ShvHistory history, int component, double other);
 double shv_camacho_ortiz_mean(const ShvLaw *law, int component, double other, double from, double to);
+double shv_camacho_ortiz_peak(const ShvLaw *law, ShvHistory history);
 double shv_camacho_ortiz_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear);
 double shv_camacho_ortiz_damage(const ShvLaw *law, ShvHistory history);
 

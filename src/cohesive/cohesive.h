@@ -47,24 +47,29 @@ typedef struct ShvCohesive {
     double *facet_strength;  /* interior_count: normal strength with scatter, Pa; infinite: cannot break */
     int32_t count, capacity;
     /* per cohesive facet, in the order of insertion */
-    int32_t *facet;      /* facet of the adjacency */
-    uint8_t *partner;    /* 3 per facet: which corner of the second element's face meets corner i of the first's */
-    double *area;        /* m², reference */
+    int32_t *facet;   /* facet of the adjacency */
+    uint8_t *partner; /* 3 per facet: which corner of the second element's face meets corner i of the first's */
+    double *area;     /* m², reference */
     ShvLaw *law;
-    ShvHistory *history; /* 3 per facet */
-    ShvOpening *opening; /* 3 per facet: at the last half step */
-    uint8_t *phase;      /* ShvCohesivePhase */
+    ShvHistory *history;    /* 3 per facet */
+    ShvOpening *opening;    /* 3 per facet: at the last half step */
+    double *peak;           /* 3 per facet: largest traction still to come, Pa */
+    uint8_t *phase;         /* ShvCohesivePhase */
     double worst_overshoot; /* largest criterion / strength met at an insertion */
     /* the present step */
-    int32_t live_count;  /* not separated: */
-    int32_t *live;       /* cohesive facets, increasing */
+    int32_t live_count;       /* not separated: */
+    int32_t *live;            /* cohesive facets, increasing */
     ShvCohesivePoint *points; /* 3 per live facet */
     int32_t active_count, pair_count;
-    int32_t *active;     /* points that may pull */
-    int32_t *pairs;      /* points whose node is split */
-    double *node_share;  /* node_capacity: Σ weight × peak of a node's active points; zero between steps */
+    int32_t *unsorted; /* points that may pull, in order of facets */
+    int32_t *active;   /* the same, cluster by cluster */
+    int32_t *pairs;    /* points whose node is split */
+    int32_t cluster_count;
+    int32_t *cluster;     /* cluster_count + 1, into `active`: points between copies of one node of the mesh */
+    int32_t *origin_fill; /* mesh.node_count; zero between steps */
+    double *node_share;   /* node_capacity: Σ weight × peak of a node's active points; zero between steps */
     int32_t node_capacity;
-    int32_t sweeps;      /* of the last pull */
+    int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */
     int32_t *corner_label, *corner_queue, *corner_copy; /* largest number of corners at a node */
     double *element_bound, *facet_value;                /* element_count, interior_count */
@@ -124,7 +129,9 @@ void shv_cohesive_book(const ShvCohesive *cohesive, const ShvState *state, doubl
 double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState *state);
 
 typedef struct ShvCohesiveEnergy {
-    double recoverable, dissipated;    /* J, at the present openings */
+    double recoverable,
+        dissipated; /* J, at the present openings: histories are kept at half steps, and `dissipated` may
+                                          fall back by a step's share when an opening turns round */
     double inserted_area, opened_area; /* m²; opened: damage ≥ 0.99 */
     double opened_energy;              /* ΣG·A over opened facets, J */
     int32_t inserted, opened;

@@ -17,8 +17,8 @@ static void bound_elements(const ShvCohesive *cohesive, const double *stress)
         const double *s = stress + (int64_t)batch * 6 * SHV_LANES;
         const int32_t lanes = count - batch * SHV_LANES < SHV_LANES ? count - batch * SHV_LANES : SHV_LANES;
         for (int32_t i = 0; i < lanes; i++) {
-            const double normal = s[i] * s[i] + s[SHV_LANES + i] * s[SHV_LANES + i] +
-                                  s[2 * SHV_LANES + i] * s[2 * SHV_LANES + i];
+            const double normal =
+                s[i] * s[i] + s[SHV_LANES + i] * s[SHV_LANES + i] + s[2 * SHV_LANES + i] * s[2 * SHV_LANES + i];
             const double shear = s[3 * SHV_LANES + i] * s[3 * SHV_LANES + i] +
                                  s[4 * SHV_LANES + i] * s[4 * SHV_LANES + i] +
                                  s[5 * SHV_LANES + i] * s[5 * SHV_LANES + i];
@@ -68,8 +68,7 @@ static double principal_value(const ShvCohesive *cohesive, const ShvState *state
     const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
     const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet]];
     double least = (double)INFINITY;
-    for (int i = 0; i < 3; i++)
-        least = fmin(least, cohesive->node_value[shv_state_node(state, element, corners[i])]);
+    for (int i = 0; i < 3; i++) least = fmin(least, cohesive->node_value[shv_state_node(state, element, corners[i])]);
     return least > 0.0 ? least / cohesive->facet_strength[facet] : 0.0;
 }
 

@@ -98,10 +98,12 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     match_corners(model, facet, cohesive->partner + point);
     cohesive->area[index] = shv_norm(shv_cohesive_reference_area(model, facet));
     cohesive->law[index] = shv_law_make(material, scale * activation(cohesive, state, stress, index));
+    cohesive->law[index].slip_share = cohesive->settings->regularisation;
     const double length = sqrt(cohesive->area[index]);
     for (int i = 0; i < 3; i++) {
         cohesive->history[point + i] = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
         cohesive->opening[point + i] = (ShvOpening){0};
+        cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->live[cohesive->live_count++] = index;
@@ -130,7 +132,7 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     }
     for (int32_t i = 0; i < count; i++) add_facet(cohesive, state, stress, sorted[i]);
     for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
-    cohesive->active_count = cohesive->pair_count = 0;
+    cohesive->active_count = cohesive->pair_count = cohesive->cluster_count = 0;
     return SHV_OK;
 }
 

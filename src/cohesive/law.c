@@ -21,8 +21,7 @@ static void make_camacho_ortiz(ShvLaw *law)
     const bool released = energy[SHV_NORMAL] == 0.0 || energy[SHV_SHEAR] == 0.0 || strength[SHV_NORMAL] == 0.0;
     law->ratio = released ? 1.0 : energy[SHV_SHEAR] / energy[SHV_NORMAL];
     law->weight = released ? 0.0 : strength[SHV_SHEAR] / strength[SHV_NORMAL] / law->ratio;
-    for (int i = 0; i < 2; i++)
-        law->final_opening[i] = released ? 0.0 : final_opening(2.0, energy[i], strength[i]);
+    for (int i = 0; i < 2; i++) law->final_opening[i] = released ? 0.0 : final_opening(2.0, energy[i], strength[i]);
 }
 
 ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale)
@@ -38,9 +37,12 @@ ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale)
     return law;
 }
 
+/* Far above the round-off of displacements of metres, far below what a step opens that resolves the solid. */
+static const double start_share = 1e-8;
+
 static double start_opening(const ShvLaw *law, int component, double length, double modulus)
 {
-    return 1e-5 * fmin(law->final_opening[component], length * (law->strength[component] / modulus));
+    return start_share * fmin(law->final_opening[component], length * (law->strength[component] / modulus));
 }
 
 ShvHistory shv_law_start(const ShvLaw *law, double length, double modulus)
@@ -74,13 +76,27 @@ double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, 
     return shv_ppr_mean(law, history, SHV_SHEAR, from, to);
 }
 
+double shv_law_peak(const ShvLaw *law, ShvHistory history)
+{
+    if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_peak(law, history);
+    return fmax(shv_ppr_branch(law, history, SHV_NORMAL).peak, shv_ppr_branch(law, history, SHV_SHEAR).peak);
+}
+
+static double counted_slip(const ShvLaw *law, double opening)
+{
+    const double *end = law->final_opening;
+    const bool finite = end[SHV_NORMAL] > 0.0 && isfinite(end[SHV_NORMAL]) && isfinite(end[SHV_SHEAR]);
+    return law->slip_share > 0.0 && finite ? law->slip_share * fmin(opening / end[SHV_NORMAL], 1.0) * end[SHV_SHEAR]
+                                           : 0.0;
+}
+
 ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) {
         history.normal = fmax(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
     } else {
         history.normal = fmax(history.normal, normal);
-        history.shear = fmax(history.shear, shear);
+        history.shear = fmax(history.shear, fmax(shear, counted_slip(law, history.normal)));
     }
     return history;
 }
@@ -138,6 +154,8 @@ static ShvHistory advance_shear(const ShvLaw *law, ShvHistory history, double no
 ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
 {
     const double start = fmax(from.normal, 0.0), end = fmax(to.normal, 0.0);
+    const ShvHistory reached = shv_law_grow(law, shv_law_grow(law, history, end, from.shear), end, to.shear);
+    if (reached.normal == history.normal && reached.shear == history.shear) return history;
     const ShvHistory opened = advance_normal(law, history, from.shear, start, end);
     return advance_shear(law, opened, end, from.shear, to.shear);
 }

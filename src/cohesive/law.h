@@ -8,6 +8,10 @@
    openings of both components: using the present opening of the other one, as is sometimes done for PPR, gives
    unsymmetric tangents, and closed paths that yield energy.
 
+   PPR resists slip of any size with its full shear traction, in a direction that is undefined at zero slip: facets of an
+   almost plane crack that tilt by round-off then work against each other. `slip_share` ε bounds the stiffness of shear by
+   1/ε times that of opening; it takes 2ε/3 of the work in pure opening (α = β = 2) and nothing in pure shear.
+
    A rigid start is the limit of this: at zero history the stiffness is infinite, and the traction is whatever holds the
    faces together, up to the peak. A solver starts instead from a history that is very small (shv_law_start), so that round-off
    does not decide whether a pair holds. */
@@ -23,7 +27,10 @@ typedef struct ShvLaw {
     double strength[2];      /* σmax, τmax, Pa; an infinite one counts as 1e60 */
     double shape[2];         /* PPR: α, β */
     double final_opening[2]; /* δn, δt, m: infinite without strength, zero without energy */
-    double ratio, weight;    /* Camacho-Ortiz: κ = GII/GI; effective opening √(Δn² + weight² Δt²), weight = β/κ */
+    double
+        slip_share; /* PPR, set after shv_law_make: opening by x counts as slip by slip_share × x δt/δn as well, so that
+                                less slip than that meets a share of the shear traction only (below); 0: plain law */
+    double ratio, weight; /* Camacho-Ortiz: κ = GII/GI; effective opening √(Δn² + weight² Δt²), weight = β/κ */
 } ShvLaw;
 
 typedef struct ShvOpening {
@@ -50,8 +57,8 @@ typedef struct ShvLawBranch {
    infinite energy never softens. Never 0/0. */
 ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale);
 
-/* History with which a new facet starts: 1e-5 of the final openings, or of the elastic displacement length × strength /
-   modulus where that is less. It takes a share of that order from the work of separation. */
+/* History with which a new facet starts: 1e-8 of the final openings, or of the elastic displacement length × strength /
+   modulus where that is less. The work of separation loses a share of that order. */
 ShvHistory shv_law_start(const ShvLaw *law, double length, double modulus);
 
 /* Potential Ψ of extrinsic PPR at an opening, J/m²: traction is its gradient in loading. */
@@ -66,6 +73,8 @@ double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, 
 /* Traction at an opening given the largest openings so far. Where a component's opening and history are both zero, the
    peak. */
 ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double normal, double shear);
+/* Largest traction of either component still to come, Pa; 0 exactly when nothing is left. */
+double shv_law_peak(const ShvLaw *law, ShvHistory history);
 /* Largest openings after one more opening; nothing is dissipated here. */
 ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear);
 /* History after the path `from` → `to` (first the normal, then the shear component). The work done on the point is

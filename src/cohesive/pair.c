@@ -5,11 +5,11 @@ typedef struct Equation {
     const ShvLaw *law;
     ShvHistory history;
     ShvLawBranch branch;
-    double other;      /* opening of the component that is held */
-    double from;       /* opening at the start of the step */
-    double stored;     /* work of the linear branch still to come before the envelope, J/m² */
+    double other;  /* opening of the component that is held */
+    double from;   /* opening at the start of the step */
+    double stored; /* work of the linear branch still to come before the envelope, J/m² */
     double compliance;
-    double free;       /* normal: opening without traction */
+    double free;        /* normal: opening without traction */
     ShvVec3 start, sum; /* shear: opening at the start; sum of it and the one without traction */
 } Equation;
 
@@ -120,8 +120,13 @@ double shv_pair_normal(const ShvLaw *law, ShvHistory history, double shear, doub
                        double compliance)
 {
     const ShvLawBranch branch = shv_law_normal_branch(law, history, shear);
-    Equation e = {.law = law, .history = history, .branch = branch, .other = shear, .from = from,
-                  .compliance = compliance, .free = free};
+    Equation e = {.law = law,
+                  .history = history,
+                  .branch = branch,
+                  .other = shear,
+                  .from = from,
+                  .compliance = compliance,
+                  .free = free};
     if (branch.limit == 0.0) {
         if (!(free > 0.0)) return 0.0;
         return from >= 0.0 && free <= compliance * branch.peak ? free / compliance : normal_envelope(&e);
@@ -160,7 +165,8 @@ static ShvVec3 shear_envelope(Equation *e, double spring_theta)
         e->stored = 0.5 * e->branch.peak * (limit - e->from) * ((limit + e->from) / limit);
         low = shear_balance(e, spring_theta);
     }
-    const double theta = low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0)) : spring_theta;
+    const double theta =
+        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0)) : spring_theta;
     return shv_scale(e->sum, shear_factor(e, theta, &radius) * theta);
 }
 
@@ -184,8 +190,14 @@ ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, con
     const ShvLawBranch branch = shv_law_shear_branch(law, history, normal);
     const ShvVec3 sum = shv_add(step->free, step->from);
     const double limit = branch.limit, compliance = step->compliance;
-    Equation e = {.law = law, .history = history, .branch = branch, .other = normal, .compliance = compliance,
-                  .from = fmin(shv_norm(step->from), limit), .start = step->from, .sum = sum};
+    Equation e = {.law = law,
+                  .history = history,
+                  .branch = branch,
+                  .other = normal,
+                  .compliance = compliance,
+                  .from = fmin(shv_norm(step->from), limit),
+                  .start = step->from,
+                  .sum = sum};
     if (!(branch.peak > 0.0)) {
         if (limit > 0.0 || shv_norm(sum) == 0.0) return shv_vec3(0.0, 0.0, 0.0);
         return shear_envelope(&e, 0.0);

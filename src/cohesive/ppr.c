@@ -29,7 +29,8 @@ static double envelope(const ShvLaw *law, int component, double opening, double 
 {
     if (law->energy[component] == 0.0) return 0.0;
     const double rest = 1.0 - share(opening, law->final_opening[component]);
-    return law->strength[component] * shv_power(rest, law->shape[component] - 1.0) * left_by_other(law, component, other);
+    return law->strength[component] * shv_power(rest, law->shape[component] - 1.0) *
+           left_by_other(law, component, other);
 }
 
 static double largest(ShvHistory history, int component)
@@ -43,8 +44,7 @@ double shv_ppr_potential(const ShvLaw *law, double normal, double shear)
     const double gamma_n = phi_n < phi_t ? 1.0 : -phi_n, gamma_t = phi_n < phi_t ? -phi_t : 1.0;
     const double u = shv_power(1.0 - share(normal, law->final_opening[SHV_NORMAL]), law->shape[SHV_NORMAL]);
     const double v = shv_power(1.0 - share(shear, law->final_opening[SHV_SHEAR]), law->shape[SHV_SHEAR]);
-    return fmin(phi_n, phi_t) +
-           (gamma_n * u + fmax(phi_n - phi_t, 0.0)) * (gamma_t * v + fmax(phi_t - phi_n, 0.0));
+    return fmin(phi_n, phi_t) + (gamma_n * u + fmax(phi_n - phi_t, 0.0)) * (gamma_t * v + fmax(phi_t - phi_n, 0.0));
 }
 
 ShvLawBranch shv_ppr_branch(const ShvLaw *law, ShvHistory history, int component)

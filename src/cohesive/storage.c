@@ -1,17 +1,19 @@
 #include "cohesive/storage.h"
 
 /* X(type, name, components): per cohesive facet */
-#define FACET_ARRAYS(X)            \
-    X(int32_t, facet, 1)           \
-    X(uint8_t, partner, 3)         \
-    X(double, area, 1)             \
-    X(ShvLaw, law, 1)              \
-    X(ShvHistory, history, 3)      \
-    X(ShvOpening, opening, 3)      \
-    X(uint8_t, phase, 1)           \
-    X(int32_t, live, 1)            \
-    X(ShvCohesivePoint, points, 3) \
-    X(int32_t, active, 3)          \
+#define FACET_ARRAYS(X)                                                                                                \
+    X(int32_t, facet, 1)                                                                                               \
+    X(uint8_t, partner, 3)                                                                                             \
+    X(double, area, 1)                                                                                                 \
+    X(ShvLaw, law, 1)                                                                                                  \
+    X(ShvHistory, history, 3)                                                                                          \
+    X(ShvOpening, opening, 3)                                                                                          \
+    X(double, peak, 3)                                                                                                 \
+    X(uint8_t, phase, 1)                                                                                               \
+    X(int32_t, live, 1)                                                                                                \
+    X(ShvCohesivePoint, points, 3)                                                                                     \
+    X(int32_t, unsorted, 3)                                                                                            \
+    X(int32_t, active, 3)                                                                                              \
     X(int32_t, pairs, 3)
 
 static size_t facet_bytes(void)
@@ -31,10 +33,10 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
     if (capacity > cohesive->model->adjacency.interior_count) capacity = cohesive->model->adjacency.interior_count;
     if (capacity < needed) capacity = needed;
     void *grown;
-#define GROW(type, name, components)                                                                             \
-    grown = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->name, (components) * (size_t)capacity, \
-                           sizeof(type));                                                                        \
-    if (!grown) return shv_fail_memory(error, "cohesive facets", (size_t)capacity * facet_bytes());              \
+#define GROW(type, name, components)                                                                                   \
+    grown = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->name, (components) * (size_t)capacity,       \
+                           sizeof(type));                                                                              \
+    if (!grown) return shv_fail_memory(error, "cohesive facets", (size_t)capacity * facet_bytes());                    \
     cohesive->name = grown;
     FACET_ARRAYS(GROW)
 #undef GROW
@@ -85,12 +87,16 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->facet_strength = shv_allocate(memory, SHV_PART_COHESIVE, facets, sizeof *cohesive->facet_strength);
     cohesive->corner_label = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_label);
     cohesive->corner_queue = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_queue);
+    const size_t nodes = (size_t)model->mesh.node_count;
+    cohesive->origin_fill = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->origin_fill);
+    cohesive->cluster = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster);
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
     cohesive->element_bound = shv_allocate(memory, SHV_PART_STRESS, elements, sizeof *cohesive->element_bound);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
-        !cohesive->corner_copy || !cohesive->facet_value || !cohesive->element_bound)
-        return shv_fail_memory(error, "facets that may break", facets * 20 + elements * 8 + corners * 12);
+        !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->facet_value ||
+        !cohesive->element_bound)
+        return shv_fail_memory(error, "facets that may break", facets * 20 + elements * 8 + corners * 12 + nodes * 8);
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
@@ -99,8 +105,9 @@ ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, cons
 {
     *cohesive = (ShvCohesive){.memory = model->memory, .model = model, .settings = settings};
     if (!model->can_break)
-        return shv_fail(error, SHV_BAD_INPUT, "nothing in this model can break; make a material breakable and enable "
-                                              "fracture, or leave cohesive facets out");
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "nothing in this model can break; make a material breakable and enable "
+                        "fracture, or leave cohesive facets out");
     const ShvStatus status = allocate(cohesive, error);
     if (status != SHV_OK) {
         shv_cohesive_release(cohesive);
@@ -123,6 +130,8 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->corner_label);
     shv_release(cohesive->corner_queue);
     shv_release(cohesive->corner_copy);
+    shv_release(cohesive->origin_fill);
+    shv_release(cohesive->cluster);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->element_bound);
     shv_release(cohesive->node_share);

@@ -19,8 +19,8 @@ double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet)
     double scale = -shv_log(shv_random_uniform(model->seed, (uint64_t)facet));
     if (material->weibull_volume > 0.0) {
         const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
-        const double both = shv_mesh_element_volume(&model->mesh, elements[0]) +
-                            shv_mesh_element_volume(&model->mesh, elements[1]);
+        const double both =
+            shv_mesh_element_volume(&model->mesh, elements[0]) + shv_mesh_element_volume(&model->mesh, elements[1]);
         scale *= material->weibull_volume / (0.25 * both);
     }
     return shv_power(scale, 1.0 / material->weibull_modulus);

@@ -52,8 +52,8 @@ int32_t shv_topology_groups(ShvCohesive *cohesive, const ShvState *state, int32_
 
 static void copy_node(ShvState *state, int32_t from, int32_t to)
 {
-#define COPY(type, name, components)                                                                 \
-    memcpy(state->name + (components) * (int64_t)to, state->name + (components) * (int64_t)from, \
+#define COPY(type, name, components)                                                                                   \
+    memcpy(state->name + (components) * (int64_t)to, state->name + (components) * (int64_t)from,                       \
            (components) * sizeof(type));
     SHV_NODE_ARRAYS(COPY)
 #undef COPY

@@ -8,7 +8,8 @@ ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, co
                                   ShvError *error)
 {
     const size_t starts = (size_t)obstacles->count + 1;
-    *contact = (ShvNodeContact){.memory = memory, .obstacle_count = obstacles->count, .stale = true, .next_time = NAN};
+    *contact =
+        (ShvNodeContact){.memory = memory, .obstacle_count = obstacles->count, .stale = true, .next_time = (double)NAN};
     contact->candidate_start = shv_allocate(memory, SHV_PART_CONTACT, starts, sizeof(int32_t));
     return contact->candidate_start ? SHV_OK : shv_fail_memory(error, "contact", starts * sizeof(int32_t));
 }
@@ -17,6 +18,7 @@ void shv_node_contact_release(ShvNodeContact *contact)
 {
     shv_release(contact->candidates);
     shv_release(contact->candidate_start);
+    shv_release(contact->before);
     shv_release(contact->last_touch);
     shv_release(contact->pairs);
     shv_release(contact->touches);
@@ -61,7 +63,7 @@ static void find_plane(const ShvObstacle *obstacle, ShvVec3 x, ShvVec3 relative,
     if (obstacle->shape == SHV_OBSTACLE_PLANE || pair->gap <= 0.0) return;
     if (pair->gap + step * shv_dot(relative, pair->normal) >= 0.0) return;
     ShvCrossing crossing;
-    pair->gap = INFINITY;
+    pair->gap = (double)INFINITY;
     if (!shv_obstacle_sweep(obstacle, x, shv_madd(x, step, relative), &crossing)) return;
     pair->point = crossing.point;
     pair->normal = crossing.normal;
@@ -90,9 +92,16 @@ static bool make_pair(const ContactStep *now, int32_t node, int32_t index, doubl
     find_plane(obstacle, x, relative, now->step, pair);
     pair->relative = relative;
     pair->speed = fabs(relative.x) + fabs(relative.y) + fabs(relative.z);
-    const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
-    pair->before = shv_madd(v, -now->kick, acceleration);
     return true;
+}
+
+static ShvVec3 velocity_before(const ContactStep *now, int32_t candidate)
+{
+    if (now->contact->begun) return shv_load3(now->contact->before + 3 * (int64_t)candidate);
+    const int32_t node = now->contact->candidates[candidate];
+    const int64_t i = 3 * (int64_t)node;
+    const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
+    return shv_madd(shv_load3(now->state->velocity + i), -now->kick, acceleration);
 }
 
 static ShvStatus append_pair(ShvNodeContact *contact, const ShvNodePair *pair, ShvError *error)
@@ -115,7 +124,9 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
             shv_candidates_obstacle_speed(&now->obstacles->items[i]) + now->step * shv_norm(now->gravity);
         for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
             ShvNodePair pair;
-            if (make_pair(now, contact->candidates[k], i, speed, &pair)) SHV_TRY(append_pair(contact, &pair, error));
+            if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
+            pair.before = velocity_before(now, k);
+            SHV_TRY(append_pair(contact, &pair, error));
         }
     }
     return SHV_OK;
@@ -264,6 +275,25 @@ static ShvStatus list_touches(ShvNodeContact *contact, ShvError *error)
     return SHV_OK;
 }
 
+ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                                 const int32_t *nodes, int32_t count, double step, const double gravity[3],
+                                 ShvError *error)
+{
+    contact->begun = false;
+    SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(shv_load3(gravity)), error));
+    if (contact->before_capacity < contact->capacity) {
+        const size_t wanted = 3 * (size_t)contact->capacity;
+        double *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->before, wanted, sizeof(double));
+        if (!grown) return shv_fail_memory(error, "contact", wanted * sizeof(double));
+        contact->before = grown;
+        contact->before_capacity = contact->capacity;
+    }
+    for (int32_t k = 0; k < contact->candidate_start[contact->obstacle_count]; k++)
+        shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k]));
+    contact->begun = true;
+    return SHV_OK;
+}
+
 ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
                                  ShvError *error)
@@ -274,8 +304,10 @@ ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvOb
     contact->step_number += fabs(state->time - contact->next_time) <= 0.5 * step ? 1 : 2;
     contact->next_time = state->time + step;
     SHV_TRY(know_nodes(contact, state, error));
-    SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
+    if (!contact->begun)
+        SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
     SHV_TRY(list_pairs(&now, error));
+    contact->begun = false;
     SHV_TRY(respond(&now, error));
     SHV_TRY(list_touches(contact, error));
     shv_node_contact_book(contact, state);

@@ -36,6 +36,9 @@ typedef struct ShvNodeContact {
     int32_t *candidates;      /* node indices in the order given, per obstacle one after another */
     int32_t *candidate_start; /* obstacle_count + 1 */
     int32_t capacity;
+    double *before; /* 3 per candidate: velocity before the kick, m/s */
+    int32_t before_capacity;
+    bool begun;         /* `before` is of this step */
     double skin, moved; /* m */
     bool stale;
     int32_t listed;    /* number of nodes the candidates were chosen from */
@@ -50,9 +53,8 @@ typedef struct ShvNodeContact {
     /* this step */
     ShvNodeTouch *touches;
     int32_t touching, touch_capacity;
-    double normal_work[2],
-        friction_work[2];         /* J on the nodes, impulse · velocity / 2: with the velocity before the kick,
-                                                and with the velocity now */
+    /* J on the nodes, impulse · velocity / 2: with the velocity before the kick, and with the velocity now */
+    double normal_work[2], friction_work[2];
     double obstacle_work[2];      /* J on free obstacles: with their velocity before and after each impulse */
     double largest_closing_speed; /* m/s of fresh touches */
     ShvVec3 impulse;              /* N·s on the nodes, total */
@@ -64,10 +66,15 @@ ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, co
 void shv_node_contact_release(ShvNodeContact *contact);
 /* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
-/* One step for the listed awake nodes (surface nodes suffice), right after the kick (kick = ½(dt₋ + dt₊), `step` = dt₊)
-   and before anything else changes velocities: the velocity before the kick is v − kick (force/mass + gravity). Obstacles
-   are at time n: a free one's mean velocity over the step is taken as velocity + ½ step gravity. Ends with
-   shv_node_contact_book. */
+/* Before the kick of a step, once forces are known or not: remembers the velocities of nodes that may touch, from which the
+   first halves of the works come. The lists must be those of shv_node_contact_apply. */
+ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                                 const int32_t *nodes, int32_t count, double step, const double gravity[3],
+                                 ShvError *error);
+/* One step (of length `step` = dt₊) for the listed awake nodes (surface nodes suffice), after the kick and whatever else
+   changes velocities but may be overruled. Obstacles are at time n: a free one's mean velocity over the step is taken as
+   velocity + ½ step gravity. Ends with shv_node_contact_book. Without shv_node_contact_begin the velocity before the kick
+   is taken to be v − kick (force/mass + gravity), kick = ½(dt₋ + dt₊): then nothing may have come between. */
 ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
                                  ShvError *error);

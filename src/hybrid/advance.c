@@ -36,6 +36,7 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
     const double start = shv_now();
+    shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
                                                 shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
     shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);

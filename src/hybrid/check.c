@@ -25,6 +25,10 @@ static ShvStatus nodal_stress(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
+/* An impact loads a body from nothing to its strength within a few steps: until checks have shown how fast stress grows, each
+   step is looked at. The memory of the rate decays by a tenth a check. */
+void shv_check_clock_start(ShvCheckClock *clock) { *clock = (ShvCheckClock){.due = 1, .rate = 1.0}; }
+
 /* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. */
 static void set_clock(ShvHybrid *hybrid, double largest)
 {

@@ -3,16 +3,16 @@
 #include <string.h>
 
 /* A step the user asks for must be stable for every element: nothing here damps an unstable mode. */
-static ShvStatus require_stable(const ShvHybrid *hybrid, ShvError *error)
+static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    int32_t element = 0;
-    const double stable = shv_solid_stable_step(&hybrid->solid, &element);
+    hybrid->stable_step = shv_solid_stable_step(&hybrid->solid, &hybrid->stable_element);
+    const double stable = hybrid->stable_step;
     if (isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT,
                     "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
                     "give %g or less, or 'auto'",
-                    fracture->time_step, fracture->time_step / stable, stable, (int)element, 0.9 * stable);
+                    fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element, 0.9 * stable);
 }
 
 static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
@@ -90,7 +90,7 @@ ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvScene
 {
     *hybrid = (ShvHybrid){.memory = memory, .scene = scene};
     memcpy(hybrid->gravity, scene->gravity, sizeof hybrid->gravity);
-    hybrid->clock.due = 1;
+    shv_check_clock_start(&hybrid->clock);
     ShvStatus status = create_parts(hybrid, folder, error);
     if (status == SHV_OK) status = shv_hybrid_observe(hybrid, error);
     if (status != SHV_OK) shv_hybrid_release(hybrid);

@@ -50,6 +50,7 @@ typedef struct ShvGhost {
     int64_t capacity;
     ShvObstacle *obstacles;  /* as they were before the ghost step */
     double kinetic;          /* J, of awake nodes: Σ ½ m v₋·v₊ */
+    double obstacle_exchange; /* J: the same of free obstacles, beyond what they have before the step */
     double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
 } ShvGhost;
 
@@ -75,6 +76,8 @@ typedef struct ShvHybrid {
     double interval_end;    /* s; ≤ state.time: no interval is under way */
     double obstacle_time;   /* s: moment to which free obstacles have been moved */
 
+    double stable_step;     /* s: smallest exact element step of the whole model */
+    int32_t stable_element; /* that sets it */
     double bulk_step;       /* s: stable step of the awake batches */
     double step;            /* s: last step taken */
     ShvCheckClock clock;
@@ -128,6 +131,8 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
 /* check.c: stress, criterion, insertion, splits, when due. */
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
+/* The clock of a body that has just woken. */
+void shv_check_clock_start(ShvCheckClock *clock);
 /* Labels what has come apart since the last call (check.c). */
 ShvStatus shv_hybrid_relabel(ShvHybrid *hybrid, ShvError *error);
 /* time_line.c: scene events that are due. */

@@ -20,6 +20,21 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a moment", count * sizeof(ShvObstacle));
 }
 
+/* What the impulses of the ghost step add to ½ (V₋·M·V₊ − V₋·M·V₋) of free obstacles, whose works, too, are counted up to
+   their first halves. */
+static double obstacle_exchange(const ShvHybrid *hybrid)
+{
+    double exchange = 0.0;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
+        const ShvObstacle *before = &hybrid->ghost.obstacles[i], *after = &hybrid->obstacles.items[i];
+        if (before->motion != SHV_OBSTACLE_FREE) continue;
+        const ShvVec3 spin = shv_obstacle_angular_momentum(before);
+        exchange += 0.5 * before->mass * shv_dot(before->velocity, shv_sub(after->velocity, before->velocity)) +
+                    0.5 * shv_dot(spin, shv_sub(after->angular_velocity, before->angular_velocity));
+    }
+    return exchange;
+}
+
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
    ghost.before; first halves of works go to ghost.first; kinetic energy of awake nodes to ghost.kinetic. */
 static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
@@ -29,6 +44,7 @@ static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
     SHV_TRY(reserve_ghost(hybrid, error));
     memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
     memset(ghost->first, 0, sizeof ghost->first);
+    ghost->obstacle_exchange = 0.0;
     if (state->last_step > 0.0) {
         const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
         if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
@@ -38,6 +54,7 @@ static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
         for (int i = 0; i < SHV_WORK_COUNT; i++)
             ghost->first[i] = hybrid->ledger.booked[i] - booked.booked[i] - hybrid->ledger.pending[i];
         hybrid->ledger = booked;
+        ghost->obstacle_exchange = obstacle_exchange(hybrid);
         if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
     }
     ghost->kinetic = 0.0;
@@ -77,7 +94,7 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     const ShvState *state = &hybrid->state;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
-    balance->kinetic += hybrid->ghost.kinetic;
+    balance->kinetic += hybrid->ghost.kinetic + hybrid->ghost.obstacle_exchange;
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         const int32_t node = hybrid->awake.nodes[k];
         const ShvVec3 x = shv_state_position(state, node);
@@ -91,12 +108,10 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
 static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvObstacle *obstacle)
 {
     if (obstacle->motion != SHV_OBSTACLE_FREE) return;
-    const ShvMat3 rotation = shv_quat_to_matrix(obstacle->orientation);
-    const ShvVec3 local = shv_apply_transposed(&rotation, obstacle->angular_velocity);
-    const ShvVec3 spin = shv_apply(&rotation, shv_apply(&obstacle->inertia, local));
     balance->kinetic += shv_obstacle_kinetic(obstacle);
     balance->gravity_potential -= obstacle->mass * shv_dot(shv_load3(hybrid->gravity), obstacle->position);
-    add_momentum(balance, obstacle->position, shv_scale(obstacle->velocity, obstacle->mass), spin);
+    add_momentum(balance, obstacle->position, shv_scale(obstacle->velocity, obstacle->mass),
+                 shv_obstacle_angular_momentum(obstacle));
 }
 
 static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)

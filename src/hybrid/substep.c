@@ -26,6 +26,7 @@ static void book(ShvHybrid *hybrid, double after)
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
     shv_node_contact_book(&hybrid->contact, &hybrid->state);
     shv_node_contact_book_ledger(&hybrid->contact, ledger);
+    shv_ledger_book(ledger, SHV_WORK_CONTACT, hybrid->contact.obstacle_work[0], hybrid->contact.obstacle_work[1]);
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
 }
@@ -37,6 +38,9 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     const double kick = 0.5 * (before + after);
     shv_ledger_begin_step(&hybrid->ledger);
     double start = shv_now();
+    SHV_TRY(shv_node_contact_begin(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, after,
+                                   hybrid->gravity, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     if (hybrid->model.can_break) {
@@ -76,6 +80,7 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     SHV_TRY(look_now_and_then(hybrid, error));
     SHV_TRY(shv_hybrid_check(hybrid, error));
     const double step = choose_step(hybrid, limit);
+    shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
     SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, step, error));
     const double start = shv_now();

@@ -33,7 +33,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->last_insertion = hybrid->state.time;
     fragment->quiet = 0;
     hybrid->awake.stale = true;
-    hybrid->clock.since = hybrid->clock.due = 1;
+    shv_check_clock_start(&hybrid->clock);
     ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_WAKE, .fragment = contact->fragment,
                           .obstacle = contact->obstacle, .value = contact->closing_speed};
     ShvVec3 momentum, angular;

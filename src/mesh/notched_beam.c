@@ -1,6 +1,12 @@
+#include "mesh/bricks.h"
 #include "mesh/generate.h"
 #include "mesh/lattice.h"
 #include "mesh/parameters.h"
+
+/* A cell is halved when it is longer than asked for by more than this. */
+static const double tolerance = 1.2;
+/* Growth per distance of the edge length asked for: less than 1 / tolerance for balance. */
+static const double largest_growth = 0.8;
 
 static ShvStatus check_notch(const ShvMeshDefinition *d, ShvError *error)
 {
@@ -17,6 +23,9 @@ static ShvStatus check_notch(const ShvMeshDefinition *d, ShvError *error)
     if (!(isfinite(d->notch_edge) && d->notch_edge >= 0.0))
         return shv_fail(error, SHV_BAD_INPUT, "notched beam: notch_edge is %g m, but must be 0 (as edge) or positive",
                         d->notch_edge);
+    if (!(d->notch_growth > 0.0 && d->notch_growth <= largest_growth))
+        return shv_fail(error, SHV_BAD_INPUT, "notched beam: notch_growth is %g, but must be positive and at most %g",
+                        d->notch_growth, largest_growth);
     return SHV_OK;
 }
 
@@ -31,11 +40,6 @@ static ShvStatus check_parameters(const ShvMeshDefinition *d, ShvError *error)
     SHV_TRY(shv_require_edge(d->edge, thinnest, "notched beam", "thinnest side", error));
     return check_notch(d, error);
 }
-
-/* The edge length asked for grows by this share of the distance from the slit; less than 1 / tolerance for balance. */
-static const double gradient = 0.3;
-/* A cell is halved when it is longer than asked for by more than this. */
-static const double tolerance = 1.2;
 
 /* Halves cells until those at the notch are short enough, and others as far as the growing edge length asks for it. */
 static ShvStatus grade(ShvLattice *lattice, const ShvMeshDefinition *d, ShvError *error)
@@ -52,7 +56,7 @@ static ShvStatus grade(ShvLattice *lattice, const ShvMeshDefinition *d, ShvError
                         d->notch_edge);
     for (int32_t l = *levels - 1; l >= 0; l--) {
         const double length = ldexp(1.0, *levels - l);
-        const double reach = (length / tolerance - d->notch_edge / smallest) / gradient;
+        const double reach = (length / tolerance - d->notch_edge / smallest) / d->notch_growth;
         const int32_t least = l + 1 < *levels ? lattice->reach[l + 1] + (1 << (*levels - l - 1)) : 1;
         lattice->reach[l] = reach > (double)least ? (int32_t)reach : least;
     }
@@ -81,6 +85,7 @@ ShvStatus shv_mesh_notched_beam(ShvMesh *mesh, ShvMemory *memory, const ShvMeshD
 {
     *mesh = (ShvMesh){0};
     SHV_TRY(check_parameters(definition, error));
+    if (definition->pattern == SHV_PATTERN_BRICKS) return shv_mesh_brick_beam(mesh, memory, definition, error);
     ShvLattice lattice = shv_lattice_box(definition->size, definition->edge / SHV_LATTICE_EDGE);
     SHV_TRY(shv_require_count(shv_lattice_estimate(&lattice), definition->edge, "notched beam", error));
     SHV_TRY(grade(&lattice, definition, error));

@@ -3,15 +3,20 @@
 #ifndef SHV_PBD_DAMPING_H
 #define SHV_PBD_DAMPING_H
 
-#include "base/vector.h"
 #include "model/state.h"
 
-/* Damps the velocities of one component's nodes: v += k (v_cm + ω × r − v), positions reference + displacement. Degenerate
-   components (one node, collinear) by pseudo-inverse. Returns the kinetic energy taken, J ≥ 0. */
-double shv_damp_velocities(ShvState *state, const int32_t *nodes, int32_t count, double damping);
+/* Rigid motion with the momentum and angular momentum of a component's nodes, at positions reference + displacement. */
+typedef struct ShvRigidField {
+    double mass;
+    ShvVec3 centre, velocity;
+    ShvVec3 angular_momentum, angular_velocity; /* about the centre; no rotation about an axis through all nodes */
+    ShvMat3 inertia;                            /* about the centre, world axes */
+} ShvRigidField;
+ShvRigidField shv_rigid_field(const ShvState *state, const int32_t *nodes, int32_t count);
 
-/* Rigid motion of a component's nodes: v_cm, ω, centre. */
-void shv_damping_motion(const ShvState *state, const int32_t *nodes, int32_t count, ShvVec3 *centre, ShvVec3 *velocity,
-                        ShvVec3 *angular_velocity);
+/* Damps the velocities of one component's nodes: v += k (v_cm + ω × r − v), k = `damping` in 0…1. Degenerate components
+   (one node, collinear or coincident nodes) have no rotation about the axes without inertia. Returns the kinetic energy
+   taken, J ≥ 0. `field` (may be NULL) receives the motion that stays. */
+double shv_damp_velocities(ShvState *state, const int32_t *nodes, int32_t count, double damping, ShvRigidField *field);
 
 #endif

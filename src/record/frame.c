@@ -17,7 +17,10 @@ static ShvStatus make_values(ShvRecord *record, size_t count, ShvError *error)
     return SHV_OK;
 }
 
-static size_t most(size_t a, size_t b) { return a > b ? a : b; }
+static size_t most(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
 
 static ShvStatus make_room(ShvRecord *record, const ShvFrameView *frame, ShvError *error)
 {
@@ -43,14 +46,15 @@ static bool put(ShvRecord *record, ShvSeriesName name, int64_t columns, const vo
 }
 
 /* One vector of every fragment: NaN for the dead. */
-static bool put_fragments(ShvRecord *record, const ShvFrameView *frame, ShvSeriesName name, size_t offset, int components)
+static bool put_fragments(ShvRecord *record, const ShvFrameView *frame, ShvSeriesName name, size_t offset,
+                          int components)
 {
     double *values = record->values;
     for (int32_t i = 0; i < frame->fragment_count; i++) {
         const ShvFragmentView *fragment = &frame->fragments[i];
         double *value = values + components * (int64_t)i;
         if (fragment->mode == SHV_FRAGMENT_DEAD)
-            for (int k = 0; k < components; k++) value[k] = NAN;
+            for (int k = 0; k < components; k++) value[k] = (double)NAN;
         else
             memcpy(value, (const char *)fragment + offset, (size_t)components * sizeof *value);
     }
@@ -64,7 +68,8 @@ static bool put_alive(ShvRecord *record, const ShvFrameView *frame)
     return put(record, SHV_SERIES_ALIVE, frame->fragment_count, alive);
 }
 
-static bool put_obstacles(ShvRecord *record, const ShvFrameView *frame, ShvSeriesName name, size_t offset, int components)
+static bool put_obstacles(ShvRecord *record, const ShvFrameView *frame, ShvSeriesName name, size_t offset,
+                          int components)
 {
     for (int32_t i = 0; i < frame->obstacle_count; i++)
         memcpy(record->values + components * (int64_t)i, (const char *)&frame->obstacles[i] + offset,
@@ -91,7 +96,8 @@ static bool put_cost(ShvRecord *record, const ShvFrameView *frame)
     const double wall = shv_now() - record->start;
     double *seconds = record->values;
     for (int32_t i = 0; i < frame->cost_count; i++) seconds[i] = frame->costs[i].seconds;
-    bool good = put(record, SHV_SERIES_WALL, 0, &wall) && put(record, SHV_SERIES_COST_SECONDS, frame->cost_count, seconds);
+    bool good =
+        put(record, SHV_SERIES_WALL, 0, &wall) && put(record, SHV_SERIES_COST_SECONDS, frame->cost_count, seconds);
     int64_t *numbers = (int64_t *)record->values;
     for (int32_t i = 0; i < frame->cost_count; i++) numbers[i] = frame->costs[i].calls;
     good = good && put(record, SHV_SERIES_COST_CALLS, frame->cost_count, numbers);
@@ -126,8 +132,7 @@ static bool put_nodes(ShvRecord *record, const ShvSimulation *simulation)
 static bool same_constants(const ShvFragmentView *a, const ShvFragmentView *b)
 {
     const size_t mode = offsetof(ShvFragmentView, mode), tets = offsetof(ShvFragmentView, tets);
-    return memcmp(a, b, mode) == 0 &&
-           memcmp(&a->tets, &b->tets, offsetof(ShvFragmentView, position) - tets) == 0;
+    return memcmp(a, b, mode) == 0 && memcmp(&a->tets, &b->tets, offsetof(ShvFragmentView, position) - tets) == 0;
 }
 
 /* Writes the rows from the first to the last that changed. */
@@ -136,7 +141,8 @@ static bool put_genealogy(ShvRecord *record, const ShvFrameView *frame)
     int32_t first = 0, last = frame->fragment_count;
     const int32_t known = record->fragment_count;
     while (first < known && same_constants(&record->fragments[first], &frame->fragments[first])) first++;
-    while (last > first && last <= known && same_constants(&record->fragments[last - 1], &frame->fragments[last - 1])) last--;
+    while (last > first && last <= known && same_constants(&record->fragments[last - 1], &frame->fragments[last - 1]))
+        last--;
     if (!shv_series_write(&record->series[SHV_SERIES_FRAGMENTS], first, last - first, 0, frame->fragments + first))
         return false;
     memcpy(record->fragments + first, frame->fragments + first, (size_t)(last - first) * sizeof *record->fragments);
@@ -144,12 +150,19 @@ static bool put_genealogy(ShvRecord *record, const ShvFrameView *frame)
     return true;
 }
 
-/* Owners change only where fragments start. */
-static bool put_owners(ShvRecord *record, const ShvSimulation *simulation, bool changed)
+static bool put_owners(ShvRecord *record, const ShvSimulation *simulation)
 {
-    if (!changed || record->element_count == 0) return true;
+    if (record->element_count == 0) return true;
     shv_simulation_element_state(simulation, record->element_fragment, NULL);
     return H5Dwrite(record->owners, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, record->element_fragment) >= 0;
+}
+
+/* Owners change only where fragments start. New fragments are on the disk before the frame that shows them. */
+static bool put_births(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
+{
+    const bool born = record->frames == 0 || frame->fragment_count != record->fragment_count;
+    if (!put_genealogy(record, frame)) return false;
+    return !born || (put_owners(record, simulation) && H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0);
 }
 
 static bool put_events(ShvRecord *record, const ShvFrameView *frame)
@@ -185,10 +198,9 @@ static bool create_series(ShvRecord *record, const ShvFrameView *frame)
 static bool put_all(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     if (record->frames == 0 && !create_series(record, frame)) return false;
-    const bool born = record->frames == 0 || frame->fragment_count != record->fragment_count;
-    return put_genealogy(record, frame) && put_owners(record, simulation, born) && put_events(record, frame) &&
-           put_motion(record, frame) && put_cost(record, frame) && put_moment(record, frame) &&
-           (!record->nodes || put_nodes(record, simulation)) && H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
+    return put_births(record, simulation, frame) && put_events(record, frame) && put_motion(record, frame) &&
+           put_cost(record, frame) && put_moment(record, frame) && (!record->nodes || put_nodes(record, simulation)) &&
+           H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
 static ShvStatus check_frame(const ShvRecord *record, const ShvFrameView *frame, ShvError *error)

@@ -5,6 +5,7 @@
 #include <sys/utsname.h>
 
 #include "base/text.h"
+#include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
 #include "record/record.h"
 
@@ -26,16 +27,6 @@ static void find_processor(char *name, size_t size)
     fclose(file);
 }
 
-static bool make_group(hid_t file, const char *path)
-{
-    const hid_t list = H5Pcreate(H5P_GROUP_CREATE);
-    if (list < 0) return false;
-    hid_t group = -1;
-    if (H5Pset_obj_track_times(list, false) >= 0) group = H5Gcreate2(file, path, H5P_DEFAULT, list, H5P_DEFAULT);
-    H5Pclose(list);
-    return group >= 0 && H5Gclose(group) >= 0;
-}
-
 static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
 {
     const int32_t format = SHV_RUN_FILE_FORMAT;
@@ -51,9 +42,9 @@ static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
            shv_attribute_put_text(file, "message", "", SHV_RECORD_MESSAGE) &&
            shv_attribute_put_text(file, "units", "SI", 1) && shv_attribute_put_text(file, "up", "z, right-handed", 1) &&
            shv_attribute_put_text(file, "quaternion_order", "wxyz", 1) &&
-           shv_attribute_put_text(file, "pose",
-                                  "world = position + rotate(orientation, reference - reference_centre of /fragments/list)",
-                                  1);
+           shv_attribute_put_text(
+               file, "pose", "world = position + rotate(orientation, reference - reference_centre of /fragments/list)",
+               1);
 }
 
 /* The overrides, one a line. */
@@ -75,36 +66,14 @@ bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition)
 {
     static const char *const groups[] = {"/scene", "/mesh", "/trajectory", "/obstacles", "/fragments", "/cost"};
     for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++)
-        if (!make_group(file, groups[i])) return false;
-    if (definition->nodes && !make_group(file, "/nodes")) return false;
+        if (!shv_group_put(file, groups[i])) return false;
+    if (definition->nodes && !shv_group_put(file, "/nodes")) return false;
     return write_attributes(file, definition) &&
            shv_dataset_put_text(file, "/scene/text", definition->scene_text ? definition->scene_text : "") &&
            write_overrides(file, definition);
 }
 
 /* ---- constant arrays ---- */
-
-/* A (rows, columns) array, compressed when it is large; the caller closes *dataset, or gives NULL. */
-static bool put_array(hid_t file, const char *path, hid_t file_type, hid_t memory_type, int64_t rows, int64_t columns,
-                      bool compressed, const void *data, hid_t *dataset)
-{
-    const hsize_t extent[2] = {(hsize_t)rows, (hsize_t)columns}, chunk[2] = {rows < 8192 ? (hsize_t)rows : 8192, extent[1]};
-    const int rank = columns > 0 ? 2 : 1;
-    const hid_t space = H5Screate_simple(rank, extent, NULL), list = H5Pcreate(H5P_DATASET_CREATE);
-    bool good = space >= 0 && list >= 0 && H5Pset_obj_track_times(list, false) >= 0;
-    if (good && compressed && rows > 0)
-        good = H5Pset_chunk(list, rank, chunk) >= 0 && H5Pset_shuffle(list) >= 0 && H5Pset_deflate(list, 1) >= 0;
-    if (good && !compressed) good = H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY) >= 0;
-    const hid_t made = good ? H5Dcreate2(file, path, file_type, space, H5P_DEFAULT, list, H5P_DEFAULT) : -1;
-    good = made >= 0 && (!data || rows == 0 || H5Dwrite(made, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    if (list >= 0) H5Pclose(list);
-    if (space >= 0) H5Sclose(space);
-    if (dataset)
-        *dataset = made;
-    else if (made >= 0)
-        H5Dclose(made);
-    return good;
-}
 
 typedef const char *(*NameOf)(const void *items, int32_t index);
 
@@ -119,17 +88,32 @@ static bool put_names(hid_t file, const char *path, int32_t count, NameOf name_o
     const hid_t type = texts ? shv_text_type(size) : -1;
     if (texts)
         for (int32_t i = 0; i < count; i++) strcpy(texts + (size_t)i * size, name_of(items, i));
-    const bool good = type >= 0 && put_array(file, path, type, type, count, 0, false, texts, NULL);
+    const bool good = type >= 0 && shv_array_put(file, path, type, type, count, 0, false, texts, NULL);
     if (type >= 0) H5Tclose(type);
     shv_release(texts);
     return good;
 }
 
-static const char *object_name(const void *items, int32_t i) { return ((const ShvObjectView *)items)[i].name; }
-static const char *object_material(const void *items, int32_t i) { return ((const ShvObjectView *)items)[i].material; }
-static const char *obstacle_name(const void *items, int32_t i) { return ((const ShvObstacleView *)items)[i].name; }
-static const char *cost_name(const void *items, int32_t i) { return ((const ShvCostView *)items)[i].name; }
-static const char *bytes_name(const void *items, int32_t i) { return ((const ShvBytesView *)items)[i].name; }
+static const char *object_name(const void *items, int32_t i)
+{
+    return ((const ShvObjectView *)items)[i].name;
+}
+static const char *object_material(const void *items, int32_t i)
+{
+    return ((const ShvObjectView *)items)[i].material;
+}
+static const char *obstacle_name(const void *items, int32_t i)
+{
+    return ((const ShvObstacleView *)items)[i].name;
+}
+static const char *cost_name(const void *items, int32_t i)
+{
+    return ((const ShvCostView *)items)[i].name;
+}
+static const char *bytes_name(const void *items, int32_t i)
+{
+    return ((const ShvBytesView *)items)[i].name;
+}
 
 static bool put_ranges(hid_t file, const ShvMeshView *mesh)
 {
@@ -140,23 +124,23 @@ static bool put_ranges(hid_t file, const ShvMeshView *mesh)
         const int32_t range[4] = {object->element_begin, object->element_end, object->node_begin, object->node_end};
         memcpy(ranges + 4 * (int64_t)i, range, sizeof range);
     }
-    const bool good = put_array(file, "/mesh/object_ranges", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->object_count, 4, false,
-                                ranges, NULL);
+    const bool good = shv_array_put(file, "/mesh/object_ranges", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->object_count, 4,
+                                    false, ranges, NULL);
     shv_release(ranges);
     return good;
 }
 
 bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners)
 {
-    return put_array(file, "/mesh/positions", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, mesh->node_count, 3, true,
-                     mesh->positions, NULL) &&
-           put_array(file, "/mesh/elements", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->element_count, 4, true,
-                     mesh->elements, NULL) &&
+    return shv_array_put(file, "/mesh/positions", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, mesh->node_count, 3, true,
+                         mesh->positions, NULL) &&
+           shv_array_put(file, "/mesh/elements", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->element_count, 4, true,
+                         mesh->elements, NULL) &&
            put_names(file, "/mesh/object_names", mesh->object_count, object_name, mesh->objects) &&
            put_names(file, "/mesh/object_materials", mesh->object_count, object_material, mesh->objects) &&
            put_ranges(file, mesh) &&
-           put_array(file, "/fragments/elements", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->element_count, 0, false, NULL,
-                     owners);
+           shv_array_put(file, "/fragments/elements", H5T_STD_I32LE, H5T_NATIVE_INT32, mesh->element_count, 0, false,
+                         NULL, owners);
 }
 
 bool shv_record_write_names(hid_t file, const ShvFrameView *frame)

@@ -26,8 +26,7 @@ ShvStatus shv_publish_check(const char *path, bool force, ShvError *error)
 {
     struct stat found;
     if (!path || path[0] == '\0') return shv_fail(error, SHV_BAD_INPUT, "the output file has no name; give one");
-    if (stat(path, &found) != 0)
-        return errno == ENOENT ? SHV_OK : fail_system(error, "write", path, errno);
+    if (stat(path, &found) != 0) return errno == ENOENT ? SHV_OK : fail_system(error, "write", path, errno);
     if (!S_ISREG(found.st_mode))
         return shv_fail(error, SHV_BAD_INPUT, "'%s' is not an ordinary file; choose another name", path);
     return force ? SHV_OK : fail_existing(error, path);

@@ -9,7 +9,10 @@
 #include "record/hdf5_text.h"
 #include "record/publish.h"
 
-ShvRecordDefinition shv_record_default(void) { return (ShvRecordDefinition){.cookie = SHV_DEFINITION_COOKIE}; }
+ShvRecordDefinition shv_record_default(void)
+{
+    return (ShvRecordDefinition){.cookie = SHV_DEFINITION_COOKIE};
+}
 
 ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
 {
@@ -28,12 +31,14 @@ ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
 
 /* ---- making ---- */
 
-static ShvStatus allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh, ShvError *error)
+static ShvStatus allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh,
+                          ShvError *error)
 {
     const size_t elements = (size_t)mesh->element_count;
     record->path = shv_copy_text(record->memory, SHV_PART_RECORD, definition->path);
     record->element_fragment = shv_allocate(record->memory, SHV_PART_RECORD, elements, sizeof(int32_t));
-    if (definition->nodes) record->corners = shv_allocate(record->memory, SHV_PART_RECORD, 12 * elements, sizeof(double));
+    if (definition->nodes)
+        record->corners = shv_allocate(record->memory, SHV_PART_RECORD, 12 * elements, sizeof(double));
     if (!record->path || !record->element_fragment || (definition->nodes && !record->corners))
         return shv_fail_memory(error, "the run file", elements * (definition->nodes ? 100 : 4));
     record->element_count = mesh->element_count;
@@ -41,7 +46,10 @@ static ShvStatus allocate(ShvRecord *record, const ShvRecordDefinition *definiti
 }
 
 /* The lock tells readers, also HDF5's own tools, that the file is being written. */
-static void lock_file(int descriptor) { (void)flock(descriptor, LOCK_EX | LOCK_NB); }
+static void lock_file(int descriptor)
+{
+    (void)flock(descriptor, LOCK_EX | LOCK_NB);
+}
 
 static ShvStatus open_file(ShvRecord *record, ShvError *error)
 {

@@ -19,15 +19,15 @@ struct ShvRecord {
     ShvSeries series[SHV_SERIES_COUNT];
     int32_t element_count, obstacle_count, cost_count, bytes_count;
     int64_t frames, events;
-    int32_t fragment_count;       /* rows of /fragments/list */
-    ShvFragmentView *fragments;   /* as they were last written */
+    int32_t fragment_count;     /* rows of /fragments/list */
+    ShvFragmentView *fragments; /* as they were last written */
     int32_t fragment_capacity;
-    double *values;               /* one frame of one series */
+    double *values; /* one frame of one series */
     size_t value_capacity;
     int32_t *element_fragment;
-    double *corners;              /* 12 × element_count with `nodes`, else NULL */
-    double start;                 /* s, shv_now */
-    ShvError broken;              /* status SHV_OK: nothing has failed so far */
+    double *corners; /* 12 × element_count with `nodes`, else NULL */
+    double start;    /* s, shv_now */
+    ShvError broken; /* status SHV_OK: nothing has failed so far */
 };
 
 /* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */

@@ -33,7 +33,8 @@ static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
     if (descriptor < 0) {
         char reason[128] = "unknown error";
         if (strerror_r(errno, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
-        return shv_fail(error, SHV_FILE_ERROR, "cannot read '%s': %s; check the name and the permissions", path, reason);
+        return shv_fail(error, SHV_FILE_ERROR, "cannot read '%s': %s; check the name and the permissions", path,
+                        reason);
     }
     struct stat found;
     ShvStatus status = SHV_OK;
@@ -57,15 +58,17 @@ static ShvStatus open_hdf5(ShvRunFile *file, const char *path, ShvError *error)
     if (!shv_attribute_get_number(file->file, "shiver_format", H5T_NATIVE_INT32, H5T_INTEGER, &format))
         return fail_open(error, path, "is an HDF5 file but no run file of shiver");
     if (format != SHV_RUN_FILE_FORMAT)
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' has format %d of run files, and this version reads format %d: use the version "
-                        "of shiver that wrote it", path, (int)format, SHV_RUN_FILE_FORMAT);
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "'%s' has format %d of run files, and this version reads format %d: use the version "
+                        "of shiver that wrote it",
+                        path, (int)format, SHV_RUN_FILE_FORMAT);
     file->info.format = format;
     return SHV_OK;
 }
 
 /* ---- what is kept in memory ---- */
 
-static ShvStatus fail_damaged(const ShvRunFile *file, const char *what, ShvError *error)
+ShvStatus shv_run_fail_damaged(const ShvRunFile *file, const char *what, ShvError *error)
 {
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is damaged: %s cannot be read", file->path, what);
 }
@@ -86,7 +89,7 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
         get_text(file, "processor", texts->processor, sizeof texts->processor) &&
         shv_attribute_get_number(file->file, "scene_hash", H5T_NATIVE_UINT64, H5T_INTEGER, &file->info.scene_hash) &&
         shv_attribute_get_number(file->file, "threads", H5T_NATIVE_INT32, H5T_INTEGER, &file->info.threads);
-    if (!good) return fail_damaged(file, "an attribute of its root", error);
+    if (!good) return shv_run_fail_damaged(file, "an attribute of its root", error);
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
@@ -115,12 +118,12 @@ static hid_t open_array(const ShvRunFile *file, const char *path, int rank, H5T_
 }
 
 /* `count` terminated texts of *size bytes each; rank 0: one text. The caller releases *texts. */
-static ShvStatus read_texts(const ShvRunFile *file, const char *path, int rank, char **texts, size_t *size, int32_t *count,
-                            ShvError *error)
+ShvStatus shv_run_read_texts(const ShvRunFile *file, const char *path, int rank, char **texts, size_t *size,
+                             int32_t *count, ShvError *error)
 {
     hsize_t extent[2];
     const hid_t dataset = open_array(file, path, rank, H5T_STRING, extent);
-    if (dataset < 0) return fail_damaged(file, path, error);
+    if (dataset < 0) return shv_run_fail_damaged(file, path, error);
     const hid_t stored = H5Dget_type(dataset);
     *size = (stored >= 0 ? H5Tget_size(stored) : 0) + 1;
     if (stored >= 0) H5Tclose(stored);
@@ -131,7 +134,7 @@ static ShvStatus read_texts(const ShvRunFile *file, const char *path, int rank, 
     if (!*texts)
         status = shv_fail_memory(error, "texts of the run file", extent[0] * *size);
     else if (type < 0 || (*count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *texts) < 0))
-        status = fail_damaged(file, path, error);
+        status = shv_run_fail_damaged(file, path, error);
     if (type >= 0) H5Tclose(type);
     H5Dclose(dataset);
     return status;
@@ -141,25 +144,25 @@ static ShvStatus read_scene(ShvRunFile *file, ShvError *error)
 {
     size_t size;
     int32_t count;
-    SHV_TRY(read_texts(file, "/scene/text", 0, &file->scene_text, &size, &count, error));
-    SHV_TRY(read_texts(file, "/scene/overrides", 0, &file->overrides, &size, &count, error));
+    SHV_TRY(shv_run_read_texts(file, "/scene/text", 0, &file->scene_text, &size, &count, error));
+    SHV_TRY(shv_run_read_texts(file, "/scene/overrides", 0, &file->overrides, &size, &count, error));
     file->info.scene_text = file->scene_text;
     file->info.overrides = file->overrides;
     return SHV_OK;
 }
 
 /* Reads a whole array of int32_t or double whose extents must be these. */
-static ShvStatus read_array(const ShvRunFile *file, const char *path, int64_t rows, int64_t columns, bool real, void *data,
-                            ShvError *error)
+ShvStatus shv_run_read_array(const ShvRunFile *file, const char *path, int64_t rows, int64_t columns, bool real,
+                             void *data, ShvError *error)
 {
     hsize_t extent[2];
     const hid_t dataset = open_array(file, path, columns > 0 ? 2 : 1, real ? H5T_FLOAT : H5T_INTEGER, extent);
-    if (dataset < 0) return fail_damaged(file, path, error);
+    if (dataset < 0) return shv_run_fail_damaged(file, path, error);
     const bool fits = extent[0] == (hsize_t)rows && (columns == 0 || extent[1] == (hsize_t)columns);
     const hid_t type = real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT32;
     const bool good = fits && (rows == 0 || H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
     H5Dclose(dataset);
-    return good ? SHV_OK : fail_damaged(file, path, error);
+    return good ? SHV_OK : shv_run_fail_damaged(file, path, error);
 }
 
 static ShvStatus count_rows(const ShvRunFile *file, const char *path, int32_t columns, H5T_class_t class, int32_t *rows,
@@ -167,13 +170,16 @@ static ShvStatus count_rows(const ShvRunFile *file, const char *path, int32_t co
 {
     hsize_t extent[2];
     const hid_t dataset = open_array(file, path, 2, class, extent);
-    if (dataset < 0) return fail_damaged(file, path, error);
+    if (dataset < 0) return shv_run_fail_damaged(file, path, error);
     H5Dclose(dataset);
     *rows = (int32_t)extent[0];
-    return extent[1] == (hsize_t)columns ? SHV_OK : fail_damaged(file, path, error);
+    return extent[1] == (hsize_t)columns ? SHV_OK : shv_run_fail_damaged(file, path, error);
 }
 
-static bool range_fits(const int32_t *range, int32_t count) { return 0 <= range[0] && range[0] <= range[1] && range[1] <= count; }
+static bool range_fits(const int32_t *range, int32_t count)
+{
+    return 0 <= range[0] && range[0] <= range[1] && range[1] <= count;
+}
 
 static ShvStatus read_objects(ShvRunFile *file, ShvError *error)
 {
@@ -181,22 +187,26 @@ static ShvStatus read_objects(ShvRunFile *file, ShvError *error)
     int32_t count = 0, materials = 0, ranges = 0;
     SHV_TRY(count_rows(file, "/mesh/positions", 3, H5T_FLOAT, &file->info.node_count, error));
     SHV_TRY(count_rows(file, "/mesh/elements", 4, H5T_INTEGER, &file->info.element_count, error));
-    SHV_TRY(read_texts(file, "/mesh/object_names", 1, &file->object_names, &name_size, &count, error));
-    SHV_TRY(read_texts(file, "/mesh/object_materials", 1, &file->object_materials, &material_size, &materials, error));
+    SHV_TRY(shv_run_read_texts(file, "/mesh/object_names", 1, &file->object_names, &name_size, &count, error));
+    SHV_TRY(shv_run_read_texts(file, "/mesh/object_materials", 1, &file->object_materials, &material_size, &materials,
+                               error));
     SHV_TRY(count_rows(file, "/mesh/object_ranges", 4, H5T_INTEGER, &ranges, error));
-    if (count != materials || count != ranges) return fail_damaged(file, "the list of objects", error);
+    if (count != materials || count != ranges) return shv_run_fail_damaged(file, "the list of objects", error);
     file->info.object_count = count;
     file->objects = shv_allocate(file->memory, SHV_PART_RECORD, (size_t)count, sizeof *file->objects);
     int32_t *range = shv_allocate(file->memory, SHV_PART_RECORD, 4 * (size_t)count, sizeof *range);
     ShvStatus status = file->objects && range ? SHV_OK : shv_fail_memory(error, "objects", (size_t)count * 16);
-    if (status == SHV_OK) status = read_array(file, "/mesh/object_ranges", count, 4, false, range, error);
+    if (status == SHV_OK) status = shv_run_read_array(file, "/mesh/object_ranges", count, 4, false, range, error);
     for (int32_t i = 0; status == SHV_OK && i < count; i++) {
         const int32_t *own = range + 4 * (int64_t)i;
         if (!range_fits(own, file->info.element_count) || !range_fits(own + 2, file->info.node_count))
-            status = fail_damaged(file, "/mesh/object_ranges", error);
+            status = shv_run_fail_damaged(file, "/mesh/object_ranges", error);
         file->objects[i] = (ShvObjectView){file->object_names + (size_t)i * name_size,
                                            file->object_materials + (size_t)i * material_size,
-                                           own[0], own[1], own[2], own[3]};
+                                           own[0],
+                                           own[1],
+                                           own[2],
+                                           own[3]};
     }
     shv_release(range);
     return status;
@@ -209,7 +219,7 @@ static ShvStatus open_series(ShvRunFile *file, ShvError *error)
         if (shv_series_of_nodes((ShvSeriesName)i) && !file->info.nodes) continue;
         if (!shv_series_open(&file->series[i], file->file, (ShvSeriesName)i) ||
             !shv_series_plausible(&file->series[i], file->bytes))
-            return fail_damaged(file, shv_series_path((ShvSeriesName)i), error);
+            return shv_run_fail_damaged(file, shv_series_path((ShvSeriesName)i), error);
     }
     return SHV_OK;
 }
@@ -222,7 +232,7 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
         if (file->series[i].dataset >= 0 && file->series[i].extent[0] < frames) frames = file->series[i].extent[0];
     }
     const hsize_t fragments = file->series[SHV_SERIES_FRAGMENTS].extent[0];
-    if (fragments > INT32_MAX || frames == 0) return fail_damaged(file, "the list of frames", error);
+    if (fragments > INT32_MAX || frames == 0) return shv_run_fail_damaged(file, "the list of frames", error);
     file->info.frame_count = (int64_t)frames;
     file->info.fragment_count = (int32_t)fragments;
     file->info.event_count = (int64_t)file->series[SHV_SERIES_EVENTS].extent[0];
@@ -236,7 +246,7 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
         !shv_series_read(&file->series[SHV_SERIES_MODE], 0, (int64_t)frames, 0, file->modes) ||
         !shv_series_read(&file->series[SHV_SERIES_ANIMATION], 0, (int64_t)frames, 0, file->animation) ||
         !shv_series_read(&file->series[SHV_SERIES_WALL], (int64_t)frames - 1, 1, 0, &wall))
-        return fail_damaged(file, "the list of frames", error);
+        return shv_run_fail_damaged(file, "the list of frames", error);
     file->info.first_time = file->times[0];
     file->info.last_time = file->times[frames - 1];
     file->info.wall_seconds = wall;
@@ -304,7 +314,10 @@ void shv_run_file_close(ShvRunFile *file)
 
 /* ---- what is known without reading ---- */
 
-const ShvRunFileInfo *shv_run_file_info(const ShvRunFile *file) { return &file->info; }
+const ShvRunFileInfo *shv_run_file_info(const ShvRunFile *file)
+{
+    return &file->info;
+}
 
 const char *shv_run_file_object_name(const ShvRunFile *file, int32_t object)
 {
@@ -317,13 +330,19 @@ ShvObjectView shv_run_file_object(const ShvRunFile *file, int32_t object)
     return (ShvObjectView){"", "", 0, 0, 0, 0};
 }
 
-const double *shv_run_file_times(const ShvRunFile *file) { return file->times; }
+const double *shv_run_file_times(const ShvRunFile *file)
+{
+    return file->times;
+}
 
-const uint8_t *shv_run_file_animation(const ShvRunFile *file) { return file->animation; }
+const uint8_t *shv_run_file_animation(const ShvRunFile *file)
+{
+    return file->animation;
+}
 
 /* ---- frames ---- */
 
-static ShvStatus check_frame(const ShvRunFile *file, int64_t frame, ShvError *error)
+ShvStatus shv_run_check_frame(const ShvRunFile *file, int64_t frame, ShvError *error)
 {
     if (frame >= 0 && frame < file->info.frame_count) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT, "'%s' has frames 0 to %lld and no frame %lld", file->path,
@@ -331,39 +350,40 @@ static ShvStatus check_frame(const ShvRunFile *file, int64_t frame, ShvError *er
 }
 
 /* Reads one entry quietly; nothing when `data` is NULL. */
-static ShvStatus get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64_t columns, void *data, ShvError *error)
+ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64_t columns, void *data, ShvError *error)
 {
     if (!data) return SHV_OK;
     const ShvSilence silence = shv_silence_begin();
     const bool good = shv_series_read(&file->series[name], index, 1, columns, data);
     shv_silence_end(silence);
-    return good ? SHV_OK : fail_damaged(file, shv_series_path(name), error);
+    return good ? SHV_OK : shv_run_fail_damaged(file, shv_series_path(name), error);
 }
 
-ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive, double *positions,
-                             double *orientations, double *velocities, double *angular_velocities, ShvError *error)
+ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive,
+                             double *positions, double *orientations, double *velocities, double *angular_velocities,
+                             ShvError *error)
 {
-    SHV_TRY(check_frame(file, frame, error));
+    SHV_TRY(shv_run_check_frame(file, frame, error));
     const int64_t count = file->info.fragment_count;
     if (time) *time = file->times[frame];
     if (mode) *mode = file->modes[frame] ? SHV_FRAGMENT_FRACTURE : SHV_FRAGMENT_FLIGHT;
-    SHV_TRY(get(file, SHV_SERIES_ALIVE, frame, count, alive, error));
-    SHV_TRY(get(file, SHV_SERIES_POSITION, frame, count, positions, error));
-    SHV_TRY(get(file, SHV_SERIES_ORIENTATION, frame, count, orientations, error));
-    SHV_TRY(get(file, SHV_SERIES_VELOCITY, frame, count, velocities, error));
-    return get(file, SHV_SERIES_ANGULAR_VELOCITY, frame, count, angular_velocities, error);
+    SHV_TRY(shv_run_get(file, SHV_SERIES_ALIVE, frame, count, alive, error));
+    SHV_TRY(shv_run_get(file, SHV_SERIES_POSITION, frame, count, positions, error));
+    SHV_TRY(shv_run_get(file, SHV_SERIES_ORIENTATION, frame, count, orientations, error));
+    SHV_TRY(shv_run_get(file, SHV_SERIES_VELOCITY, frame, count, velocities, error));
+    return shv_run_get(file, SHV_SERIES_ANGULAR_VELOCITY, frame, count, angular_velocities, error);
 }
 
 ShvStatus shv_run_file_ledger(ShvRunFile *file, int64_t frame, ShvLedgerView *ledger, ShvError *error)
 {
-    SHV_TRY(check_frame(file, frame, error));
-    return get(file, SHV_SERIES_LEDGER, frame, 0, ledger, error);
+    SHV_TRY(shv_run_check_frame(file, frame, error));
+    return shv_run_get(file, SHV_SERIES_LEDGER, frame, 0, ledger, error);
 }
 
 ShvStatus shv_run_file_progress(ShvRunFile *file, int64_t frame, ShvProgressView *progress, ShvError *error)
 {
-    SHV_TRY(check_frame(file, frame, error));
-    return get(file, SHV_SERIES_PROGRESS, frame, 0, progress, error);
+    SHV_TRY(shv_run_check_frame(file, frame, error));
+    return shv_run_get(file, SHV_SERIES_PROGRESS, frame, 0, progress, error);
 }
 
 ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *event, ShvError *error)
@@ -371,232 +391,18 @@ ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *even
     if (index < 0 || index >= file->info.event_count)
         return shv_fail(error, SHV_BAD_INPUT, "'%s' has %lld events and no event %lld", file->path,
                         (long long)file->info.event_count, (long long)index);
-    return get(file, SHV_SERIES_EVENTS, index, 0, event, error);
+    return shv_run_get(file, SHV_SERIES_EVENTS, index, 0, event, error);
 }
 
-ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage, int32_t *element_fragment,
-                               ShvError *error)
+ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,
+                               int32_t *element_fragment, ShvError *error)
 {
     if (!file->info.nodes)
-        return shv_fail(error, SHV_UNSUPPORTED, "'%s' has no node positions: run the scene with output.nodes", file->path);
-    SHV_TRY(check_frame(file, frame, error));
+        return shv_fail(error, SHV_UNSUPPORTED, "'%s' has no node positions: run the scene with output.nodes",
+                        file->path);
+    SHV_TRY(shv_run_check_frame(file, frame, error));
     const int64_t count = file->info.element_count;
-    SHV_TRY(get(file, SHV_SERIES_CORNERS, frame, count, corners, error));
-    SHV_TRY(get(file, SHV_SERIES_DAMAGE, frame, count, damage, error));
-    return get(file, SHV_SERIES_NODE_FRAGMENT, frame, count, element_fragment, error);
-}
-
-/* ---- mesh ---- */
-
-static ShvStatus check_elements(const ShvRunFile *file, const int32_t *elements, ShvError *error)
-{
-    for (int64_t i = 0; i < 4 * (int64_t)file->info.element_count; i++)
-        if (elements[i] < 0 || elements[i] >= file->info.node_count) return fail_damaged(file, "/mesh/elements", error);
-    return SHV_OK;
-}
-
-static ShvStatus read_element_objects(const ShvRunFile *file, uint16_t *element_object, ShvError *error)
-{
-    if (file->info.object_count > UINT16_MAX) return fail_damaged(file, "the list of objects", error);
-    for (int32_t i = 0; i < file->info.object_count; i++)
-        for (int32_t e = file->objects[i].element_begin; e < file->objects[i].element_end; e++)
-            element_object[e] = (uint16_t)i;
-    return SHV_OK;
-}
-
-static ShvStatus read_owners(const ShvRunFile *file, int32_t *owner, ShvError *error)
-{
-    SHV_TRY(read_array(file, "/fragments/elements", file->info.element_count, 0, false, owner, error));
-    for (int32_t e = 0; e < file->info.element_count; e++)
-        if (owner[e] < 0 || owner[e] >= file->info.fragment_count)
-            return fail_damaged(file, "/fragments/elements", error);
-    return SHV_OK;
-}
-
-static ShvStatus read_mesh(const ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
-                           int32_t *element_fragment, ShvError *error)
-{
-    if (positions) SHV_TRY(read_array(file, "/mesh/positions", file->info.node_count, 3, true, positions, error));
-    if (elements) {
-        SHV_TRY(read_array(file, "/mesh/elements", file->info.element_count, 4, false, elements, error));
-        SHV_TRY(check_elements(file, elements, error));
-    }
-    if (element_object) SHV_TRY(read_element_objects(file, element_object, error));
-    if (element_fragment) SHV_TRY(read_owners(file, element_fragment, error));
-    return SHV_OK;
-}
-
-ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
-                            int32_t *element_fragment, ShvError *error)
-{
-    const ShvSilence silence = shv_silence_begin();
-    const ShvStatus status = read_mesh(file, positions, elements, element_object, element_fragment, error);
-    shv_silence_end(silence);
-    return status;
-}
-
-/* ---- fragments ---- */
-
-static ShvStatus check_fragments(const ShvRunFile *file, const ShvFragmentView *fragments, ShvError *error)
-{
-    for (int32_t i = 0; i < file->info.fragment_count; i++) {
-        const ShvFragmentView *fragment = &fragments[i];
-        if (fragment->id != i || fragment->parent < -1 || fragment->parent >= i || fragment->object < 0 ||
-            fragment->object >= file->info.object_count)
-            return fail_damaged(file, "/fragments/list", error);
-    }
-    return SHV_OK;
-}
-
-/* Mode and motion of the last frame. */
-static ShvStatus add_poses(ShvRunFile *file, ShvFragmentView *fragments, double *values, uint8_t *alive, ShvError *error)
-{
-    static const struct {
-        ShvSeriesName name;
-        size_t offset, components;
-    } parts[] = {{SHV_SERIES_POSITION, offsetof(ShvFragmentView, position), 3},
-                 {SHV_SERIES_ORIENTATION, offsetof(ShvFragmentView, orientation), 4},
-                 {SHV_SERIES_VELOCITY, offsetof(ShvFragmentView, velocity), 3},
-                 {SHV_SERIES_ANGULAR_VELOCITY, offsetof(ShvFragmentView, angular_velocity), 3}};
-    const int64_t last = file->info.frame_count - 1;
-    const int32_t count = file->info.fragment_count;
-    for (size_t p = 0; p < sizeof parts / sizeof parts[0]; p++) {
-        SHV_TRY(get(file, parts[p].name, last, count, values, error));
-        for (int32_t i = 0; i < count; i++)
-            memcpy((char *)&fragments[i] + parts[p].offset, values + parts[p].components * (size_t)i,
-                   parts[p].components * sizeof *values);
-    }
-    SHV_TRY(get(file, SHV_SERIES_ALIVE, last, count, alive, error));
-    for (int32_t i = 0; i < count; i++)
-        fragments[i].mode = !alive[i]           ? SHV_FRAGMENT_DEAD
-                            : file->modes[last] ? SHV_FRAGMENT_FRACTURE
-                                                : SHV_FRAGMENT_FLIGHT;
-    return SHV_OK;
-}
-
-ShvStatus shv_run_file_fragments(ShvRunFile *file, ShvFragmentView *fragments, ShvError *error)
-{
-    const size_t count = (size_t)file->info.fragment_count;
-    const ShvSilence silence = shv_silence_begin();
-    const bool good = shv_series_read(&file->series[SHV_SERIES_FRAGMENTS], 0, (int64_t)count, 0, fragments);
-    shv_silence_end(silence);
-    if (!good) return fail_damaged(file, "/fragments/list", error);
-    SHV_TRY(check_fragments(file, fragments, error));
-    double *values = shv_allocate(file->memory, SHV_PART_RECORD, 4 * count, sizeof *values);
-    uint8_t *alive = shv_allocate(file->memory, SHV_PART_RECORD, count, 1);
-    const ShvStatus status = values && alive ? add_poses(file, fragments, values, alive, error)
-                                             : shv_fail_memory(error, "poses", 33 * count);
-    shv_release(values);
-    shv_release(alive);
-    return status;
-}
-
-/* ---- obstacles and cost ---- */
-
-static ShvStatus read_names(ShvRunFile *file, const char *path, int32_t expected, char **names, size_t *size, ShvError *error)
-{
-    int32_t count = 0;
-    const ShvSilence silence = shv_silence_begin();
-    ShvStatus status = read_texts(file, path, 1, names, size, &count, error);
-    shv_silence_end(silence);
-    if (status == SHV_OK && count != expected) status = fail_damaged(file, path, error);
-    return status;
-}
-
-static ShvStatus get_vectors(ShvRunFile *file, ShvSeriesName name, int64_t frame, double *values, ShvObstacleView *obstacles,
-                             size_t offset, size_t components, ShvError *error)
-{
-    SHV_TRY(get(file, name, frame, file->info.obstacle_count, values, error));
-    for (int32_t i = 0; i < file->info.obstacle_count; i++)
-        memcpy((char *)&obstacles[i] + offset, values + components * (size_t)i, components * sizeof *values);
-    return SHV_OK;
-}
-
-ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error)
-{
-    SHV_TRY(check_frame(file, frame, error));
-    if (!file->obstacle_names)
-        SHV_TRY(read_names(file, "/obstacles/name", file->info.obstacle_count, &file->obstacle_names,
-                           &file->obstacle_name_size, error));
-    const size_t count = (size_t)file->info.obstacle_count;
-    double *values = shv_allocate(file->memory, SHV_PART_RECORD, 4 * count, sizeof *values);
-    if (!values) return shv_fail_memory(error, "obstacles", 4 * count * sizeof *values);
-    for (size_t i = 0; i < count; i++) obstacles[i].name = file->obstacle_names + i * file->obstacle_name_size;
-    ShvStatus status = get_vectors(file, SHV_SERIES_OBSTACLE_POSITION, frame, values, obstacles,
-                                   offsetof(ShvObstacleView, position), 3, error);
-    if (status == SHV_OK)
-        status = get_vectors(file, SHV_SERIES_OBSTACLE_ORIENTATION, frame, values, obstacles,
-                             offsetof(ShvObstacleView, orientation), 4, error);
-    if (status == SHV_OK)
-        status = get_vectors(file, SHV_SERIES_OBSTACLE_VELOCITY, frame, values, obstacles,
-                             offsetof(ShvObstacleView, velocity), 3, error);
-    if (status == SHV_OK)
-        status = get_vectors(file, SHV_SERIES_OBSTACLE_ANGULAR_VELOCITY, frame, values, obstacles,
-                             offsetof(ShvObstacleView, angular_velocity), 3, error);
-    shv_release(values);
-    return status;
-}
-
-static ShvStatus read_costs(ShvRunFile *file, int32_t count, double *seconds, int64_t *calls, ShvError *error)
-{
-    const int64_t last = file->info.frame_count - 1;
-    size_t size;
-    SHV_TRY(read_names(file, "/cost/name", count, &file->cost_names, &size, error));
-    SHV_TRY(get(file, SHV_SERIES_COST_SECONDS, last, count, seconds, error));
-    SHV_TRY(get(file, SHV_SERIES_COST_CALLS, last, count, calls, error));
-    for (int32_t i = 0; i < count; i++)
-        file->costs[i] = (ShvCostView){file->cost_names + (size_t)i * size, seconds[i], calls[i]};
-    return SHV_OK;
-}
-
-static ShvStatus read_bytes(ShvRunFile *file, int32_t count, int64_t *bytes, int64_t *peak, ShvError *error)
-{
-    const int64_t last = file->info.frame_count - 1;
-    size_t size;
-    SHV_TRY(read_names(file, "/cost/bytes_name", count, &file->part_names, &size, error));
-    SHV_TRY(get(file, SHV_SERIES_BYTES, last, count, bytes, error));
-    SHV_TRY(get(file, SHV_SERIES_BYTES_PEAK, last, count, peak, error));
-    for (int32_t i = 0; i < count; i++)
-        file->parts[i] = (ShvBytesView){file->part_names + (size_t)i * size, (size_t)bytes[i], (size_t)peak[i]};
-    return SHV_OK;
-}
-
-static void drop_cost(ShvRunFile *file)
-{
-    shv_release(file->costs);
-    shv_release(file->parts);
-    shv_release(file->cost_names);
-    shv_release(file->part_names);
-    file->costs = NULL;
-    file->parts = NULL;
-    file->cost_names = file->part_names = NULL;
-}
-
-static ShvStatus load_cost(ShvRunFile *file, int32_t costs, int32_t parts, ShvError *error)
-{
-    const size_t more = (size_t)(costs > parts ? costs : parts);
-    file->costs = shv_allocate(file->memory, SHV_PART_RECORD, (size_t)costs, sizeof *file->costs);
-    file->parts = shv_allocate(file->memory, SHV_PART_RECORD, (size_t)parts, sizeof *file->parts);
-    double *seconds = shv_allocate(file->memory, SHV_PART_RECORD, more, sizeof *seconds);
-    int64_t *numbers = shv_allocate(file->memory, SHV_PART_RECORD, 2 * more, sizeof *numbers);
-    ShvStatus status = file->costs && file->parts && seconds && numbers ? SHV_OK : shv_fail_memory(error, "costs", 24 * more);
-    if (status == SHV_OK) status = read_costs(file, costs, seconds, numbers, error);
-    if (status == SHV_OK) status = read_bytes(file, parts, numbers, numbers + more, error);
-    shv_release(seconds);
-    shv_release(numbers);
-    if (status != SHV_OK) drop_cost(file);
-    return status;
-}
-
-ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count, const ShvBytesView **bytes,
-                            int32_t *bytes_count, ShvError *error)
-{
-    const int32_t names = (int32_t)file->series[SHV_SERIES_COST_SECONDS].extent[1];
-    const int32_t parts = (int32_t)file->series[SHV_SERIES_BYTES].extent[1];
-    if (!file->costs) SHV_TRY(load_cost(file, names, parts, error));
-    *costs = file->costs;
-    *cost_count = names;
-    *bytes = file->parts;
-    *bytes_count = parts;
-    return SHV_OK;
+    SHV_TRY(shv_run_get(file, SHV_SERIES_CORNERS, frame, count, corners, error));
+    SHV_TRY(shv_run_get(file, SHV_SERIES_DAMAGE, frame, count, damage, error));
+    return shv_run_get(file, SHV_SERIES_NODE_FRAGMENT, frame, count, element_fragment, error);
 }

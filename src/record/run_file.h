@@ -22,8 +22,20 @@ struct ShvRunFile {
     ShvObjectView *objects;
     double *times;
     uint8_t *modes, *animation; /* one block */
-    ShvCostView *costs;   /* read when asked for */
+    ShvCostView *costs;         /* read when asked for */
     ShvBytesView *parts;
 };
+
+ShvStatus shv_run_fail_damaged(const ShvRunFile *file, const char *what, ShvError *error);
+ShvStatus shv_run_check_frame(const ShvRunFile *file, int64_t frame, ShvError *error);
+/* Reads one entry of a series quietly; nothing when `data` is NULL. */
+ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64_t columns, void *data,
+                      ShvError *error);
+/* Reads a whole array of int32_t or double whose extents must be these; columns 0: one dimension. */
+ShvStatus shv_run_read_array(const ShvRunFile *file, const char *path, int64_t rows, int64_t columns, bool real,
+                             void *data, ShvError *error);
+/* *count terminated texts of *size bytes each; rank 0: one text. The caller releases *texts, also after a failure. */
+ShvStatus shv_run_read_texts(const ShvRunFile *file, const char *path, int rank, char **texts, size_t *size,
+                             int32_t *count, ShvError *error);
 
 #endif

@@ -5,8 +5,17 @@
 
 #include "record/types.h"
 
-typedef enum Type { TYPE_DOUBLE, TYPE_FLOAT, TYPE_INT, TYPE_LONG, TYPE_BYTE, TYPE_LEDGER, TYPE_PROGRESS,
-                    TYPE_FRAGMENT, TYPE_EVENT } Type;
+typedef enum Type {
+    TYPE_DOUBLE,
+    TYPE_FLOAT,
+    TYPE_INT,
+    TYPE_LONG,
+    TYPE_BYTE,
+    TYPE_LEDGER,
+    TYPE_PROGRESS,
+    TYPE_FRAGMENT,
+    TYPE_EVENT
+} Type;
 
 typedef struct Kind {
     const char *path, *unit;
@@ -54,7 +63,10 @@ bool shv_series_of_nodes(ShvSeriesName name)
     return name == SHV_SERIES_CORNERS || name == SHV_SERIES_DAMAGE || name == SHV_SERIES_NODE_FRAGMENT;
 }
 
-const char *shv_series_path(ShvSeriesName name) { return KINDS[name].path; }
+const char *shv_series_path(ShvSeriesName name)
+{
+    return KINDS[name].path;
+}
 
 /* A type that the caller closes. */
 static hid_t make_type(Type type, bool file)
@@ -88,8 +100,8 @@ static void describe(ShvSeries *series, const Kind *kind)
     series->rank = 1 + (kind->width != SHV_WIDTH_NONE) + (kind->components > 0);
     series->doubles = kind->type == TYPE_DOUBLE || kind->type == TYPE_FLOAT;
     series->memory_type = make_type(kind->type, false);
-    series->entry_size =
-        (series->memory_type >= 0 ? H5Tget_size(series->memory_type) : 0) * (size_t)(kind->components > 0 ? kind->components : 1);
+    series->entry_size = (series->memory_type >= 0 ? H5Tget_size(series->memory_type) : 0) *
+                         (size_t)(kind->components > 0 ? kind->components : 1);
 }
 
 /* ---- making ---- */
@@ -103,7 +115,7 @@ static hsize_t chunk_columns(const Kind *kind, const ShvWidths *widths)
 
 static hid_t creation_list(const Kind *kind, int rank, const hsize_t *chunk)
 {
-    const double nan_value = NAN;
+    const double nan_value = (double)NAN;
     const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     if (list < 0) return list;
     bool good = H5Pset_chunk(list, rank, chunk) >= 0 && H5Pset_obj_track_times(list, false) >= 0;
@@ -235,7 +247,7 @@ static void fill_missing(const ShvSeries *series, void *data, size_t entries)
 {
     if (series->doubles) {
         double *values = data;
-        for (size_t i = 0; i < entries * (series->entry_size / sizeof(double)); i++) values[i] = NAN;
+        for (size_t i = 0; i < entries * (series->entry_size / sizeof(double)); i++) values[i] = (double)NAN;
     } else {
         memset(data, 0, entries * series->entry_size);
     }

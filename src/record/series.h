@@ -9,8 +9,15 @@
 #include "base/memory.h"
 
 /* What the second dimension counts. */
-typedef enum ShvWidth { SHV_WIDTH_NONE, SHV_WIDTH_FRAGMENT, SHV_WIDTH_OBSTACLE, SHV_WIDTH_ELEMENT, SHV_WIDTH_COST,
-                        SHV_WIDTH_BYTES, SHV_WIDTH_COUNT } ShvWidth;
+typedef enum ShvWidth {
+    SHV_WIDTH_NONE,
+    SHV_WIDTH_FRAGMENT,
+    SHV_WIDTH_OBSTACLE,
+    SHV_WIDTH_ELEMENT,
+    SHV_WIDTH_COST,
+    SHV_WIDTH_BYTES,
+    SHV_WIDTH_COUNT
+} ShvWidth;
 
 typedef enum ShvSeriesName {
     SHV_SERIES_TIME,
@@ -35,9 +42,9 @@ typedef enum ShvSeriesName {
     SHV_SERIES_CORNERS, /* this and the next two only with `nodes` */
     SHV_SERIES_DAMAGE,
     SHV_SERIES_NODE_FRAGMENT,
-    SHV_SERIES_FRAMES,               /* the number of those above: one entry a frame */
+    SHV_SERIES_FRAMES,                        /* the number of those above: one entry a frame */
     SHV_SERIES_FRAGMENTS = SHV_SERIES_FRAMES, /* one row a fragment */
-    SHV_SERIES_EVENTS,               /* one row an event */
+    SHV_SERIES_EVENTS,                        /* one row an event */
     SHV_SERIES_COUNT
 } ShvSeriesName;
 

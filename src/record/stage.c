@@ -42,7 +42,10 @@ typedef struct StageInfo {
 /* Space is reserved in steps of this size: one system call serves several frames. */
 static const haddr_t RESERVE_STEP = 256 * 1024;
 
-static ShvStage *stage_of(const H5FD_t *file) { return ((const StageFile *)(const void *)file)->stage; }
+static ShvStage *stage_of(const H5FD_t *file)
+{
+    return ((const StageFile *)(const void *)file)->stage;
+}
 
 static herr_t failed(ShvStage *stage, int number)
 {
@@ -334,11 +337,20 @@ hid_t shv_stage_access(ShvStage *stage)
     return -1;
 }
 
-int64_t shv_stage_committed(const ShvStage *stage) { return (int64_t)stage->committed; }
+int64_t shv_stage_committed(const ShvStage *stage)
+{
+    return (int64_t)stage->committed;
+}
 
-int shv_stage_failure(const ShvStage *stage) { return stage->failure; }
+int shv_stage_failure(const ShvStage *stage)
+{
+    return stage->failure;
+}
 
-void shv_stage_discard(ShvStage *stage) { stage->discard = true; }
+void shv_stage_discard(ShvStage *stage)
+{
+    stage->discard = true;
+}
 
 ShvStatus shv_stage_rollback(ShvStage *stage, ShvError *error)
 {

@@ -18,7 +18,10 @@ typedef struct RowKind {
     size_t size;
 } RowKind;
 
-#define FIELD(type, member, count, kind) {#member, offsetof(type, member), count, kind}
+#define FIELD(type, member, count, kind)                                                                               \
+    {                                                                                                                  \
+#member, offsetof(type, member), count, kind                                                                   \
+    }
 
 static const Field FRAGMENT_FIELDS[] = {
     FIELD(ShvFragmentView, id, 1, FIELD_INT),         FIELD(ShvFragmentView, parent, 1, FIELD_INT),
@@ -29,18 +32,12 @@ static const Field FRAGMENT_FIELDS[] = {
 };
 
 static const Field EVENT_FIELDS[] = {
-    FIELD(ShvEventView, time, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, kind, 1, FIELD_INT),
-    FIELD(ShvEventView, fragment, 1, FIELD_INT),
-    FIELD(ShvEventView, obstacle, 1, FIELD_INT),
-    FIELD(ShvEventView, value, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, kinetic_before, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, kinetic_after, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, strain_before, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, strain_after, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, momentum_before, 3, FIELD_DOUBLE),
-    FIELD(ShvEventView, momentum_after, 3, FIELD_DOUBLE),
-    FIELD(ShvEventView, angular_before, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, time, 1, FIELD_DOUBLE),           FIELD(ShvEventView, kind, 1, FIELD_INT),
+    FIELD(ShvEventView, fragment, 1, FIELD_INT),          FIELD(ShvEventView, obstacle, 1, FIELD_INT),
+    FIELD(ShvEventView, value, 1, FIELD_DOUBLE),          FIELD(ShvEventView, kinetic_before, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, kinetic_after, 1, FIELD_DOUBLE),  FIELD(ShvEventView, strain_before, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, strain_after, 1, FIELD_DOUBLE),   FIELD(ShvEventView, momentum_before, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, momentum_after, 3, FIELD_DOUBLE), FIELD(ShvEventView, angular_before, 3, FIELD_DOUBLE),
     FIELD(ShvEventView, angular_after, 3, FIELD_DOUBLE),
 };
 _Static_assert(sizeof(ShvRunEvent) == sizeof(int), "the kind of an event is stored as an int");
@@ -79,7 +76,10 @@ static const Field PROGRESS_FIELDS[] = {
     FIELD(ShvProgressView, opened, 1, FIELD_INT),
 };
 
-#define ROW(fields, type) {fields, (int)(sizeof fields / sizeof fields[0]), sizeof(type)}
+#define ROW(fields, type)                                                                                              \
+    {                                                                                                                  \
+        fields, (int)(sizeof fields / sizeof fields[0]), sizeof(type)                                                  \
+    }
 static const RowKind ROWS[] = {
     [SHV_ROW_FRAGMENT] = ROW(FRAGMENT_FIELDS, ShvFragmentView),
     [SHV_ROW_EVENT] = ROW(EVENT_FIELDS, ShvEventView),
@@ -112,7 +112,10 @@ static bool insert_field(hid_t compound, const Field *field, size_t offset, bool
     return good;
 }
 
-static size_t field_size(const Field *field) { return (size_t)field->count * (field->kind == FIELD_INT ? 4 : 8); }
+static size_t field_size(const Field *field)
+{
+    return (size_t)field->count * (field->kind == FIELD_INT ? 4 : 8);
+}
 
 static size_t packed_size(const RowKind *row)
 {
@@ -138,8 +141,17 @@ static hid_t make_type(ShvRow which, bool file)
     return compound;
 }
 
-hid_t shv_row_memory_type(ShvRow row) { return make_type(row, false); }
+hid_t shv_row_memory_type(ShvRow row)
+{
+    return make_type(row, false);
+}
 
-hid_t shv_row_file_type(ShvRow row) { return make_type(row, true); }
+hid_t shv_row_file_type(ShvRow row)
+{
+    return make_type(row, true);
+}
 
-size_t shv_row_size(ShvRow row) { return ROWS[row].size; }
+size_t shv_row_size(ShvRow row)
+{
+    return ROWS[row].size;
+}

@@ -355,6 +355,27 @@ static void check_fracture(Checker *checker)
         fault(checker, root, "fracture.time_step", "time_step is longer than the whole run, see duration");
 }
 
+/* Keys of `pbd` that nothing in the scene listens to: more likely a forgotten switch than a wish. */
+static void check_pbd(Checker *checker)
+{
+    static const char *const of_rigid_mode[] = {"damping", "exact_rotation"};
+    const ShvSceneDefinition *scene = &checker->scene->definition;
+    const ShvNode *root = checker->scene->head.node;
+    const ShvEntry *pbd = checker->scene->head.good ? shv_tree_find(root, "pbd") : NULL;
+    const bool rigid = scene->rigid.engine == SHV_RIGID_PBD, bars = scene->fracture.stabiliser == SHV_STABILISER_BARS;
+    if ((rigid || bars) && scene->pbd.stiffness == 0.0)
+        doubt(checker, root, "pbd.stiffness", "with stiffness 0 the bars hold nothing together");
+    if (!pbd || rigid) return;
+    if (!bars) {
+        doubt(checker, root, "pbd", "nothing uses pbd; give 'rigid: {engine: pbd}' or 'fracture: {stabiliser: bars}'");
+        return;
+    }
+    for (int i = 0; i < 2; i++)
+        if (has(pbd->value, of_rigid_mode[i]))
+            doubt(checker, pbd->value, of_rigid_mode[i], "%s acts in rigid mode alone; give 'rigid: {engine: pbd}'",
+                  of_rigid_mode[i]);
+}
+
 void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, const char *folder, ShvPool *work,
                      ShvDiagnostics *diagnostics)
 {
@@ -367,4 +388,5 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_obstacles(&checker);
     check_events(&checker);
     check_fracture(&checker);
+    check_pbd(&checker);
 }

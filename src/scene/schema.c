@@ -10,6 +10,7 @@ static const ShvRange share = {0.0, 1.0, false, false}, positive_share = {0.0, 1
 static const ShvRange open_share = {0.0, 1.0, true, true}, above_one = {1.0, INFINITE, true, false};
 static const ShvRange at_least_one = {1.0, INFINITE, false, false}, poisson = {-1.0, 0.5, true, true};
 static const ShvRange jitter = {0.0, 0.3, false, false}, copies = {1.0, 65535.0, false, false};
+static const ShvRange growth = {0.0, 0.8, true, false};
 static const ShvRange version = {1.0, 1.0, false, false}, threads = {0.0, 1024.0, false, false};
 
 /* An axis and an angle lie side by side in placements and keyframes; one table reads both. */
@@ -28,7 +29,8 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvStabiliser) == sizeof(int) && sizeof(ShvCriterion) == sizeof(int) &&
                    sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
                    sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
-                   sizeof(ShvEventKind) == sizeof(int),
+                   sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvBarForm) == sizeof(int) &&
+ sizeof(ShvMeshPattern) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -181,6 +183,7 @@ static const ShvKey cylinder_keys[] = {
      .sentence = "Height along z."},
     EDGE_KEY};
 MESH_TABLE(cylinder, "A cylinder or tube along z, centred on its origin.");
+static const ShvChoice pattern_choices[] = {{"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
 static const ShvKey notched_beam_keys[] = {
     SIZE_KEY("Length along x, depth along y and height along z."),
     EDGE_KEY,
@@ -189,7 +192,12 @@ static const ShvKey notched_beam_keys[] = {
     {"notch_offset", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .offset = MESH(notch_offset),
      .sentence = "Where the notch is along x, from midspan."},
     {"notch_edge", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &not_negative, .offset = MESH(notch_edge),
-     .sentence = "Edge length at the notch, graded to `edge` away from it; 0 means `edge`."}};
+     .sentence = "Edge length at the notch, graded to `edge` away from it; 0 means `edge`."},
+    {"notch_growth", SHV_KEY_NUMBER, .range = &growth, .offset = MESH(notch_growth),
+     .sentence = "How much the edge length grows per distance from the notch."},
+    {"pattern", SHV_KEY_CHOICE, .choices = pattern_choices, .offset = MESH(pattern),
+     .sentence = "Tetrahedra of a body-centred lattice, whose cells are halved towards the notch, or five in each brick "
+                 "of a grid, whose bricks grow thinner along x towards the notch."}};
 MESH_TABLE(notched_beam, "A beam with a notch in its lower face, centred on its origin.");
 static const ShvKey gmsh_keys[] = {
     FILE_KEY("file", MESH(file), "File of tetrahedra: MSH 2.2 ASCII, or 4.1 ASCII or binary."), SCALE_KEY(MESH(scale))};
@@ -551,11 +559,12 @@ static const ShvTable event_table = {.name = "events.<index>",
 /* ---- the rest of the top level ------------------------------------------------------------------------ */
 
 #define SCENE(member) offsetof(ShvSceneItem, definition.member)
-static const ShvChoice engine_choices[] = {{"analytic", SHV_RIGID_ANALYTIC}, {NULL, 0}};
+static const ShvChoice engine_choices[] = {{"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
 static const ShvKey rigid_keys[] = {
     {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
-     .sentence = "What moves bodies between impacts: `analytic` is ballistic flight and free rotation in closed form."},
+     .sentence = "What moves bodies between impacts: `analytic` is ballistic flight and free rotation in closed form, "
+                 "`pbd` moves nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
@@ -569,7 +578,8 @@ static const ShvTable rigid_table = {.name = "rigid",
                                      .sentence = "Bodies while nothing can break.",
                                      .keys = rigid_keys,
                                      .key_count = LENGTH_OF(rigid_keys)};
-static const ShvChoice stabiliser_choices[] = {{"none", SHV_STABILISER_NONE}, {NULL, 0}};
+static const ShvChoice stabiliser_choices[] = {
+    {"none", SHV_STABILISER_NONE}, {"bars", SHV_STABILISER_BARS}, {NULL, 0}};
 static const ShvChoice criterion_choices[] = {
     {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
 static const ShvChoice activation_choices[] = {
@@ -578,9 +588,11 @@ static const ShvKey fracture_keys[] = {
     {"enabled", SHV_KEY_BOOLEAN, .offset = SCENE(fracture.enabled),
      .sentence = "Whether facets open; bodies deform in any case."},
     {"stabiliser", SHV_KEY_CHOICE, .choices = stabiliser_choices, .offset = SCENE(fracture.stabiliser),
-     .sentence = "What keeps large steps stable: `none` is explicit central difference below the stable step."},
+     .sentence = "What keeps large steps stable: `none` is explicit central difference, which refuses a `time_step` above "
+                 "the stable one; `bars` along all edges bear a few times that, and do work that is not the material's."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &positive, .offset = SCENE(fracture.time_step),
-     .absent = "auto", .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step."},
+     .absent = "auto",
+     .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step, with bars as without them."},
     {"safety", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.safety),
      .sentence = "Share of the stable step that the automatic step takes."},
     {"check_every", SHV_KEY_INT32, .flags = SHV_KEY_AUTOMATIC, .range = &not_negative,
@@ -609,6 +621,28 @@ static const ShvTable fracture_table = {.name = "fracture",
                                         .sentence = "Bodies while they may break.",
                                         .keys = fracture_keys,
                                         .key_count = LENGTH_OF(fracture_keys)};
+static const ShvChoice form_choices[] = {{"edge", SHV_BARS_EDGE}, {"element", SHV_BARS_ELEMENT}, {NULL, 0}};
+static const ShvKey pbd_keys[] = {
+    {"stiffness", SHV_KEY_NUMBER, .range = &share, .offset = SCENE(pbd.stiffness),
+     .sentence = "Share k of its error that a bar takes back whenever it is visited: 1 is stiffest, 0 leaves bars "
+                 "without effect."},
+    {"iterations", SHV_KEY_INT32, .range = &at_least_one, .offset = SCENE(pbd.iterations),
+     .sentence = "Sweeps over all bars in every step; more of them, or a smaller step, make bodies stiffer."},
+    {"form", SHV_KEY_CHOICE, .choices = form_choices, .offset = SCENE(pbd.form),
+     .sentence = "What a sweep visits: every edge once, or every tetrahedron, and with it each edge once for every "
+                 "tetrahedron around it, which is stiffer at the same k."},
+    {"damping", SHV_KEY_NUMBER, .range = &share, .offset = SCENE(pbd.damping),
+     .sentence = "Rigid mode: share of the deviation from rigid motion that a step takes from velocities: 1 leaves rigid "
+                 "motion alone, 0 takes nothing."},
+    {"exact_rotation", SHV_KEY_BOOLEAN, .offset = SCENE(pbd.exact_rotation),
+     .sentence = "Rigid mode: nodes turn along circles about the centre of mass, not along tangents, which drift outwards "
+                 "step by step."},
+};
+static const ShvTable pbd_table = {.name = "pbd",
+                                   .sentence = "Position based dynamics: rigid bars along all edges and damping towards "
+                                               "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
+                                   .keys = pbd_keys,
+                                   .key_count = LENGTH_OF(pbd_keys)};
 static const ShvKey output_keys[] = {
     {"file", SHV_KEY_TEXT, .offset = SCENE(output.file), .absent = "from the name of the scene file",
      .sentence = "Run file, from the working directory."},
@@ -648,6 +682,7 @@ static const ShvKey scene_keys[] = {
     {"events", SHV_KEY_LIST, .table = &event_table, .offset = ITEMS(events),
      .sentence = "Events in the order of their times."},
     {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
+    {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
     {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},
 };

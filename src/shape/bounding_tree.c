@@ -65,8 +65,8 @@ static ShvVec3 triangle_corner(const ShvSurface *surface, int32_t triangle, int 
 static void bound(const ShvSurface *surface, const int32_t *order, int32_t count, TreeNode *node)
 {
     for (int k = 0; k < 3; k++) {
-        node->low[k] = INFINITY;
-        node->high[k] = -INFINITY;
+        node->low[k] = (double)INFINITY;
+        node->high[k] = -(double)INFINITY;
     }
     for (int32_t i = 0; i < count; i++)
         for (int corner = 0; corner < 3; corner++) {

@@ -225,7 +225,7 @@ static void sweep_contacts(ShvObstacles *obstacles, int32_t count)
         double largest = 0.0;
         for (int32_t k = 0; k < count; k++)
             if (obstacles->contacts[k].active) largest = fmax(largest, relax(obstacles, &obstacles->contacts[k]));
-        if (largest <= 1e-14 * scale) return;
+        if (largest <= 1e-11 * scale) return; /* rounding of gaps, over a step, is some 1e-12 of it */
     }
 }
 

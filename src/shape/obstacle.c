@@ -148,7 +148,7 @@ static ShvStatus make_shape(ShvObstacle *obstacle, ShvMemory *memory, const char
         const ShvVec3 normal = shv_load3(definition->plane_normal);
         obstacle->normal = shv_unit(normal);
         obstacle->offset = definition->plane_offset;
-        obstacle->bounding_radius = INFINITY;
+        obstacle->bounding_radius = (double)INFINITY;
         return SHV_OK;
     }
     case SHV_OBSTACLE_SPHERE:
@@ -194,7 +194,7 @@ static ShvStatus make(ShvObstacle *obstacle, ShvMemory *memory, const ShvObstacl
                               .motion = definition->motion,
                               .friction = definition->friction,
                               .restitution = definition->restitution,
-                              .mass = INFINITY,
+                              .mass = (double)INFINITY,
                               .principal_axes = shv_quat_identity(),
                               .orientation = shv_quat_identity()};
     ShvMat3 unit = shv_identity();

@@ -49,7 +49,7 @@ static double time_step_cost(ShvHybrid *hybrid)
     enum { REPEATS = 5 };
     uint8_t *active = hybrid->solid.batch_active;
     const size_t batches = (size_t)hybrid->solid.batch_count;
-    double best = INFINITY;
+    double best = HUGE_VAL;
     memset(active, 1, batches);
     for (int i = 0; i < REPEATS; i++) {
         const double start = shv_now();
@@ -92,7 +92,7 @@ static double first_contact(const ShvHybrid *hybrid)
                     return t;
         }
     }
-    return INFINITY;
+    return HUGE_VAL;
 }
 
 static double shortest_window(const ShvHybrid *hybrid, double step)
@@ -117,8 +117,8 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     *plan = (ShvPlan){.bytes = shv_memory_bytes(hybrid->memory, SHV_PART_COUNT)};
     list_parts(hybrid, plan);
     plan->seconds_per_step = time_step_cost(hybrid);
-    const double stable = shv_solid_stable_step(&hybrid->solid, NULL);
-    plan->step = isnan(scene->fracture.time_step) ? scene->fracture.safety * stable : scene->fracture.time_step;
+    plan->step =
+        isnan(scene->fracture.time_step) ? scene->fracture.safety * hybrid->stable_step : scene->fracture.time_step;
     plan->steps_per_millisecond = 1e-3 / plan->step;
     plan->first_contact = first_contact(hybrid);
     if (hybrid->awake.count > 0)

@@ -35,7 +35,7 @@ static void measure_mesh(ShvPreflight *preflight, const ShvModel *model, const S
 
 static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const ShvObject *object)
 {
-    preflight->stable_step = INFINITY;
+    preflight->stable_step = HUGE_VAL;
     for (int32_t e = object->element_begin; e < object->element_end; e++) {
         const double step = shv_solid_exact_step(&hybrid->solid, e);
         if (!(step < preflight->stable_step)) continue;
@@ -48,7 +48,7 @@ static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const
                                              hybrid->model.mesh.elements[4 * (int64_t)preflight->stable_element + a]));
     shv_store3(preflight->stable_centroid, shv_scale(sum, 0.25));
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    preflight->step = isnan(fracture->time_step) ? fracture->safety * shv_solid_stable_step(&hybrid->solid, NULL)
+    preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->stable_step
                                                  : fracture->time_step;
     preflight->courant = preflight->step / preflight->stable_step;
 }
@@ -87,8 +87,8 @@ static double overshoot(const ShvSimulation *simulation, int32_t object, const S
         const ShvFragment *fragment = NULL;
         for (int32_t k = 0; k < hybrid->fragments.count && !fragment; k++)
             if (hybrid->fragments.items[k].object == object) fragment = &hybrid->fragments.items[k];
-        if (!fragment) return NAN;
-        const ShvSurfacePoint nearest = shv_obstacle_closest(&hybrid->obstacles.items[i], fragment->position, INFINITY);
+        if (!fragment) return (double)NAN;
+        const ShvSurfacePoint nearest = shv_obstacle_closest(&hybrid->obstacles.items[i], fragment->position, HUGE_VAL);
         const double fall = -shv_dot(shv_load3(hybrid->gravity), nearest.normal);
         const double start = -shv_dot(fragment->velocity, nearest.normal);
         const double gap = fmax(0.0, nearest.gap - fragment->radius);

@@ -278,3 +278,11 @@ void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *frag
 }
 
 uint64_t shv_simulation_hash(const ShvSimulation *simulation) { return shv_state_hash(&simulation->hybrid.state); }
+
+int32_t shv_simulation_threads(const ShvSimulation *simulation) { return simulation->hybrid.model.threads; }
+
+ShvProgressView shv_simulation_progress(const ShvSimulation *simulation)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    return (ShvProgressView){hybrid->state.time, hybrid->state.step, hybrid->fragments.alive, hybrid->awake.count > 0};
+}

@@ -112,10 +112,31 @@ static void gather_reads_any_order(void **state)
     CHECK_LANES("zero", shv_wide_zero(), 0.0);
 }
 
+static void quads_are_records_of_four(void **state)
+{
+    (void)state;
+    enum { RECORDS = 20 };
+    alignas(64) double base[4 * RECORDS], kept[4 * RECORDS];
+    for (int i = 0; i < 4 * RECORDS; i++) base[i] = kept[i] = shv_random_uniform(5, (uint64_t)i);
+    const int32_t index[N] = {3, 19, 0, 7, 11, 3, 12, 5}; /* lanes 0 and 5 are the same record */
+    ShvWide q[4];
+    shv_wide_load_quads(base, index, q);
+    for (int c = 0; c < 4; c++) CHECK_LANES("load_quads", q[c], base[4 * index[i] + c]);
+    for (int c = 0; c < 4; c++) q[c] = shv_wide_add(q[c], shv_wide_set1(c + 1.0));
+    shv_wide_store_quads(base, index, q);
+    for (int record = 0; record < RECORDS; record++)
+        for (int c = 0; c < 4; c++) {
+            int stored = 0;
+            for (int i = 0; i < N; i++) stored |= index[i] == record;
+            assert_true(base[4 * record + c] == kept[4 * record + c] + (stored ? c + 1.0 : 0.0));
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arithmetic_has_the_bits_of_plain_loops),
+        cmocka_unit_test(quads_are_records_of_four),
         cmocka_unit_test(choices_have_the_bits_of_plain_loops),
         cmocka_unit_test(products_are_fused),
         cmocka_unit_test(any_looks_at_every_lane),

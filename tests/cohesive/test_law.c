@@ -3,10 +3,15 @@
 #include "base/random.h"
 #include "cohesive/law.h"
 
-static ShvMaterial material_of(ShvCohesiveLaw law, double phi_n, double phi_t, double sigma, double tau, double alpha, double beta)
+static ShvMaterial material_of(ShvCohesiveLaw law, double phi_n, double phi_t, double sigma, double tau, double alpha,
+                               double beta)
 {
-    return (ShvMaterial){.name = "test", .breakable = true, .law = law, .fracture_energy = {phi_n, phi_t},
-                         .strength = {sigma, tau}, .shape = {alpha, beta}};
+    return (ShvMaterial){.name = "test",
+                         .breakable = true,
+                         .law = law,
+                         .fracture_energy = {phi_n, phi_t},
+                         .strength = {sigma, tau},
+                         .shape = {alpha, beta}};
 }
 
 static ShvLaw ppr(double phi_n, double phi_t, double sigma, double tau, double alpha, double beta)
@@ -15,7 +20,10 @@ static ShvLaw ppr(double phi_n, double phi_t, double sigma, double tau, double a
     return shv_law_make(&material, 1.0);
 }
 
-static ShvLaw concrete(void) { return ppr(22.0, 22.0, 8e6, 8e6, 2.0, 2.0); }
+static ShvLaw concrete(void)
+{
+    return ppr(22.0, 22.0, 8e6, 8e6, 2.0, 2.0);
+}
 
 /* Work along straight pieces by the midpoint rule, the law called as a user would. */
 static double work_along(const ShvLaw *law, ShvHistory *history, ShvOpening from, ShvOpening to, int steps)
@@ -61,7 +69,8 @@ static void fact_2_half_way(void **state)
     const ShvLaw other = ppr(22.0, 22.0, 8e6, 8e6, 3.3, 2.0);
     const double half_other = 0.5 * other.final_opening[0];
     check_near(shv_law_traction(&other, virgin, half_other, 0.0).normal, 8e6 * pow(2.0, 1.0 - 3.3), 1e-6);
-    check_near(shv_law_normal_mean(&other, virgin, 0.0, 0.0, half_other) * half_other, 22.0 * (1.0 - pow(2.0, -3.3)), 1e-12);
+    check_near(shv_law_normal_mean(&other, virgin, 0.0, 0.0, half_other) * half_other, 22.0 * (1.0 - pow(2.0, -3.3)),
+               1e-12);
 }
 
 static void fact_3_mixed_values(void **state)
@@ -117,13 +126,15 @@ static void fact_6_gradient_and_decay(void **state)
         const ShvLaw law = ppr(energies[e][0], energies[e][1], 8e6, 6e6, 2.5, 3.0);
         const double dn = law.final_opening[0], dt = law.final_opening[1], h = 1e-6;
         const ShvHistory virgin = {0};
-        double last = INFINITY;
+        double last = HUGE_VAL;
         for (int i = 1; i < 10; i++) {
             /* inside both conjugate openings, where the potential holds */
             const double n = 0.02 * i * dn, s = 0.015 * i * dt;
             const ShvLawTraction t = shv_law_traction(&law, virgin, n, s);
-            const double by_n = (shv_ppr_potential(&law, n + h * dn, s) - shv_ppr_potential(&law, n - h * dn, s)) / (2.0 * h * dn);
-            const double by_s = (shv_ppr_potential(&law, n, s + h * dt) - shv_ppr_potential(&law, n, s - h * dt)) / (2.0 * h * dt);
+            const double by_n =
+                (shv_ppr_potential(&law, n + h * dn, s) - shv_ppr_potential(&law, n - h * dn, s)) / (2.0 * h * dn);
+            const double by_s =
+                (shv_ppr_potential(&law, n, s + h * dt) - shv_ppr_potential(&law, n, s - h * dt)) / (2.0 * h * dt);
             /* round-off of Ψ over 2h: 1e-16 × 40 / (2e-6 × 1e-5) = 2e-4 of 1e6 */
             check_near(by_n, t.normal, 1e-3 * 8e6 * 1e-2);
             check_near(by_s, t.shear, 1e-3 * 6e6 * 1e-2);
@@ -259,17 +270,19 @@ static void check_finite(const ShvLaw *law, ShvHistory history, double n, double
 static void extremes_stay_finite(void **state)
 {
     (void)state;
-    const double energies[] = {0.0, 22.0, 1e30, INFINITY}, strengths[] = {0.0, 8e6, 1e40, INFINITY};
+    const double energies[] = {0.0, 22.0, 1e30, HUGE_VAL}, strengths[] = {0.0, 8e6, 1e40, HUGE_VAL};
     const double openings[] = {-1e-6, 0.0, 1e-300, 5.5e-6, 1e-3, 1e3};
     for (int kind = 0; kind < 2; kind++)
         for (int i = 0; i < 256; i++) {
-            const ShvMaterial material = material_of(kind ? SHV_CAMACHO_ORTIZ : SHV_PPR, energies[i % 4], energies[i / 4 % 4],
-                                                     strengths[i / 16 % 4], strengths[i / 64], 2.0, 2.5);
+            const ShvMaterial material =
+                material_of(kind ? SHV_CAMACHO_ORTIZ : SHV_PPR, energies[i % 4], energies[i / 4 % 4],
+                            strengths[i / 16 % 4], strengths[i / 64], 2.0, 2.5);
             const ShvLaw law = shv_law_make(&material, 1.0);
             for (int a = 0; a < 6; a++)
                 for (int b = 1; b < 6; b++) {
                     check_finite(&law, (ShvHistory){0}, openings[a], openings[b]);
-                    check_finite(&law, shv_law_grow(&law, (ShvHistory){0}, openings[b], openings[b]), openings[a], openings[b]);
+                    check_finite(&law, shv_law_grow(&law, (ShvHistory){0}, openings[b], openings[b]), openings[a],
+                                 openings[b]);
                 }
         }
 }
@@ -290,7 +303,8 @@ static void limits(void **state)
     const ShvLaw law = concrete();
     const ShvHistory reached = shv_law_grow(&law, virgin, law.final_opening[0], 0.0);
     assert_true(shv_law_traction(&law, reached, 0.0, 0.0).normal == 0.0);
-    assert_true(shv_law_damage(&law, shv_law_advance(&law, virgin, (ShvOpening){0.0, 0.0}, (ShvOpening){law.final_opening[0], 0.0})) == 1.0);
+    assert_true(shv_law_damage(&law, shv_law_advance(&law, virgin, (ShvOpening){0.0, 0.0},
+                                                     (ShvOpening){law.final_opening[0], 0.0})) == 1.0);
     const ShvMaterial material = material_of(SHV_PPR, 22.0, 22.0, 8e6, 8e6, 2.0, 2.0);
     const ShvLaw scaled = shv_law_make(&material, 1.25);
     check_near(shv_law_traction(&scaled, virgin, 0.0, 0.0).normal, 1e7, 1e-6);
@@ -300,12 +314,18 @@ static void limits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fact_1_peak_and_energies),   cmocka_unit_test(fact_2_half_way),
-        cmocka_unit_test(fact_3_mixed_values),        cmocka_unit_test(fact_4_monotone_paths_do_the_energy),
-        cmocka_unit_test(fact_5_unequal_energies),    cmocka_unit_test(fact_6_gradient_and_decay),
-        cmocka_unit_test(fact_7_cycle),               cmocka_unit_test(camacho_ortiz_as_published),
-        cmocka_unit_test(linear_laws_agree),          cmocka_unit_test(random_paths_never_yield_energy),
-        cmocka_unit_test(extremes_stay_finite),       cmocka_unit_test(limits),
+        cmocka_unit_test(fact_1_peak_and_energies),
+        cmocka_unit_test(fact_2_half_way),
+        cmocka_unit_test(fact_3_mixed_values),
+        cmocka_unit_test(fact_4_monotone_paths_do_the_energy),
+        cmocka_unit_test(fact_5_unequal_energies),
+        cmocka_unit_test(fact_6_gradient_and_decay),
+        cmocka_unit_test(fact_7_cycle),
+        cmocka_unit_test(camacho_ortiz_as_published),
+        cmocka_unit_test(linear_laws_agree),
+        cmocka_unit_test(random_paths_never_yield_energy),
+        cmocka_unit_test(extremes_stay_finite),
+        cmocka_unit_test(limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,8 +5,12 @@
 
 static ShvLaw law_of(ShvCohesiveLaw kind, double alpha)
 {
-    const ShvMaterial material = {.name = "glass", .breakable = true, .law = kind, .fracture_energy = {8.0, 8.0},
-                                  .strength = {40e6, 40e6}, .shape = {alpha, alpha}};
+    const ShvMaterial material = {.name = "glass",
+                                  .breakable = true,
+                                  .law = kind,
+                                  .fracture_energy = {8.0, 8.0},
+                                  .strength = {40e6, 40e6},
+                                  .shape = {alpha, alpha}};
     return shv_law_make(&material, 1.0);
 }
 
@@ -102,7 +106,8 @@ static void energy_never_grows(void **state)
         for (uint64_t k = 0; k < 500; k++) {
             advance(&pair, normal, step, none);
             const double energy = kinetic(&pair) + kept(&pair, normal);
-            if (energy > start + 1e-11 * (8.0 + start)) fail_msg("run %d step %d: %g above %g", (int)run, (int)k, energy - start, start);
+            if (energy > start + 1e-11 * (8.0 + start))
+                fail_msg("run %d step %d: %g above %g", (int)run, (int)k, energy - start, start);
             assert_true(isfinite(pair.opening.x) && pair.history.dissipated >= last);
             last = pair.history.dissipated;
         }
@@ -120,15 +125,21 @@ static void a_new_pair_is_held(void **state)
     const ShvLaw law = law_of(SHV_PPR, 2.0);
     const ShvVec3 normal = {0.0, 1.0, 0.0};
     Pair pair = {.law = &law, .history = shv_law_start(&law, 3e-3, 7e10)};
-    const double start = pair.history.normal, rest = 1e-2; /* m/s² of a spring that is 1e5 times stiffer than the step */
-    assert_true(start > 0.0 && start <= 1e-5 * law.final_opening[0]);
+    const double start = pair.history.normal;
+    assert_true(start > 0.0 && start <= 1e-8 * law.final_opening[0]);
     for (int k = 0; k < 1000; k++) {
         const double pull = 39.9e6 * (1.0 - 0.999 * k / 1000.0);
         if (k == 300) pair.rate = shv_vec3(1e-9, 2e-9, 0.0);
-        const ShvVec3 traction = advance(&pair, normal, 3e-7, shv_vec3(0.5 * pull / reduced_mass, pull / reduced_mass, 0.0));
-        if (k < 300 || k > 310) check_near(traction.y, pull, 1e-3 * 40e6 * rest + 1e-3 * pull);
-        if (k < 300 || k > 310) check_near(traction.x, 0.5 * pull, 1e-3 * 40e6 * rest + 1e-3 * pull);
-        assert_true(pair.history.normal <= 1.01 * start && pair.history.shear <= 1.01 * start);
+        const ShvVec3 traction =
+            advance(&pair, normal, 3e-7, shv_vec3(0.5 * pull / reduced_mass, pull / reduced_mass, 0.0));
+        /* the spring of the start gives way by `start` at full load, 1e-8 of what the load would move the pair in a step */
+        if (k < 300 || k > 320) {
+            check_near(traction.y, pull, 1e-6 * 40e6);
+            check_near(traction.x, 0.5 * pull, 1e-6 * 40e6);
+        }
+        /* the disturbance alone moves it for a step or two */
+        assert_true(pair.history.normal <= start + 1e-9 * 3e-7 * 4.0 &&
+                    pair.history.shear <= start + 1e-9 * 3e-7 * 4.0);
     }
     for (int k = 0; k < 100; k++) advance(&pair, normal, 3e-7, shv_vec3(0.0, 41e6 / reduced_mass, 0.0));
     assert_true(shv_law_damage(&law, pair.history) == 1.0);
@@ -177,8 +188,10 @@ static void stiff_unloading_is_stable(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(opening_takes_the_fracture_energy), cmocka_unit_test(energy_never_grows),
-        cmocka_unit_test(a_new_pair_is_held),                cmocka_unit_test(tends_to_the_plain_law),
+        cmocka_unit_test(opening_takes_the_fracture_energy),
+        cmocka_unit_test(energy_never_grows),
+        cmocka_unit_test(a_new_pair_is_held),
+        cmocka_unit_test(tends_to_the_plain_law),
         cmocka_unit_test(stiff_unloading_is_stable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -164,7 +164,7 @@ static void test_refusals(void **state)
     wrong.axes[0] = wrong.axes[1] = wrong.axes[2] = false;
     check_refused(&piece, &wrong, "axis");
     wrong = condition_on_face("push", SHV_CONDITION_VELOCITY, 0.1);
-    wrong.value[1] = NAN;
+    wrong.value[1] = (double)NAN;
     check_refused(&piece, &wrong, "finite");
     wrong.value[1] = 0.0;
     wrong.ramp_time = -1.0;

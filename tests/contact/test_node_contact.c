@@ -160,7 +160,7 @@ static void test_nothing_gets_in(void **state)
         for (int32_t i = 0; i < 500; i++)
             for (int32_t o = 0; o < nodes.obstacles.count; o++) {
                 const ShvVec3 at = shv_state_position(&nodes.state, i);
-                assert_true(shv_obstacle_closest(&nodes.obstacles.items[o], at, INFINITY).gap > -1e-9);
+                assert_true(shv_obstacle_closest(&nodes.obstacles.items[o], at, (double)INFINITY).gap > -1e-9);
             }
         assert_true(touched > 100);
         nodes_release(&nodes);
@@ -366,6 +366,18 @@ static void test_works(void **state)
     check_near(nodes.contact.friction_work[0], 0.5 * shv_dot(touch->friction, start), 1e-16);
     check_near(nodes.contact.friction_work[1], 0.5 * shv_dot(touch->friction, after), 1e-16);
     check_near(shv_norm(touch->friction), 0.5 * touch->normal_impulse, 1e-16);
+    /* The same step with the velocity before it remembered, though a stranger's impulse comes between. */
+    const double expected = nodes.contact.normal_work[0], impulse = touch->normal_impulse;
+    shv_store3(nodes.state.velocity, start);
+    check_ok(shv_node_contact_begin(&nodes.contact, &nodes.state, &nodes.obstacles, nodes.list, 1, STEP, nodes.gravity,
+                                    &nodes.error),
+             nodes.error);
+    nodes_kick(&nodes, kick);
+    nodes.state.velocity[2] -= 1.0;
+    nodes_answer(&nodes, kick, STEP);
+    touch = &nodes.contact.touches[0];
+    check_near(touch->normal_impulse, impulse + 0.3, 1e-15);
+    check_near(nodes.contact.normal_work[0], expected * (impulse + 0.3) / impulse, 1e-15);
     shv_store3(nodes.state.velocity, shv_vec3(0.0, 0.0, 0.0));
     shv_node_contact_book(&nodes.contact, &nodes.state);
     check_near(nodes.contact.normal_work[0], 0.5 * touch->normal_impulse * start.z, 1e-16);
@@ -403,6 +415,46 @@ static void test_fragments_and_pauses(void **state)
     nodes_release(&nodes);
 }
 
+static ShvStatus answer_once(Nodes *nodes, ShvNodeContact *contact)
+{
+    SHV_TRY(shv_node_contact_begin(contact, &nodes->state, &nodes->obstacles, nodes->list, 300, STEP, nodes->gravity,
+                                   &nodes->error));
+    for (int32_t i = 0; i < 300; i++) nodes->state.velocity[3 * i + 2] = -1.0;
+    return shv_node_contact_apply(contact, &nodes->state, &nodes->obstacles, nodes->list, 300, STEP, STEP,
+                                  nodes->gravity, &nodes->error);
+}
+
+/* Every allocation fails in turn: a message, nothing leaked, and the same contact works once there is memory. */
+static void test_allocation_failures(void **state)
+{
+    (void)state;
+    const ShvObstacleDefinition floor = plane_definition("floor", shv_vec3(0.0, 0.0, 1.0), 0.0);
+    Nodes nodes;
+    nodes_create(&nodes, &floor, 1, 300);
+    for (int32_t i = 0; i < 300; i++) place_node(&nodes, i, shv_vec3(i, 0.0, 0.0), shv_vec3(0.0, 0.0, -1.0));
+    int failures = 0;
+    ShvStatus status = SHV_NO_MEMORY;
+    for (int64_t allowed = 0; status != SHV_OK; allowed++) {
+        ShvMemory *memory = shv_memory_create();
+        ShvNodeContact contact;
+        shv_memory_fail_after(memory, allowed);
+        status = shv_node_contact_create(&contact, memory, &nodes.obstacles, &nodes.error);
+        const bool created = status == SHV_OK;
+        if (created) status = answer_once(&nodes, &contact);
+        if (created && status != SHV_OK) {
+            shv_memory_fail_after(memory, -1);
+            assert_int_equal(answer_once(&nodes, &contact), SHV_OK);
+            assert_int_equal(contact.touching, 300);
+        }
+        if (status != SHV_OK) failures++;
+        if (created) shv_node_contact_release(&contact);
+        assert_int_equal(shv_memory_bytes(memory, SHV_PART_COUNT), 0);
+        shv_memory_destroy(memory);
+    }
+    assert_true(failures >= 5);
+    nodes_release(&nodes);
+}
+
 /* ---- cost ---- */
 
 /* 40,000 nodes with nothing near: between rebuilds a step looks at no node, and at all of them once in 16 steps. */
@@ -418,14 +470,16 @@ static void test_cost_with_nothing_near(void **state)
     for (int32_t i = 0; i < count; i++)
         place_node(&nodes, i, shv_scale(shv_unit(draw_vector(9, &index, 1.0)), 0.25), shv_vec3(0.0, 0.0, -3.0));
     nodes_answer(&nodes, 1e-7, 1e-7);
-    double best = INFINITY;
+    double best = (double)INFINITY;
     for (int block = 0; block < 10; block++) {
         const double start = shv_now();
         for (int step = 0; step < 64; step++) nodes_answer(&nodes, 1e-7, 1e-7);
         best = fmin(best, (shv_now() - start) / 64.0);
     }
     print_message("%.2f µs a step\n", 1e6 * best);
+#ifdef __OPTIMIZE__
     assert_true(best < 20e-6);
+#endif
     assert_int_equal(nodes.contact.pair_count, 0);
     nodes_release(&nodes);
 }
@@ -447,6 +501,7 @@ int main(void)
         cmocka_unit_test(test_energy_never_grows),
         cmocka_unit_test(test_works),
         cmocka_unit_test(test_fragments_and_pauses),
+        cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_cost_with_nothing_near),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -170,13 +170,13 @@ static void curved_surfaces_are_met_exactly(void **state)
 
 /* The slit: on its plane below the tip every place has two nodes, one of each lip, but the front has one; nothing
    connects the lips. Both lips have the area depth × y. */
-static void notch_is_a_slit(void **state)
+static void check_slit(ShvMeshPattern pattern, double edge)
 {
-    (void)state;
     ShvError error;
     ShvMesh mesh;
     int32_t *triangles, count;
-    const ShvMeshDefinition d = body(SHV_MESH_NOTCHED_BEAM, 0.008);
+    ShvMeshDefinition d = body(SHV_MESH_NOTCHED_BEAM, edge);
+    d.pattern = pattern;
     check_ok(make(&mesh, NULL, &d, &error), error);
     check_ok(shv_mesh_boundary(&mesh, SHV_PART_GENERAL, &triangles, &count, &error), error);
     const double tip = -0.5 * d.size[2] + d.notch_depth;
@@ -218,6 +218,13 @@ static void notch_is_a_slit(void **state)
     }
     shv_release(triangles);
     shv_mesh_release(&mesh);
+}
+
+static void notch_is_a_slit(void **state)
+{
+    (void)state;
+    check_slit(SHV_PATTERN_LATTICE, 0.008);
+    check_slit(SHV_PATTERN_BRICKS, 0.0048);
 }
 
 static double mean_edge_near(const ShvMesh *mesh, ShvVec3 place, double distance)
@@ -277,6 +284,59 @@ static void john_shah_beam_of_published_size(void **state)
     check_ok(shv_mesh_validate(&mesh, "beam", &error), error);
     check_near(mesh.element_count, 113984, 0.05 * 113984);
     check_near(shv_mesh_quality(&mesh).volume, exact_volume(&d), 1e-12 * exact_volume(&d));
+    shv_mesh_release(&mesh);
+}
+
+/* … and 25,777 nodes. */
+static void john_shah_beam_of_bricks(void **state)
+{
+    (void)state;
+    ShvError error;
+    ShvMesh mesh;
+    ShvMeshDefinition d = john_shah_beam(0.0036, 0.0018);
+    d.pattern = SHV_PATTERN_BRICKS;
+    d.notch_growth = 0.03;
+    check_ok(make(&mesh, NULL, &d, &error), error);
+    check_ok(shv_mesh_validate(&mesh, "beam", &error), error);
+    check_near(mesh.element_count, 113984, 0.05 * 113984);
+    check_near(mesh.node_count, 25777, 0.05 * 25777);
+    check_near(shv_mesh_quality(&mesh).volume, exact_volume(&d), 1e-12 * exact_volume(&d));
+    /* All boundary areas: six sides and two lips; a pair of faces that did not fit would add to them. */
+    int32_t *triangles, count;
+    check_ok(shv_mesh_boundary(&mesh, SHV_PART_GENERAL, &triangles, &count, &error), error);
+    double area = 0.0;
+    for (int32_t t = 0; t < count; t++) {
+        const ShvVec3 a = shv_mesh_position(&mesh, triangles[3 * t]);
+        area += 0.5 * shv_norm(shv_cross(shv_sub(shv_mesh_position(&mesh, triangles[3 * t + 1]), a),
+                                         shv_sub(shv_mesh_position(&mesh, triangles[3 * t + 2]), a)));
+    }
+    const double *l = d.size;
+    const double expected = 2.0 * (l[0] * l[1] + l[1] * l[2] + l[2] * l[0]) + 2.0 * d.notch_depth * l[1];
+    check_near(area, expected, 1e-12 * expected);
+    shv_release(triangles);
+    shv_mesh_release(&mesh);
+}
+
+/* Where the sides along x are those asked for: the mean edge over the depth is mixed with the even sides along y and z. */
+static void bricks_are_thinned_along_x(void **state)
+{
+    (void)state;
+    ShvError error;
+    ShvMesh mesh;
+    ShvMeshDefinition d = john_shah_beam(0.006, 0.0015);
+    d.pattern = SHV_PATTERN_BRICKS;
+    d.notch_growth = 0.1;
+    check_ok(make(&mesh, NULL, &d, &error), error);
+    double least = 1.0, most = 0.0, next = 1.0;
+    for (int32_t n = 0; n < mesh.node_count; n++) {
+        const double x = shv_mesh_position(&mesh, n).x;
+        if (x > d.notch_offset) least = fmin(least, x - d.notch_offset);
+        if (x > -0.5 * d.size[0]) next = fmin(next, x);
+    }
+    most = next + 0.5 * d.size[0];
+    /* A brick's mean edge is 1.2485 sides; the run is scaled by less than half a brick over its length, 3 / 64. */
+    check_near(least, d.notch_edge / 1.24852813742386, 0.05 * least);
+    check_near(most, d.edge / 1.24852813742386, 0.05 * most);
     shv_mesh_release(&mesh);
 }
 
@@ -353,6 +413,11 @@ static void edges_that_do_not_fit_are_refused(void **state)
     refused(d, "elements");
     d.notch_edge = 1e-12;
     refused(d, "notch_edge 1e-12 m is too short");
+    d.pattern = SHV_PATTERN_BRICKS;
+    refused(d, "notch_edge 1e-12 m is less than a tenth of edge");
+    d.notch_edge = 0.0;
+    d.edge = 1e-6;
+    refused(d, "elements");
 }
 
 static void notches_outside_the_beam_are_refused(void **state)
@@ -375,6 +440,11 @@ static void notches_outside_the_beam_are_refused(void **state)
     d = body(SHV_MESH_NOTCHED_BEAM, 0.01);
     d.notch_edge = -0.001;
     refused(d, "notch_edge is -0.001 m");
+    d = body(SHV_MESH_NOTCHED_BEAM, 0.01);
+    d.notch_growth = 0.0;
+    refused(d, "notch_growth is 0");
+    d.notch_growth = 0.9;
+    refused(d, "notch_growth is 0.9, but must be positive and at most 0.8");
 }
 
 int main(void)
@@ -388,6 +458,8 @@ int main(void)
         cmocka_unit_test(notch_is_a_slit),
         cmocka_unit_test(beam_is_graded),
         cmocka_unit_test(john_shah_beam_of_published_size),
+        cmocka_unit_test(john_shah_beam_of_bricks),
+        cmocka_unit_test(bricks_are_thinned_along_x),
         cmocka_unit_test(same_input_same_bits),
         cmocka_unit_test(bad_lengths_are_refused),
         cmocka_unit_test(edges_that_do_not_fit_are_refused),

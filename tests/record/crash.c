@@ -1,22 +1,24 @@
+#include "check.h"
+
 #include "crash.h"
 
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "files.h"
 #include "shiver/run_file.h"
 
 static CrashCounters *counters;
 static int64_t kill_at = -1;
-static bool kill_torn;
 
-CrashCounters *crash_counters(void) { return counters; }
+CrashCounters *crash_counters(void)
+{
+    return counters;
+}
 
 ssize_t pwrite(int descriptor, const void *data, size_t size, off_t offset);
 
@@ -26,10 +28,7 @@ ssize_t pwrite(int descriptor, const void *data, size_t size, off_t offset)
     const bool last = counters && kill_at >= 0 && counters->writes == kill_at;
     if (counters) counters->writes++;
     if (lseek(descriptor, offset, SEEK_SET) < 0) return -1;
-    if (last) {
-        if (kill_torn && write(descriptor, data, size / 2) < 0) _exit(9);
-        kill(getpid(), SIGKILL);
-    }
+    if (last) kill(getpid(), SIGKILL);
     return write(descriptor, data, size);
 }
 
@@ -68,7 +67,7 @@ void crash_expect(int64_t frames)
     counters->frames = frames;
 }
 
-static pid_t start_child(const char *path, const FakeSetup *setup, int frames, int64_t at, bool torn)
+static pid_t start_child(const char *path, const FakeSetup *setup, int frames, int64_t at)
 {
     share_counters();
     counters->frames = counters->writes = 0;
@@ -76,19 +75,18 @@ static pid_t start_child(const char *path, const FakeSetup *setup, int frames, i
     const pid_t child = fork();
     if (child != 0) return child;
     kill_at = at;
-    kill_torn = torn;
     record_child(path, setup, frames);
     return 0;
 }
 
-void crash_record(const char *path, const FakeSetup *setup, int frames, int64_t at, bool torn)
+void crash_record(const char *path, const FakeSetup *setup, int frames, int64_t at)
 {
-    waitpid(start_child(path, setup, frames, at, torn), NULL, 0);
+    waitpid(start_child(path, setup, frames, at), NULL, 0);
 }
 
 void crash_record_after(const char *path, const FakeSetup *setup, int frames, long nanoseconds)
 {
-    const pid_t child = start_child(path, setup, frames, -1, false);
+    const pid_t child = start_child(path, setup, frames, -1);
     nanosleep(&(struct timespec){nanoseconds / 1000000000L, nanoseconds % 1000000000L}, NULL);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
@@ -96,7 +94,8 @@ void crash_record_after(const char *path, const FakeSetup *setup, int frames, lo
 
 /* ---- what is left ---- */
 
-static const char *check_frame(ShvRunFile *file, int64_t index, const ShvFrameView *frame, double *values, uint8_t *alive)
+static const char *check_frame(ShvRunFile *file, int64_t index, const ShvFrameView *frame, double *values,
+                               uint8_t *alive)
 {
     static char text[1200];
     ShvError error;
@@ -164,4 +163,28 @@ const char *crash_check(const char *path, const FakeSetup *setup)
     const char *wrong = check_frames(file, setup);
     shv_run_file_close(file);
     return wrong;
+}
+
+int64_t crash_writes(const void *folder, int frames)
+{
+    const char *path = file_in(folder, "count.h5");
+    crash_record(path, &CRASH_SETUP, frames, -1);
+    unlink(path);
+    return crash_counters()->writes;
+}
+
+int64_t crash_at_writes(const void *folder, int64_t first, int64_t stride)
+{
+    enum { END = 8 };
+    int64_t kills = 0;
+    const int64_t all = crash_writes(folder, CRASH_FRAMES);
+    for (int64_t at = first; at < all - END; at += stride, kills++) {
+        const char *path = file_in(folder, "run.h5");
+        unlink(path);
+        crash_record(path, &CRASH_SETUP, CRASH_FRAMES, at);
+        assert_true(crash_counters()->writes == at + 1);
+        const char *wrong = crash_check(path, &CRASH_SETUP);
+        if (wrong) fail_msg("killed before write %lld: %s", (long long)at, wrong);
+    }
+    return kills;
 }

@@ -8,7 +8,7 @@ enum { COSTS = 2, PARTS = 2, OBSTACLES = 2, EVENTS = 64 };
 
 struct ShvSimulation {
     FakeSetup setup;
-    int64_t frame_index; /* −1 before the first frame */
+    int64_t frame_index;              /* −1 before the first frame */
     int32_t *brick_begin, *brick_end; /* of each fragment */
     ShvFragmentView *fragments;
     ShvObstacleView obstacles[OBSTACLES];
@@ -45,7 +45,7 @@ static void start_fragment(ShvSimulation *simulation, int32_t parent, int32_t be
     simulation->fragments[id] = (ShvFragmentView){.id = id,
                                                   .parent = parent,
                                                   .birth = birth,
-                                                  .death = NAN,
+                                                  .death = (double)NAN,
                                                   .mode = SHV_FRAGMENT_FLIGHT,
                                                   .tets = 2 * (end - begin),
                                                   .mass = 2.5 * (end - begin),
@@ -83,9 +83,14 @@ static void split_one(ShvSimulation *simulation, double time)
         start_fragment(simulation, i, begin, middle, time);
         start_fragment(simulation, i, middle, end, time);
         if (frame->event_count < EVENTS)
-            simulation->events[frame->event_count++] =
-                (ShvEventView){.time = time, .kind = SHV_RUN_SPLIT, .fragment = i, .obstacle = 1, .value = 2, .kinetic_before = 7,
-                               .momentum_after = {1, 2, 3}, .angular_after = {4, 5, 6 + time}};
+            simulation->events[frame->event_count++] = (ShvEventView){.time = time,
+                                                                      .kind = SHV_RUN_SPLIT,
+                                                                      .fragment = i,
+                                                                      .obstacle = 1,
+                                                                      .value = 2,
+                                                                      .kinetic_before = 7,
+                                                                      .momentum_after = {1, 2, 3},
+                                                                      .angular_after = {4, 5, 6 + time}};
         return;
     }
 }
@@ -130,7 +135,8 @@ static void fill_rest(ShvSimulation *simulation, double time)
     simulation->costs[1] = (ShvCostView){"stress", 0.125 * n, (int64_t)n};
     simulation->bytes[0] = (ShvBytesView){"mesh", 1000, 2000};
     simulation->bytes[1] = (ShvBytesView){"state", (size_t)(100 + n), 5000};
-    frame->ledger = (ShvLedgerView){.time = time, .kinetic = 100 - n, .strain = 0.5 * n, .momentum = {1, 2, n}, .largest = 100};
+    frame->ledger =
+        (ShvLedgerView){.time = time, .kinetic = 100 - n, .strain = 0.5 * n, .momentum = {1, 2, n}, .largest = 100};
     frame->steps = 10 * simulation->frame_index;
     frame->step = 1e-7;
     frame->courant = 0.9;
@@ -162,7 +168,10 @@ void fake_advance(ShvSimulation *simulation)
 
 /* ---- what the run file asks of a simulation ---- */
 
-const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation) { return &simulation->frame; }
+const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation)
+{
+    return &simulation->frame;
+}
 
 ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
 {

@@ -47,7 +47,10 @@ const char *file_in(const void *folder, const char *name)
     return path;
 }
 
-int files_in(const void *folder) { return for_files(folder, 0); }
+int files_in(const void *folder)
+{
+    return for_files(folder, 0);
+}
 
 long file_size(const char *path)
 {

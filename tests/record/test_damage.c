@@ -144,7 +144,8 @@ static void read_everything(const char *path)
     if (status != SHV_OK) _exit(error.message[0] != '\0' && !file ? 1 : 2);
     const ShvRunFileInfo *info = shv_run_file_info(file);
     const size_t fragments = (size_t)info->fragment_count, elements = (size_t)info->element_count;
-    double *values = shv_allocate(NULL, SHV_PART_GENERAL, 16 * (fragments + elements) + 3 * (size_t)info->node_count, 8);
+    double *values =
+        shv_allocate(NULL, SHV_PART_GENERAL, 16 * (fragments + elements) + 3 * (size_t)info->node_count, 8);
     ShvFragmentView *views = shv_allocate(NULL, SHV_PART_GENERAL, fragments, sizeof *views);
     ShvObstacleView *obstacles = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)info->obstacle_count, sizeof *obstacles);
     int32_t *integers = shv_allocate(NULL, SHV_PART_GENERAL, 4 * elements, sizeof *integers);
@@ -153,7 +154,8 @@ static void read_everything(const char *path)
     int32_t counts[2], mode;
     if (!values || !views || !obstacles || !integers) _exit(1);
     for (int64_t i = 0; i < info->frame_count && i < 10 && status == SHV_OK; i++) {
-        status = shv_run_file_frame(file, i, values, &mode, (uint8_t *)integers, values, values, values, values, &error);
+        status =
+            shv_run_file_frame(file, i, values, &mode, (uint8_t *)integers, values, values, values, values, &error);
         if (status == SHV_OK) status = shv_run_file_ledger(file, i, &(ShvLedgerView){0}, &error);
         if (status == SHV_OK) status = shv_run_file_obstacles(file, i, obstacles, &error);
         if (status == SHV_OK && info->nodes) status = shv_run_file_corners(file, i, values, values, integers, &error);

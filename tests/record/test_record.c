@@ -72,7 +72,8 @@ static void check_frame(ShvRunFile *file, int64_t index, const ShvFrameView *fra
     double time, position[45], orientation[60], velocity[45], angular[45];
     int32_t mode;
     uint8_t alive[15];
-    check_ok(shv_run_file_frame(file, index, &time, &mode, alive, position, orientation, velocity, angular, &error), error);
+    check_ok(shv_run_file_frame(file, index, &time, &mode, alive, position, orientation, velocity, angular, &error),
+             error);
     assert_true(time == frame->time && shv_run_file_times(file)[index] == time);
     assert_int_equal(mode, frame->fracture);
     assert_int_equal(shv_run_file_animation(file)[index], frame->animation);
@@ -206,7 +207,8 @@ static void test_cost_is_of_the_last_frame(void **state)
     check_ok(shv_run_file_open(&file, path, NULL, &error), error);
     assert_string_equal(shv_run_file_info(file)->status, "finished");
     assert_true(shv_run_file_info(file)->wall_seconds > 0.0 && shv_run_file_info(file)->wall_seconds < 100.0);
-    for (int i = 0; i < 2; i++) check_ok(shv_run_file_cost(file, &costs, &cost_count, &bytes, &bytes_count, &error), error);
+    for (int i = 0; i < 2; i++)
+        check_ok(shv_run_file_cost(file, &costs, &cost_count, &bytes, &bytes_count, &error), error);
     assert_int_equal(cost_count, 2);
     assert_string_equal(costs[1].name, "stress");
     assert_true(costs[1].seconds == 0.5);
@@ -296,11 +298,13 @@ static void test_bad_names(void **state)
     ShvRecordDefinition definition = define("");
     check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "no name");
     definition.path = *state;
-    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "not an ordinary file");
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error,
+                "not an ordinary file");
     definition.path = file_in(*state, "missing/run.h5");
     check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_FILE_ERROR, error, "missing/run.h5");
     definition.cookie = 0;
-    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error, "shv_record_default");
+    check_fails(shv_record_create(&record, &definition, simulation, &error), SHV_BAD_INPUT, error,
+                "shv_record_default");
     assert_int_equal(files_in(*state), 0);
     fake_destroy(simulation);
 }

@@ -130,6 +130,8 @@ static void check_meshes(const ShvSceneDefinition *scene)
     same(o[3].mesh.notch_depth, 0.05);
     same(o[3].mesh.notch_offset, -0.03);
     same(o[3].mesh.notch_edge, 0.001);
+    same(o[3].mesh.notch_growth, 0.05);
+    assert_int_equal(o[3].mesh.pattern, SHV_PATTERN_BRICKS);
     assert_int_equal(o[4].mesh.kind, SHV_MESH_GMSH);
     assert_string_equal(o[4].mesh.file, "full.yaml");
     same(o[4].mesh.scale, 0.001);
@@ -236,12 +238,13 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_true(scene->seed == UINT64_MAX);
     assert_int_equal(scene->threads, 2);
     same(scene->duration, 1.5);
+    assert_int_equal(scene->rigid.engine, SHV_RIGID_PBD);
     same(scene->rigid.time_step, 2e-3);
     assert_int_equal(scene->rigid.wake, SHV_WAKE_CONTACT);
     same(scene->rigid.wake_fraction, 0.25);
     same(scene->rigid.wake_factor, 5.0);
     assert_false(scene->fracture.enabled);
-    assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_NONE);
+    assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_BARS);
     same(scene->fracture.time_step, 10e-9);
     same(scene->fracture.safety, 0.5);
     assert_int_equal(scene->fracture.check_every, 10);
@@ -252,6 +255,11 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->fracture.quiet_checks, 30);
     same(scene->fracture.longest, 0.001);
     same(scene->fracture.energy_bound, 0.1);
+    same(scene->pbd.stiffness, 0.9);
+    assert_int_equal(scene->pbd.iterations, 3);
+    assert_int_equal(scene->pbd.form, SHV_BARS_ELEMENT);
+    same(scene->pbd.damping, 0.5);
+    assert_true(scene->pbd.exact_rotation);
     assert_string_equal(scene->output.file, "out/run.h5");
     same(scene->output.rate, 1000.0);
     assert_int_equal(scene->output.fracture_every, 50);
@@ -326,6 +334,8 @@ static void what_is_left_out_has_its_default(void **state)
     assert_memory_equal(scene->gravity, expected.gravity, sizeof expected.gravity);
     same(scene->rigid.time_step, expected.rigid.time_step);
     same(scene->fracture.threshold, expected.fracture.threshold);
+    assert_int_equal(scene->rigid.engine, SHV_RIGID_ANALYTIC);
+    assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_NONE);
     assert_int_equal(scene->obstacle_count, 0);
     assert_int_equal(scene->event_count, 0);
     assert_int_equal(scene->condition_count, 0);

@@ -179,7 +179,7 @@ static void test_elastic_ball_keeps_its_height(void **state)
     shv_obstacles_release(&obstacles);
 }
 
-/* A resting box, on its face and on a wedge of two planes, for 20,000 steps: it neither sinks nor moves. */
+/* A resting box, on its face and on a wedge of two planes, for 5,000 steps: it neither sinks nor moves. */
 static void test_box_rests(void **state)
 {
     (void)state;
@@ -195,7 +195,7 @@ static void test_box_rests(void **state)
         const ShvObstacle *box = &obstacles.items[2];
         const ShvVec3 start = box->position;
         double work = 0.0;
-        for (int k = 0; k < 20000; k++) {
+        for (int k = 0; k < 5000; k++) {
             work += shv_obstacles_advance(&obstacles, 1e-3, GRAVITY);
             assert_true(shv_norm(shv_sub(box->position, start)) < 1e-9);
         }
@@ -358,7 +358,7 @@ static void test_energy_never_grows(void **state)
             definitions[k].restitution = draw(seed, &index, 0.0, 1.0);
         }
         ShvObstacles obstacles = make_obstacles(definitions, 10);
-        double energy = INFINITY, start = 0.0, work = 0.0;
+        double energy = (double)INFINITY, start = 0.0, work = 0.0;
         for (int step = 0; step < 3000; step++) {
             const double done = shv_obstacles_advance(&obstacles, 1e-3, NO_GRAVITY);
             double now = 0.0;

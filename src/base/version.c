@@ -1,0 +1,3 @@
+#include "shiver/version.h"
+
+const char *shv_version(void) { return SHIVER_VERSION; }

@@ -1,0 +1,219 @@
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "export/output.h"
+
+static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv"};
+
+typedef ShvStatus (*WriteTable)(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error);
+
+/* ---- fields ---- */
+
+enum { NUMBER_SIZE = 32 };
+
+/* The shortest of 15, 16 and 17 digits that gives the same number back. */
+static void format_number(char *text, double value)
+{
+    for (int digits = 15; digits <= 17; digits++) {
+        shv_format(text, NUMBER_SIZE, "%.*g", digits, value);
+        if (shv_text_to_double(text, NULL) == value) break;
+    }
+}
+
+static void put_number(FILE *stream, double value)
+{
+    char text[NUMBER_SIZE] = "";
+    if (isfinite(value)) format_number(text, value);
+    shv_print(stream, ",%s", text);
+}
+
+static void put_numbers(FILE *stream, const double *values, int count)
+{
+    for (int i = 0; i < count; i++) put_number(stream, values[i]);
+}
+
+/* A text in quotes, its own quotes doubled (RFC 4180). */
+static void put_text(FILE *stream, const char *text)
+{
+    shv_print(stream, ",\"");
+    for (; *text; text++) shv_print(stream, *text == '"' ? "\"\"" : "%c", *text);
+    shv_print(stream, "\"");
+}
+
+/* ---- tables ---- */
+
+typedef struct Poses {
+    double *position, *orientation, *velocity, *angular;
+    uint8_t *alive;
+} Poses;
+
+static ShvStatus put_poses(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, const Poses *poses,
+                           ShvError *error)
+{
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    for (int64_t frame = 0; frame < info->frame_count; frame++) {
+        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        double time;
+        SHV_TRY(shv_run_file_frame(file, frame, &time, NULL, poses->alive, poses->position, poses->orientation,
+                                   poses->velocity, poses->angular, error));
+        char start[NUMBER_SIZE];
+        format_number(start, time);
+        for (int64_t i = 0; i < info->fragment_count; i++) {
+            if (!poses->alive[i]) continue;
+            shv_print(stream, "%s,%lld", start, (long long)i);
+            put_numbers(stream, poses->position + 3 * i, 3);
+            put_numbers(stream, poses->orientation + 4 * i, 4);
+            put_numbers(stream, poses->velocity + 3 * i, 3);
+            put_numbers(stream, poses->angular + 3 * i, 3);
+            shv_print(stream, "\n");
+        }
+    }
+    return SHV_OK;
+}
+
+static ShvStatus put_trajectories(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    const size_t count = (size_t)shv_run_file_info(file)->fragment_count;
+    shv_print(stream,
+              "time [s],fragment,P.x [m],P.y [m],P.z [m],orient.w,orient.x,orient.y,orient.z,v.x [m/s],v.y [m/s],"
+              "v.z [m/s],w.x [rad/s],w.y [rad/s],w.z [rad/s]\n");
+    double *values = shv_allocate(options->memory, SHV_PART_RECORD, 13 * count, sizeof *values);
+    uint8_t *alive = shv_allocate(options->memory, SHV_PART_RECORD, count, 1);
+    ShvStatus status = SHV_OK;
+    if (values && alive) {
+        const Poses poses = {values, values + 3 * count, values + 7 * count, values + 10 * count, alive};
+        status = put_poses(file, options, stream, &poses, error);
+    } else {
+        status = shv_fail_memory(error, "a frame", 105 * count);
+    }
+    shv_release(values);
+    shv_release(alive);
+    return status;
+}
+
+static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    const int32_t count = shv_run_file_info(file)->fragment_count;
+    shv_print(stream, "id,parent,object,birth [s],death [s],mass [kg],volume [m3],tets\n");
+    ShvFragmentView *fragments = shv_allocate(options->memory, SHV_PART_RECORD, (size_t)count, sizeof *fragments);
+    if (!fragments) return shv_fail_memory(error, "fragments", (size_t)count * sizeof *fragments);
+    const ShvStatus status = shv_run_file_fragments(file, fragments, error);
+    for (int32_t i = 0; i < count && status == SHV_OK; i++) {
+        const ShvFragmentView *fragment = &fragments[i];
+        shv_print(stream, "%d,%d", (int)fragment->id, (int)fragment->parent);
+        put_text(stream, shv_run_file_object_name(file, fragment->object));
+        put_number(stream, fragment->birth);
+        put_number(stream, fragment->death);
+        put_number(stream, fragment->mass);
+        put_number(stream, fragment->volume);
+        shv_print(stream, ",%d\n", (int)fragment->tets);
+    }
+    shv_release(fragments);
+    return status;
+}
+
+static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    shv_print(
+        stream,
+        "frame,time [s],kinetic [J],strain [J],gravity_potential [J],cohesive_recoverable [J],fracture_dissipation [J],"
+        "contact [J],friction [J],closure [J],constraint [J],traction [J],bars [J],damping [J],handover [J],event [J],"
+        "cohesive_work [J],opened_area [m2],inserted_area [m2],fracture_energy_area [J],momentum.x [kg m/s],"
+        "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
+        "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
+    for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {
+        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        ShvLedgerView row;
+        SHV_TRY(shv_run_file_ledger(file, frame, &row, error));
+        const double values[] = {row.time,
+                                 row.kinetic,
+                                 row.strain,
+                                 row.gravity_potential,
+                                 row.cohesive_recoverable,
+                                 row.fracture_dissipation,
+                                 row.contact,
+                                 row.friction,
+                                 row.closure,
+                                 row.constraint,
+                                 row.traction,
+                                 row.bars,
+                                 row.damping,
+                                 row.handover,
+                                 row.event,
+                                 row.cohesive_work,
+                                 row.opened_area,
+                                 row.inserted_area,
+                                 row.fracture_energy_area};
+        shv_print(stream, "%lld", (long long)frame);
+        put_numbers(stream, values, (int)(sizeof values / sizeof values[0]));
+        put_numbers(stream, row.momentum, 3);
+        put_numbers(stream, row.angular_momentum, 3);
+        put_number(stream, row.residual);
+        put_number(stream, row.largest);
+        shv_print(stream, "\n");
+    }
+    return SHV_OK;
+}
+
+static const char *kind_name(ShvRunEvent kind)
+{
+    switch (kind) {
+    case SHV_RUN_WAKE:
+        return "wake";
+    case SHV_RUN_SLEEP:
+        return "sleep";
+    case SHV_RUN_SPLIT:
+        return "split";
+    case SHV_RUN_INSERTION:
+        return "insertion";
+    case SHV_RUN_INVERSION:
+        return "inversion";
+    case SHV_RUN_SCENE:
+        return "scene";
+    }
+    return "unknown";
+}
+
+static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    (void)options;
+    shv_print(
+        stream,
+        "time [s],kind,fragment,obstacle,value,kinetic_before [J],kinetic_after [J],strain_before [J],strain_after [J],"
+        "momentum_before.x [kg m/s],momentum_before.y [kg m/s],momentum_before.z [kg m/s],momentum_after.x [kg m/s],"
+        "momentum_after.y [kg m/s],momentum_after.z [kg m/s],angular_before.x [kg m2/s],angular_before.y [kg m2/s],"
+        "angular_before.z [kg m2/s],angular_after.x [kg m2/s],angular_after.y [kg m2/s],angular_after.z [kg m2/s]\n");
+    for (int64_t i = 0; i < shv_run_file_info(file)->event_count; i++) {
+        ShvEventView event;
+        SHV_TRY(shv_run_file_event(file, i, &event, error));
+        char start[NUMBER_SIZE];
+        format_number(start, event.time);
+        shv_print(stream, "%s,%s,%d,%d", start, kind_name(event.kind), (int)event.fragment, (int)event.obstacle);
+        const double energies[] = {event.value, event.kinetic_before, event.kinetic_after, event.strain_before,
+                                   event.strain_after};
+        put_numbers(stream, energies, 5);
+        put_numbers(stream, event.momentum_before, 3);
+        put_numbers(stream, event.momentum_after, 3);
+        put_numbers(stream, event.angular_before, 3);
+        put_numbers(stream, event.angular_after, 3);
+        shv_print(stream, "\n");
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
+{
+    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events};
+    ShvExportOptions options;
+    SHV_TRY(shv_export_options(given, &options, error));
+    SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, 4, error));
+    for (int i = 0; i < 4; i++) {
+        ShvOutput output;
+        SHV_TRY(shv_output_open(&output, &options, prefix, SUFFIXES[i], error));
+        const ShvStatus status = tables[i](file, &options, output.stream, error);
+        SHV_TRY(shv_output_close(&output, &options, status, error));
+    }
+    return SHV_OK;
+}

@@ -1,0 +1,76 @@
+#include "export/output.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "record/publish.h"
+
+ShvExportOptions shv_export_default(void)
+{
+    return (ShvExportOptions){.cookie = SHV_DEFINITION_COOKIE};
+}
+
+ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error)
+{
+    *options = given ? *given : shv_export_default();
+    if (options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the export options did not start from shv_export_default()");
+    return SHV_OK;
+}
+
+char *shv_output_path(const ShvExportOptions *options, const char *prefix, const char *suffix)
+{
+    const size_t size = strlen(prefix) + strlen(suffix) + 1;
+    char *path = shv_allocate(options->memory, SHV_PART_RECORD, size, 1);
+    if (path) shv_format(path, size, "%s%s", prefix, suffix);
+    return path;
+}
+
+ShvStatus shv_output_check(const ShvExportOptions *options, const char *prefix, const char *const *suffixes, int count,
+                           ShvError *error)
+{
+    ShvStatus status = SHV_OK;
+    for (int i = 0; i < count && status == SHV_OK; i++) {
+        char *path = shv_output_path(options, prefix, suffixes[i]);
+        status = path ? shv_publish_check(path, options->force, error)
+                      : shv_fail_memory(error, "a file name", strlen(prefix));
+        shv_release(path);
+    }
+    return status;
+}
+
+ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, const char *prefix, const char *suffix,
+                          ShvError *error)
+{
+    *output = (ShvOutput){shv_output_path(options, prefix, suffix), NULL, NULL};
+    if (!output->path) return shv_fail_memory(error, "a file name", strlen(prefix));
+    int descriptor;
+    ShvStatus status = shv_publish_begin(options->memory, output->path, &output->temporary, &descriptor, error);
+    if (status == SHV_OK) {
+        output->stream = fdopen(descriptor, "w");
+        if (!output->stream) {
+            close(descriptor);
+            status = shv_fail_memory(error, "a stream", sizeof(FILE));
+        }
+    }
+    return status == SHV_OK ? SHV_OK : shv_output_close(output, options, status, error);
+}
+
+ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error)
+{
+    if (output->stream) {
+        const bool bad = ferror(output->stream) != 0;
+        const bool lost = fclose(output->stream) != 0;
+        if (status == SHV_OK && (bad || lost))
+            status = shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", output->path);
+    }
+    if (status == SHV_OK && output->temporary)
+        status = shv_publish_end(output->temporary, output->path, options->force, error);
+    if (status != SHV_OK && output->temporary) unlink(output->temporary);
+    shv_release(output->temporary);
+    shv_release(output->path);
+    *output = (ShvOutput){NULL, NULL, NULL};
+    return status;
+}

@@ -1,0 +1,29 @@
+/* One text file of an export: written beside its place, and put there when it is complete. */
+#ifndef SHV_EXPORT_OUTPUT_H
+#define SHV_EXPORT_OUTPUT_H
+
+#include <stdio.h>
+
+#include "shiver/export.h"
+
+typedef struct ShvOutput {
+    char *path, *temporary;
+    FILE *stream;
+} ShvOutput;
+
+/* prefix + suffix; the caller releases it. NULL: out of memory. */
+char *shv_output_path(const ShvExportOptions *options, const char *prefix, const char *suffix);
+/* SHV_BAD_INPUT when one of the files prefix + suffix may not be written. */
+ShvStatus shv_output_check(const ShvExportOptions *options, const char *prefix, const char *const *suffixes, int count,
+                           ShvError *error);
+/* On failure `output` is zeroed and nothing is left behind. */
+ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, const char *prefix, const char *suffix,
+                          ShvError *error);
+/* Puts the file in its place when `status` is SHV_OK and everything could be written, else removes it; returns the first
+   of both failures. `output` may be zeroed. */
+ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error);
+
+/* The options given, checked: the defaults for NULL. */
+ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error);
+
+#endif

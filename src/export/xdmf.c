@@ -1,0 +1,131 @@
+#include "export/xdmf.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "record/hdf5_array.h"
+#include "record/hdf5_text.h"
+#include "record/publish.h"
+
+static const char *const SUFFIXES[] = {"_xdmf.h5", "_fragments.xmf", "_mesh.xmf"};
+
+/* ---- data sets and what refers to them ---- */
+
+ShvStatus shv_xdmf_put(const ShvXdmf *xdmf, const char *path, ShvXdmfType type, int64_t rows, int64_t columns,
+                       const void *data, ShvError *error)
+{
+    const hid_t file_type = type == SHV_XDMF_INT      ? H5T_STD_I32LE
+                            : type == SHV_XDMF_SINGLE ? H5T_IEEE_F32LE
+                                                      : H5T_IEEE_F64LE;
+    const hid_t memory_type = type == SHV_XDMF_INT ? H5T_NATIVE_INT32 : H5T_NATIVE_DOUBLE;
+    const ShvSilence silence = shv_silence_begin();
+    const bool good = shv_array_put(xdmf->numbers, path, file_type, memory_type, rows, columns, true, data, NULL);
+    shv_silence_end(silence);
+    return good ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", xdmf->path);
+}
+
+void shv_xdmf_item(const ShvXdmf *xdmf, const char *path, ShvXdmfType type, int64_t rows, int64_t columns)
+{
+    shv_print(xdmf->stream, "<DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%d\" Dimensions=\"%lld",
+              type == SHV_XDMF_INT ? "Int" : "Float", type == SHV_XDMF_DOUBLE ? 8 : 4, (long long)rows);
+    if (columns > 0) shv_print(xdmf->stream, " %lld", (long long)columns);
+    shv_print(xdmf->stream, "\">%s:%s</DataItem>", xdmf->numbers_name, path);
+}
+
+void shv_xdmf_attribute(const ShvXdmf *xdmf, const char *name, const char *kind, const char *centre, const char *path,
+                        ShvXdmfType type, int64_t rows, int64_t columns)
+{
+    shv_print(xdmf->stream, "        <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"%s\">", name, kind, centre);
+    shv_xdmf_item(xdmf, path, type, rows, columns);
+    shv_print(xdmf->stream, "</Attribute>\n");
+}
+
+/* ---- the three files ---- */
+
+/* The file name behind the last slash; what XML or the reference "file:path" would misread is escaped. */
+static char *escaped_name(const ShvXdmf *xdmf, const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const size_t size = 6 * strlen(name) + 1;
+    char *escaped = shv_allocate(xdmf->options.memory, SHV_PART_RECORD, size, 1);
+    for (char *end = escaped; end && *name; name++) {
+        const char *form = *name == '&' ? "&amp;" : *name == '<' ? "&lt;" : *name == '>' ? "&gt;" : NULL;
+        end += form ? shv_format(end, 7, "%s", form) : shv_format(end, 7, "%c", *name);
+    }
+    return escaped;
+}
+
+typedef ShvStatus (*WriteGrids)(const ShvXdmf *xdmf, ShvError *error);
+
+static ShvStatus write_xml(ShvXdmf *xdmf, ShvOutput *output, const char *prefix, const char *suffix, const char *name,
+                           WriteGrids grids, ShvError *error)
+{
+    SHV_TRY(shv_output_open(output, &xdmf->options, prefix, suffix, error));
+    xdmf->stream = output->stream;
+    shv_print(xdmf->stream,
+              "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+              "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+              name);
+    const ShvStatus status = grids(xdmf, error);
+    shv_print(xdmf->stream, "    </Grid>\n  </Domain>\n</Xdmf>\n");
+    return status;
+}
+
+static ShvStatus open_numbers(ShvXdmf *xdmf, const char *path, char **temporary, ShvError *error)
+{
+    int descriptor;
+    xdmf->path = path;
+    xdmf->numbers_name = escaped_name(xdmf, path);
+    if (!xdmf->numbers_name) return shv_fail_memory(error, "a file name", 6 * strlen(path));
+    SHV_TRY(shv_publish_begin(xdmf->options.memory, path, temporary, &descriptor, error));
+    close(descriptor);
+    const ShvSilence silence = shv_silence_begin();
+    xdmf->numbers = H5Fcreate(*temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const bool good =
+        xdmf->numbers >= 0 && shv_group_put(xdmf->numbers, "/fragments") && shv_group_put(xdmf->numbers, "/mesh");
+    shv_silence_end(silence);
+    return good ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", path);
+}
+
+static ShvStatus close_numbers(ShvXdmf *xdmf, char *temporary, ShvStatus status, ShvError *error)
+{
+    const ShvSilence silence = shv_silence_begin();
+    const bool lost = xdmf->numbers >= 0 && H5Fclose(xdmf->numbers) < 0;
+    shv_silence_end(silence);
+    if (status == SHV_OK && lost)
+        status = shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", xdmf->path);
+    if (status == SHV_OK) status = shv_publish_end(temporary, xdmf->path, xdmf->options.force, error);
+    if (status != SHV_OK && temporary) unlink(temporary);
+    shv_release(temporary);
+    shv_release(xdmf->numbers_name);
+    return status;
+}
+
+static ShvStatus write_all(ShvXdmf *xdmf, const char *prefix, const char *path, ShvError *error)
+{
+    char *temporary = NULL;
+    ShvOutput fragments = {NULL, NULL, NULL}, mesh = {NULL, NULL, NULL};
+    ShvStatus status = open_numbers(xdmf, path, &temporary, error);
+    if (status == SHV_OK)
+        status = write_xml(xdmf, &fragments, prefix, SUFFIXES[1], "fragments", shv_xdmf_fragments, error);
+    if (status == SHV_OK)
+        status = write_xml(xdmf, &mesh, prefix, SUFFIXES[2], "mesh",
+                           xdmf->info->nodes ? shv_xdmf_deformed_mesh : shv_xdmf_mesh, error);
+    status = close_numbers(xdmf, temporary, status, error);
+    status = shv_output_close(&fragments, &xdmf->options, status, error);
+    return shv_output_close(&mesh, &xdmf->options, status, error);
+}
+
+ShvStatus shv_export_xdmf(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
+{
+    ShvXdmf xdmf = {.file = file, .info = shv_run_file_info(file), .numbers = -1};
+    SHV_TRY(shv_export_options(given, &xdmf.options, error));
+    SHV_TRY(shv_output_check(&xdmf.options, prefix, SUFFIXES, 3, error));
+    char *path = shv_output_path(&xdmf.options, prefix, SUFFIXES[0]);
+    if (!path) return shv_fail_memory(error, "a file name", strlen(prefix));
+    const ShvStatus status = write_all(&xdmf, prefix, path, error);
+    shv_release(path);
+    return status;
+}

@@ -1,0 +1,211 @@
+#include <stdlib.h>
+
+#include "cohesive/fixture.h"
+
+#include "base/random.h"
+
+static double kinetic(const Fixture *f)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < f->state.node_count; i++) {
+        const ShvVec3 v = shv_load3(f->state.velocity + 3 * (int64_t)i);
+        sum += 0.5 * f->state.mass[i] * shv_dot(v, v);
+    }
+    return sum;
+}
+
+static ShvVec3 momentum(const Fixture *f, double *scale)
+{
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    *scale = 0.0;
+    for (int32_t i = 0; i < f->state.node_count; i++) {
+        const ShvVec3 p = shv_scale(shv_load3(f->state.velocity + 3 * (int64_t)i), f->state.mass[i]);
+        sum = shv_add(sum, p);
+        *scale += shv_norm(p);
+    }
+    return sum;
+}
+
+/* Two blocks that met on x = 0 and have broken apart: no energy, no traction. */
+static void broken_blocks(Fixture *f)
+{
+    fixture_define(f, 0.012, 0.006, 0.006, 0.003);
+    f->material.fracture_energy = 0.0;
+    fixture_build_cubes(f, 4, 2, 2);
+    fixture_start(f);
+    int32_t *facets = calloc((size_t)f->model.adjacency.interior_count, sizeof *facets), duplicated;
+    const int32_t count = fixture_plane(f, 0.0, 1e-9, facets);
+    check_ok(shv_cohesive_insert(&f->cohesive, &f->state, NULL, facets, count, &duplicated, &f->error), f->error);
+    free(facets);
+}
+
+static bool on_right(const Fixture *f, int32_t node)
+{
+    const int32_t element = f->state.corners[f->state.corner_start[node]] / 4;
+    double x = 0.0;
+    for (int k = 0; k < 4; k++)
+        x += f->model.mesh.positions[3 * (int64_t)f->model.mesh.elements[4 * (int64_t)element + k]];
+    return x > 0.0;
+}
+
+static void drift(Fixture *f, double step)
+{
+    for (int64_t i = 0; i < 3 * (int64_t)f->state.node_count; i++)
+        f->state.displacement[i] += step * f->state.velocity[i];
+    f->state.last_step = step;
+}
+
+static void random_velocities_only_lose(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f);
+    int struck = 0;
+    for (uint64_t run = 0; run < 300; run++) {
+        for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++) {
+            f.state.velocity[i] = shv_random_uniform(run, 2 * (uint64_t)i) - 0.5;
+            f.state.displacement[i] = 1e-7 * (shv_random_uniform(run, 2 * (uint64_t)i + 1) - 0.5);
+        }
+        double scale;
+        const double before = kinetic(&f);
+        const ShvVec3 p = momentum(&f, &scale);
+        f.state.last_step = 1e-7;
+        shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+        shv_cohesive_pull(&f.cohesive, &f.state, 1e-7, 1e-7);
+        assert_true(kinetic(&f) == before);
+        shv_cohesive_close(&f.cohesive, &f.state, 1e-7, 1e-7, run % 2 ? 0.4 : 0.0);
+        assert_true(kinetic(&f) <= before * (1.0 + 1e-14));
+        struck += kinetic(&f) < before * (1.0 - 1e-6);
+        check_near(shv_norm(shv_sub(momentum(&f, &scale), p)), 0.0, 1e-13 * scale);
+    }
+    assert_true(struck > 250); /* the others fly apart */
+    fixture_release(&f);
+}
+
+/* Faces at rest that are pushed together stay where they are: the impulse is what the push needs, and does no work. */
+static void pressed_faces_do_no_work(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f);
+    const double step = 1e-7;
+    ShvLedger ledger = {0};
+    for (int k = 0; k < 50; k++) {
+        shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+        for (int32_t i = 0; i < f.state.node_count; i++)
+            if (f.state.origin[i] != i || fabs(f.state.reference[3 * i]) < 1e-9)
+                f.state.velocity[3 * i] += (on_right(&f, i) ? -1.0 : 1.0) / f.state.mass[i] * 1e-5;
+        shv_cohesive_close(&f.cohesive, &f.state, step, step, 0.0);
+        shv_ledger_begin_step(&ledger);
+        shv_cohesive_book(&f.cohesive, &f.state, step, &ledger);
+        drift(&f, step);
+        for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++) check_near(f.state.displacement[i], 0.0, 1e-15);
+    }
+    check_near(ledger.booked[SHV_WORK_CLOSURE], 0.0, 1e-15);
+    check_near(ledger.booked[SHV_WORK_COHESIVE], 0.0, 0.0);
+    fixture_release(&f);
+}
+
+/* Every block moves as one: its nodes take their mean velocity, which never raises kinetic energy. */
+static void stiffen(Fixture *f, const double mass[2])
+{
+    ShvVec3 p[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    for (int32_t i = 0; i < f->state.node_count; i++)
+        p[on_right(f, i)] = shv_madd(p[on_right(f, i)], f->state.mass[i] / mass[on_right(f, i)],
+                                     shv_load3(f->state.velocity + 3 * (int64_t)i));
+    for (int32_t i = 0; i < f->state.node_count; i++) shv_store3(f->state.velocity + 3 * (int64_t)i, p[on_right(f, i)]);
+}
+
+/* Two blocks that a constant force drives together rattle against each other across the broken facets for 1e4 steps, kicked
+   apart now and then. Energy at half steps (kinetic, and force × distance) is exact for the force alone; an impulse in a
+   step in which the blocks turn round may be worked by the velocity before, at most ½ m (kick)². */
+static void rattling_never_gains(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f);
+    double mass[2] = {0.0, 0.0}, last = HUGE_VAL, farthest = 0.0;
+    for (int32_t i = 0; i < f.state.node_count; i++) mass[on_right(&f, i)] += f.state.mass[i];
+    const double step = 1e-6, pull = 1.0, kick = step * pull * (1.0 / mass[0] + 1.0 / mass[1]);
+    const double slack = 0.5 * mass[0] * mass[1] / (mass[0] + mass[1]) * kick * kick;
+    int contacts = 0;
+    for (int k = 0; k < 10000; k++) {
+        if (k % 1000 == 0) {
+            for (int32_t i = 0; i < f.state.node_count; i++)
+                shv_store3(f.state.velocity + 3 * (int64_t)i,
+                           shv_scale(shv_vec3(0.1, 0.02, 0.01), on_right(&f, i) ? 1.0 : -1.0));
+            last = HUGE_VAL;
+        }
+        shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+        double distance = 0.0;
+        for (int32_t i = 0; i < f.state.node_count; i++) {
+            const double share = (on_right(&f, i) ? 1.0 : -1.0) * f.state.mass[i] / mass[on_right(&f, i)];
+            distance += share * (f.state.displacement[3 * i] - 0.5 * f.state.last_step * f.state.velocity[3 * i]);
+        }
+        const double energy = kinetic(&f) + pull * distance;
+        assert_true(energy <= last + slack);
+        last = energy;
+        farthest = fmax(farthest, distance);
+        assert_true(distance > -1e-4); /* only the nodes of a face are struck, the block behind creeps on */
+        for (int32_t i = 0; i < f.state.node_count; i++)
+            f.state.velocity[3 * i] -= (on_right(&f, i) ? 1.0 : -1.0) * step * pull / mass[on_right(&f, i)];
+        const double before = kinetic(&f);
+        shv_cohesive_close(&f.cohesive, &f.state, step, step, 0.3);
+        assert_true(kinetic(&f) <= before * (1.0 + 1e-14));
+        contacts += kinetic(&f) < before;
+        stiffen(&f, mass);
+        drift(&f, step);
+    }
+    assert_true(contacts > 1000);
+    assert_true(farthest > 1e-6);
+    fixture_release(&f);
+}
+
+static void slid_away_pairs_are_dropped(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f);
+    const int32_t live = f.cohesive.live_count;
+    assert_true(live > 0);
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.pair_count, 3 * live);
+    assert_int_equal(f.cohesive.active_count, 0);
+    for (int32_t i = 0; i < f.state.node_count; i++) f.state.displacement[3 * i + 2] = on_right(&f, i) ? 0.001 : 0.0;
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.live_count, live);
+    for (int32_t i = 0; i < f.state.node_count; i++) f.state.displacement[3 * i + 2] = on_right(&f, i) ? 0.002 : 0.0;
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.live_count, 0);
+    assert_int_equal(f.cohesive.pair_count, 0);
+    assert_int_equal(f.cohesive.phase[0], SHV_COHESIVE_SEPARATED);
+    fixture_release(&f);
+}
+
+/* Only what is awake on both sides is looked at. */
+static void sleepers_rest(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f);
+    const uint8_t awake[2] = {1, 0};
+    for (int32_t e = 0; e < f.state.element_count; e++)
+        f.state.element_fragment[e] = on_right(&f, shv_state_node(&f.state, e, 0));
+    shv_cohesive_begin(&f.cohesive, &f.state, awake);
+    assert_int_equal(f.cohesive.pair_count, 0);
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_true(f.cohesive.pair_count > 0);
+    fixture_release(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_velocities_only_lose),
+        cmocka_unit_test(pressed_faces_do_no_work),
+        cmocka_unit_test(rattling_never_gains),
+        cmocka_unit_test(slid_away_pairs_are_dropped),
+        cmocka_unit_test(sleepers_rest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,176 @@
+#include "check.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "fake_simulation.h"
+#include "files.h"
+#include "shiver/export.h"
+
+static const FakeSetup BREAKING = {.bricks = 4, .split_every = 2, .most = 7, .splits = 1};
+enum { FRAMES = 8 };
+
+static ShvRunFile *record_run(const char *path)
+{
+    ShvError error;
+    ShvRecord *record;
+    ShvRunFile *file;
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = path;
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
+    for (int i = 0; i < FRAMES; i++) {
+        fake_advance(simulation);
+        check_ok(shv_record_frame(record, simulation, &error), error);
+    }
+    check_ok(shv_record_close(record, SHV_OK, "", &error), error);
+    fake_destroy(simulation);
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    return file;
+}
+
+static int count_lines(const char *text)
+{
+    int lines = 0;
+    for (; *text; text++) lines += *text == '\n';
+    return lines;
+}
+
+/* Every number of the table of trajectories, read back, is the one that was computed. */
+static void check_trajectories(const char *path)
+{
+    char *table = read_bytes(path), *at = strchr(table, '\n') + 1;
+    ShvSimulation *again = fake_create(&BREAKING);
+    for (int i = 0; i < FRAMES; i++) {
+        fake_advance(again);
+        const ShvFrameView *frame = shv_simulation_frame(again);
+        for (int32_t f = 0; f < frame->fragment_count; f++) {
+            const ShvFragmentView *fragment = &frame->fragments[f];
+            if (fragment->mode == SHV_FRAGMENT_DEAD) continue;
+            assert_true(strtod(at, &at) == frame->time);
+            assert_int_equal(strtol(at + 1, &at, 10), f);
+            double motion[13];
+            memcpy(motion, (const char *)fragment + offsetof(ShvFragmentView, position), sizeof motion);
+            for (int k = 0; k < 13; k++) assert_true(strtod(at + 1, &at) == motion[k]);
+            assert_int_equal(*at++, '\n');
+        }
+    }
+    assert_int_equal(*at, '\0');
+    fake_destroy(again);
+    free(table);
+}
+
+static void test_four_tables(void **state)
+{
+    ShvError error;
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
+    assert_int_equal(files_in(*state), 5);
+    check_trajectories(file_in(*state, "out_trajectories.csv"));
+    char *genealogy = read_bytes(file_in(*state, "out_genealogy.csv"));
+    assert_int_equal(count_lines(genealogy), 1 + 7);
+    assert_non_null(strstr(genealogy, "\n0,-1,\"wall\",0,0.00833333333333333"));
+    assert_non_null(strstr(genealogy, ",,2.5,0.5,2\n")); /* alive: no death */
+    char *ledger = read_bytes(file_in(*state, "out_ledger.csv"));
+    assert_int_equal(count_lines(ledger), 1 + FRAMES);
+    assert_non_null(strstr(ledger, "\n7,"));
+    char *events = read_bytes(file_in(*state, "out_events.csv"));
+    assert_int_equal(count_lines(events), 1 + 3);
+    assert_non_null(strstr(events, ",split,0,1,2,7,0,"));
+    free(genealogy);
+    free(ledger);
+    free(events);
+    shv_run_file_close(file);
+}
+
+static void test_columns_fit_their_names(void **state)
+{
+    static const char *const names[] = {"out_trajectories.csv", "out_genealogy.csv", "out_ledger.csv",
+                                        "out_events.csv"};
+    ShvError error;
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
+    for (int i = 0; i < 4; i++) {
+        char *table = read_bytes(file_in(*state, names[i]));
+        int commas = 0, in_line = 0;
+        for (const char *c = table; *c; c++) {
+            in_line += *c == ',';
+            if (*c != '\n') continue;
+            if (commas == 0) commas = in_line;
+            assert_int_equal(in_line, commas);
+            in_line = 0;
+        }
+        free(table);
+    }
+    shv_run_file_close(file);
+}
+
+static void test_existing_tables_are_kept(void **state)
+{
+    ShvError error;
+    ShvExportOptions options = shv_export_default();
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    write_file(file_in(*state, "out_events.csv"), "precious", 8);
+    check_fails(shv_export_csv(file, file_in(*state, "out"), &options, &error), SHV_BAD_INPUT, error, "--force");
+    assert_int_equal(files_in(*state), 2);
+    options.force = true;
+    check_ok(shv_export_csv(file, file_in(*state, "out"), &options, &error), error);
+    assert_int_equal(files_in(*state), 5);
+    assert_true(file_size(file_in(*state, "out_events.csv")) > 8);
+    check_fails(shv_export_csv(file, file_in(*state, "missing/out"), &options, &error), SHV_FILE_ERROR, error,
+                "missing/out");
+    options.cookie = 0;
+    check_fails(shv_export_csv(file, file_in(*state, "out"), &options, &error), SHV_BAD_INPUT, error,
+                "shv_export_default");
+    shv_run_file_close(file);
+}
+
+static void test_animation_frames_only(void **state)
+{
+    ShvError error;
+    ShvExportOptions options = shv_export_default();
+    options.animation = true;
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    check_ok(shv_export_csv(file, file_in(*state, "out"), &options, &error), error);
+    char *ledger = read_bytes(file_in(*state, "out_ledger.csv"));
+    assert_int_equal(count_lines(ledger), 1 + FRAMES / 2);
+    assert_null(strstr(ledger, "\n1,"));
+    free(ledger);
+    shv_run_file_close(file);
+}
+
+static void test_every_allocation_may_fail(void **state)
+{
+    ShvError error;
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    ShvStatus (*const exports[])(ShvRunFile *, const char *, const ShvExportOptions *, ShvError *) = {shv_export_csv,
+                                                                                                      shv_export_xdmf};
+    for (int which = 0; which < 2; which++) {
+        ShvStatus status = SHV_NO_MEMORY;
+        for (int64_t count = 0; status != SHV_OK; count++) {
+            ShvExportOptions options = shv_export_default();
+            options.memory = shv_memory_create();
+            options.force = true;
+            shv_memory_fail_after(options.memory, count);
+            status = exports[which](file, file_in(*state, "out"), &options, &error);
+            assert_true(status == SHV_OK ? count > 8 : status == SHV_NO_MEMORY);
+            assert_int_equal(shv_memory_bytes(options.memory, SHV_PART_COUNT), 0);
+            shv_memory_destroy(options.memory);
+        }
+    }
+    assert_int_equal(files_in(*state), 8);
+    shv_run_file_close(file);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_four_tables, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_columns_fit_their_names, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_existing_tables_are_kept, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_animation_frames_only, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_every_allocation_may_fail, make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,18 @@
+#include "check.h"
+
+#include "crash.h"
+#include "files.h"
+
+/* 11 has no factor in common with the number of writes of a frame: all kinds of writes are met. */
+static void test_killed_anywhere(void **state)
+{
+    assert_true(crash_at_writes(*state, 0, 11) > 100);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_killed_anywhere, make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
