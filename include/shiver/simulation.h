@@ -146,13 +146,13 @@ void shv_simulation_corner_positions(const ShvSimulation *simulation, double *co
    the boundary); either pointer may be NULL. */
 void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage);
 /* Where it stands between frames; may be asked from `stop`. */
-typedef struct ShvProgressView {
+typedef struct ShvMomentView {
     double time;
     int64_t steps;
     int32_t alive_count;
     bool fracture;
-} ShvProgressView;
-ShvProgressView shv_simulation_progress(const ShvSimulation *simulation);
+} ShvMomentView;
+ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
 /* Threads that the solver uses. */
 int32_t shv_simulation_threads(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */

@@ -13,7 +13,7 @@ ShvProgress shv_progress_start(double duration, bool quiet)
 
 static void show(ShvProgress *progress, double now)
 {
-    const ShvProgressView view = shv_simulation_progress(progress->simulation);
+    const ShvMomentView view = shv_simulation_moment(progress->simulation);
     const double wall = now - progress->start;
     const double rate = (double)(view.steps - progress->shown_steps) / (now - progress->shown);
     const double remaining = view.time > 0.0 ? wall * (progress->duration / view.time - 1.0) : 0.0;

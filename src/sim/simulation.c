@@ -281,8 +281,8 @@ uint64_t shv_simulation_hash(const ShvSimulation *simulation) { return shv_state
 
 int32_t shv_simulation_threads(const ShvSimulation *simulation) { return simulation->hybrid.model.threads; }
 
-ShvProgressView shv_simulation_progress(const ShvSimulation *simulation)
+ShvMomentView shv_simulation_moment(const ShvSimulation *simulation)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
-    return (ShvProgressView){hybrid->state.time, hybrid->state.step, hybrid->fragments.alive, hybrid->awake.count > 0};
+    return (ShvMomentView){hybrid->state.time, hybrid->state.step, hybrid->fragments.alive, hybrid->awake.count > 0};
 }

@@ -35,12 +35,19 @@ static inline ShvMeshDefinition tube(double edge)
     return d;
 }
 
-enum { BODY_COUNT = 6 };
+static inline ShvMeshDefinition brick_beam(double edge)
+{
+    ShvMeshDefinition d = body(SHV_MESH_NOTCHED_BEAM, edge);
+    d.pattern = SHV_PATTERN_BRICKS;
+    return d;
+}
+
+enum { BODY_COUNT = 7 };
 static inline ShvMeshDefinition any_body(int i, double edge)
 {
     static const ShvMeshKind kinds[5] = {SHV_MESH_BOX, SHV_MESH_BALL, SHV_MESH_HOLLOW_BALL, SHV_MESH_CYLINDER,
                                          SHV_MESH_NOTCHED_BEAM};
-    return i < 5 ? body(kinds[i], edge) : tube(edge);
+    return i < 5 ? body(kinds[i], edge) : i < 6 ? tube(edge) : brick_beam(edge);
 }
 
 static inline ShvStatus make(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *d, ShvError *error)
