@@ -69,8 +69,7 @@ static double sweep_time(Bench *bench)
     double best = (double)INFINITY;
     for (int round = 0; round < ROUNDS; round++) {
         const double start = shv_now();
-        for (int sweep = 0; sweep < SWEEPS; sweep++)
-            shv_bars_sweep(&bench->bars, 0.9, bench->anchors, bench->shifts);
+        for (int sweep = 0; sweep < SWEEPS; sweep++) shv_bars_sweep(&bench->bars, 0.9, bench->anchors, bench->shifts);
         best = fmin(best, shv_now() - start);
     }
     return best / SWEEPS;

@@ -37,13 +37,20 @@ typedef struct ShvObstacleView {
 } ShvObstacleView;
 
 /* The ledger at one moment, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
-   is positive. residual = kinetic + strain + gravity_potential + cohesive_recoverable + fracture_dissipation − (the same
-   at the start) − (contact + friction + closure + constraint + traction + bars + damping + handover + event). */
+   is positive, and each is booked as the force or impulse acts.
+     residual = kinetic + strain + gravity_potential − (the same at the start)
+                − (cohesive + contact + friction + closure + constraint + traction + bars + damping + handover + event):
+   what the integrator gained or lost.
+     cohesive_defect = cohesive + cohesive_recoverable + cohesive_released + fracture_dissipation:
+   how far the work of the tractions is from what the cohesive law says for the openings that came about. */
 typedef struct ShvLedgerView {
     double time;
-    double kinetic, strain, gravity_potential, cohesive_recoverable, fracture_dissipation;
+    double kinetic, strain, gravity_potential;         /* functions of the state */
+    double cohesive_recoverable, fracture_dissipation; /* of the cohesive law, from its openings and histories */
     double contact, friction, closure, constraint, traction, bars, damping, handover, event;
-    double cohesive_work;          /* by cohesive tractions on the nodes (≤ 0): −(recoverable + dissipation) */
+    double cohesive;               /* by cohesive tractions on the nodes */
+    double cohesive_released;      /* recoverable energy of cohesive zones that was let go at mode switches */
+    double cohesive_defect;
     double opened_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over opened facets */
     double momentum[3], angular_momentum[3];                 /* kg m/s; kg m²/s about the origin */
     double residual, largest;      /* largest: the largest single energy so far, the residual's scale */

@@ -78,7 +78,7 @@ static ShvFractureDefinition fracture_default(void)
                                    .threshold = 0.9,
                                    .criterion = SHV_CRITERION_TRACTION,
                                    .activation = SHV_ACTIVATION_TRACTION,
-                                   .regularisation = 0.02,
+                                   .regularisation = 0.005,
                                    .quiet_checks = 20,
                                    .longest = 0.0,
                                    .energy_bound = 0.05};

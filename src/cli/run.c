@@ -68,6 +68,11 @@ static double largest_mass_fraction(const ShvFrameView *frame)
     return total > 0.0 ? largest / total : 0.0;
 }
 
+static double share(double part, double whole)
+{
+    return whole > 0.0 ? part / whole : 0.0;
+}
+
 static void print_costs(const ShvFrameView *frame, double wall)
 {
     printf("  time by part:");
@@ -91,8 +96,12 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            "dropped at mode switches %.4g\n",
            ledger->kinetic, ledger->strain, ledger->fracture_dissipation, ledger->contact, ledger->friction,
            ledger->closure, -ledger->handover);
-    printf("  ledger residual %.2e of the largest energy (%.4g J)\n",
-           ledger->largest > 0.0 ? ledger->residual / ledger->largest : 0.0, ledger->largest);
+    printf("  ledger residual %.2e of the largest energy (%.4g J)\n", share(ledger->residual, ledger->largest),
+           ledger->largest);
+    if (frame->inserted > 0)
+        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; opened area × G: %.4g J\n",
+               -ledger->cohesive, ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
+               ledger->fracture_energy_area);
     if (frame->worst_overshoot > 0.0)
         printf("  stress at insertion at most %.3f of the strength%s\n", frame->worst_overshoot,
                frame->worst_overshoot > 1.1 ? ": more than 10 % above it; see docs/scene.md, fracture.check_every" : "");
@@ -116,6 +125,9 @@ static void print_json(const ShvFrameView *frame, const char *path, double wall,
                    {"strain", ledger->strain},
                    {"gravity_potential", ledger->gravity_potential},
                    {"fracture_dissipation", ledger->fracture_dissipation},
+                   {"fracture_energy_area", ledger->fracture_energy_area},
+                   {"cohesive", ledger->cohesive},
+                   {"cohesive_defect", ledger->cohesive_defect},
                    {"contact", ledger->contact},
                    {"friction", ledger->friction},
                    {"closure", ledger->closure},

@@ -37,6 +37,7 @@ typedef struct ShvCohesivePoint {
     ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
     ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
     ShvVec3 pull, push;    /* cohesive and closing force on the first node, N */
+    ShvVec3 change;        /* of pull, in the present sweep, N */
 } ShvCohesivePoint;
 
 typedef struct ShvCohesive {
@@ -137,8 +138,11 @@ typedef struct ShvCohesiveEnergy {
     int32_t inserted, opened;
 } ShvCohesiveEnergy;
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state);
-/* Recoverable energy of the facets between elements of one fragment, J. */
+/* Recoverable energy of all facets of a fragment, those to others included, J: what is lost when it becomes rigid. */
 double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *state, int32_t fragment);
+/* A fragment is about to become rigid: histories of its facets move to the present openings, and those to other fragments let
+   go for good, since nothing could hold a flying fragment to them. */
+void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t fragment);
 /* Mean damage of its three points. */
 double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_facet);
 

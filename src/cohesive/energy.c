@@ -51,16 +51,44 @@ ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvStat
     return energy;
 }
 
+/* How many of a facet's two elements belong to a fragment. */
+static int share_of(const ShvCohesive *cohesive, const ShvState *state, int32_t index, int32_t fragment)
+{
+    const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)cohesive->facet[index];
+    return (state->element_fragment[elements[0]] == fragment) + (state->element_fragment[elements[1]] == fragment);
+}
+
 double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *state, int32_t fragment)
 {
     double sum = 0.0;
+    for (int32_t k = 0; k < cohesive->live_count; k++)
+        if (share_of(cohesive, state, cohesive->live[k], fragment) > 0)
+            sum += facet_energy(cohesive, state, cohesive->live[k]).recoverable;
+    return sum;
+}
+
+/* Moves the histories of a facet to the present openings, as if the last step had ended here. */
+static void settle_facet(ShvCohesive *cohesive, const ShvState *state, int32_t index)
+{
+    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
+    for (int corner = 0; corner < 3; corner++) {
+        const int64_t k = 3 * (int64_t)index + corner;
+        const ShvVec3 opening = shv_cohesive_opening(state, frame.first[corner], frame.second[corner]);
+        const ShvOpening now = shv_cohesive_components(opening, frame.normal);
+        cohesive->history[k] = shv_law_advance(&cohesive->law[index], cohesive->history[k], cohesive->opening[k], now);
+        cohesive->opening[k] = now;
+    }
+}
+
+void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t fragment)
+{
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
-        const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)cohesive->facet[index];
-        if (state->element_fragment[elements[0]] == fragment && state->element_fragment[elements[1]] == fragment)
-            sum += facet_energy(cohesive, state, index).recoverable;
+        const int share = share_of(cohesive, state, index, fragment);
+        if (share == 0) continue;
+        if (cohesive->phase[index] == SHV_COHESIVE_CARRYING) settle_facet(cohesive, state, index);
+        if (share == 1) cohesive->phase[index] = SHV_COHESIVE_SEPARATED;
     }
-    return sum;
 }
 
 double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_facet)

@@ -158,8 +158,7 @@ static void share_masses(ShvCohesive *cohesive, const ShvState *state, const int
     }
 }
 
-/* The force that the point would want, the others held; returns its change in units of the point's peak. `push` is free
-   until faces close and carries the change to the scatter. */
+/* The force that the point would want, the others held; returns its change in units of the point's peak. */
 static double want(const ShvCohesive *cohesive, const ShvState *state, ShvCohesivePoint *point, double kick,
                    double step)
 {
@@ -170,8 +169,8 @@ static double want(const ShvCohesive *cohesive, const ShvState *state, ShvCohesi
                               0.5 * step * kick * point->response * point->weight};
     const ShvVec3 traction =
         shv_pair_traction(&cohesive->law[point->point / 3], cohesive->history[point->point], point->normal, &pair);
-    point->push = shv_sub(shv_scale(traction, point->weight), point->pull);
-    return shv_norm(point->push) / (point->weight * point->peak);
+    point->change = shv_sub(shv_scale(traction, point->weight), point->pull);
+    return shv_norm(point->change) / (point->weight * point->peak);
 }
 
 static void move(ShvState *state, int32_t node, double kick, ShvVec3 force)
@@ -189,10 +188,9 @@ static double sweep(ShvCohesive *cohesive, ShvState *state, const int32_t *point
         change = fmax(change, want(cohesive, state, &cohesive->points[points[i]], kick, step));
     for (int32_t i = 0; i < count; i++) {
         ShvCohesivePoint *point = &cohesive->points[points[i]];
-        point->pull = shv_add(point->pull, point->push);
-        move(state, point->first, kick, point->push);
-        move(state, point->second, kick, shv_scale(point->push, -1.0));
-        point->push = shv_vec3(0.0, 0.0, 0.0);
+        point->pull = shv_add(point->pull, point->change);
+        move(state, point->first, kick, point->change);
+        move(state, point->second, kick, shv_scale(point->change, -1.0));
     }
     return change;
 }

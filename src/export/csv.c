@@ -120,7 +120,7 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
         stream,
         "frame,time [s],kinetic [J],strain [J],gravity_potential [J],cohesive_recoverable [J],fracture_dissipation [J],"
         "contact [J],friction [J],closure [J],constraint [J],traction [J],bars [J],damping [J],handover [J],event [J],"
-        "cohesive_work [J],opened_area [m2],inserted_area [m2],fracture_energy_area [J],momentum.x [kg m/s],"
+        "cohesive [J],cohesive_released [J],cohesive_defect [J],opened_area [m2],inserted_area [m2],fracture_energy_area [J],momentum.x [kg m/s],"
         "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
         "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
     for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {
@@ -142,7 +142,9 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
                                  row.damping,
                                  row.handover,
                                  row.event,
-                                 row.cohesive_work,
+                                 row.cohesive,
+                                 row.cohesive_released,
+                                 row.cohesive_defect,
                                  row.opened_area,
                                  row.inserted_area,
                                  row.fracture_energy_area};

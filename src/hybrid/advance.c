@@ -65,7 +65,8 @@ static double next_wake_time(const ShvHybrid *hybrid)
 static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
     if (next_wake_time(hybrid) > hybrid->state.time) return SHV_OK;
-    if (hybrid->awake.count > 0) SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    /* Copies of nodes stand in the lists of awake nodes alone until their fragments are labelled anew. */
+    SHV_TRY(shv_hybrid_relabel(hybrid, error));
     while (next_wake_time(hybrid) <= hybrid->state.time)
         SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
     return shv_awake_refresh(hybrid, error);

@@ -140,7 +140,9 @@ ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
 double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
 /* event_log.c */
 ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);
-/* observe.c: mean of the velocities around the present moment into state.velocity, last_step 0. */
+/* observe.c: mean of the velocities around the present moment into state.velocity, those of n − 1/2 into ghost.before; and the
+   latter back again. */
 ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_resume(ShvHybrid *hybrid);
 
 #endif

@@ -37,7 +37,7 @@ static double obstacle_exchange(const ShvHybrid *hybrid)
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
    ghost.before; first halves of works go to ghost.first; kinetic energy of awake nodes to ghost.kinetic. */
-static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
+ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
     ShvGhost *ghost = &hybrid->ghost;
@@ -67,11 +67,9 @@ static ShvStatus make_ghost_step(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
+void shv_hybrid_resume(ShvHybrid *hybrid)
 {
-    SHV_TRY(make_ghost_step(hybrid, error));
-    hybrid->state.last_step = 0.0;
-    return SHV_OK;
+    memcpy(hybrid->state.velocity, hybrid->ghost.before, 3 * (size_t)hybrid->state.node_count * sizeof(double));
 }
 
 static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momentum, ShvVec3 spin)
@@ -123,7 +121,8 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     hybrid->backend_friction = hybrid->backend->friction_work;
     double work[SHV_WORK_COUNT];
     for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
-    balance->cohesive_work = work[SHV_WORK_COHESIVE];
+    balance->cohesive = work[SHV_WORK_COHESIVE];
+    balance->cohesive_released = hybrid->ledger.released;
     balance->closure = work[SHV_WORK_CLOSURE];
     balance->contact = work[SHV_WORK_CONTACT];
     balance->friction = work[SHV_WORK_FRICTION];
@@ -148,22 +147,26 @@ static void add_cohesive(const ShvHybrid *hybrid, ShvLedgerView *balance)
 
 static double given_work(const ShvLedgerView *b)
 {
-    return b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping + b->handover +
-           b->event;
+    return b->cohesive + b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping +
+           b->handover + b->event;
 }
 
 static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
 {
-    const double energy =
-        b->kinetic + b->strain + b->gravity_potential + b->cohesive_recoverable + b->fracture_dissipation;
+    const double energy = b->kinetic + b->strain + b->gravity_potential;
     if (!hybrid->balance_started) {
         hybrid->start_energy = energy;
         hybrid->start_potential = b->gravity_potential;
         hybrid->balance_started = true;
     }
     b->residual = energy - hybrid->start_energy - given_work(b);
-    const double sizes[] = {b->kinetic,    b->strain,      fabs(b->gravity_potential - hybrid->start_potential),
-                            fabs(b->contact), fabs(b->constraint), fabs(b->traction),
+    b->cohesive_defect = b->cohesive + b->cohesive_recoverable + b->cohesive_released + b->fracture_dissipation;
+    const double sizes[] = {b->kinetic,
+                            b->strain,
+                            fabs(b->gravity_potential - hybrid->start_potential),
+                            fabs(b->contact),
+                            fabs(b->constraint),
+                            fabs(b->traction),
                             b->fracture_dissipation};
     b->largest = hybrid->balance.largest;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) b->largest = fmax(b->largest, sizes[i]);
@@ -191,14 +194,17 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
                         "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
                         "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
                         (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
-    if (fabs(b->residual) <= bound) return SHV_OK;
+    const bool defect = fabs(b->cohesive_defect) > bound;
+    if (fabs(b->residual) <= bound && !defect) return SHV_OK;
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
     return shv_fail(error, SHV_DIVERGED,
-                    "the energy balance is off by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at "
-                    "step %lld, t = %.9g s, Courant number %.3g, %d tets inside out (first: %d); give a smaller "
-                    "fracture.time_step or fracture.safety, or raise the bound",
-                    b->residual, bound, (long long)hybrid->state.step, hybrid->state.time, courant, (int)inverted, (int)first);
+                    "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
+                    "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
+                    "fracture.safety, a finer mesh or a milder impact, or raise the bound",
+                    defect ? "the work of cohesive tractions is off the cohesive law" : "the energy balance is off",
+                    defect ? b->cohesive_defect : b->residual, bound, (long long)hybrid->state.step,
+                    hybrid->state.time, courant, (int)inverted, (int)first);
 }
 
 ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
@@ -208,11 +214,11 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
     if (hybrid->awake.count > 0) {
-        SHV_TRY(make_ghost_step(hybrid, error));
+        SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
             if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);
         add_awake(hybrid, &balance);
-        memcpy(state->velocity, hybrid->ghost.before, 3 * (size_t)state->node_count * sizeof(double));
+        shv_hybrid_resume(hybrid);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT) add_flying(hybrid, &balance, &hybrid->fragments.items[i]);

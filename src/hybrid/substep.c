@@ -50,7 +50,10 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     }
     SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick, after,
                                    hybrid->gravity, error));
-    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
+    if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
+    shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     book(hybrid, after);
     return SHV_OK;

@@ -29,7 +29,7 @@ static double mass_of_object(const ShvHybrid *hybrid, const char *name)
 }
 
 /* Adds a rigid velocity change to a fragment, awake or in flight; returns the kinetic energy given. Fragments' records are
-   those of the present moment and awake nodes are synchronised. */
+   those of the present moment and awake nodes are synchronised: both their velocities change alike. */
 static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
 {
     const double before = kinetic_energy(fragment);
@@ -42,9 +42,10 @@ static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 li
         double *v = hybrid->state.velocity + 3 * (int64_t)node;
         const ShvVec3 old = shv_load3(v);
         const ShvVec3 arm = shv_sub(shv_state_position(&hybrid->state, node), fragment->position);
-        const ShvVec3 now = shv_add(shv_add(old, linear), shv_cross(angular, arm));
+        const ShvVec3 change = shv_add(linear, shv_cross(angular, arm)), now = shv_add(old, change);
         given += 0.5 * hybrid->state.mass[node] * (shv_dot(now, now) - shv_dot(old, old));
         shv_store3(v, now);
+        shv_add_to3(hybrid->ghost.before + 3 * (int64_t)node, change);
     }
     return given;
 }
@@ -95,6 +96,11 @@ static double change_gravity(ShvHybrid *hybrid, const double gravity[3])
         const ShvObstacle *obstacle = &hybrid->obstacles.items[i];
         if (obstacle->motion == SHV_OBSTACLE_FREE) given -= obstacle->mass * shv_dot(change, obstacle->position);
     }
+    /* The step to come gives half of its new gravity to the half step that is past: velocities of now stay. */
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        double *before = hybrid->ghost.before + 3 * (int64_t)hybrid->awake.nodes[k];
+        shv_store3(before, shv_madd(shv_load3(before), -0.5 * hybrid->state.last_step, change));
+    }
     memcpy(hybrid->gravity, gravity, sizeof hybrid->gravity);
     return given;
 }
@@ -122,5 +128,7 @@ ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error)
                                     .value = hybrid->next_event++};
         SHV_TRY(shv_hybrid_log(hybrid, &entry, error));
     }
+    if (hybrid->awake.count > 0) shv_hybrid_resume(hybrid);
+    shv_node_contact_invalidate(&hybrid->contact);
     return SHV_OK;
 }

@@ -3,6 +3,8 @@
    open cohesive zones that a rigid body cannot carry is dropped, booked and logged. */
 #include "hybrid/hybrid.h"
 
+#include <string.h>
+
 /* Impact stress estimate K ρ c₀ v √max(1, m_other/m_own) against the weakest facet; a fixed obstacle counts as ratio 1,
    since the estimate's factor K already holds for a rigid wall. */
 static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *contact)
@@ -24,6 +26,33 @@ bool shv_hybrid_judge(void *data, const ShvRigidContact *contact)
     return impact_stress(hybrid, contact) >= rigid->wake_fraction * strength;
 }
 
+/* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with
+   those of what is awake already. */
+static void step_back(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        double *v = hybrid->state.velocity + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k];
+        shv_store3(v, shv_madd(shv_load3(v), -0.5 * hybrid->state.last_step, gravity));
+    }
+}
+
+/* Momentum of the rigid motion. */
+static void rigid_momentum(const ShvFragment *fragment, double momentum[3], double angular[3])
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    const ShvVec3 linear = shv_scale(fragment->velocity, fragment->mass);
+    shv_store3(momentum, linear);
+    shv_store3(angular, shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_cross(fragment->position, linear)));
+}
+
+static double rigid_kinetic(const ShvFragment *fragment)
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
+           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
+}
+
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
@@ -37,13 +66,13 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_WAKE, .fragment = contact->fragment,
                           .obstacle = contact->obstacle, .value = contact->closing_speed};
     ShvVec3 momentum, angular;
-    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_before);
-    fragment->wake_energy = event.kinetic_before / fragment->mass;
-    event.kinetic_after = event.kinetic_before;
-    shv_store3(event.momentum_before, momentum);
+    event.kinetic_before = rigid_kinetic(fragment);
+    rigid_momentum(fragment, event.momentum_before, event.angular_before);
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_after);
+    fragment->wake_energy = event.kinetic_after / fragment->mass;
     shv_store3(event.momentum_after, momentum);
-    shv_store3(event.angular_before, angular);
     shv_store3(event.angular_after, angular);
+    step_back(hybrid, fragment);
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return shv_hybrid_log(hybrid, &event, error);
 }
@@ -91,15 +120,8 @@ static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return fragment->mode == SHV_MODE_FRACTURE && !hybrid->held[fragment->object] && is_quiet(hybrid, fragment, 0.0);
 }
 
-static double rigid_kinetic(const ShvFragment *fragment)
-{
-    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
-           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
-}
-
 /* What a fragment carries in the terms of the ledger, after synchronising: kinetic energy ½ m v₋·v₊ with
-   v₊ = 2 v − v₋, strain, and what its cohesive zones could still give back. */
+   v₊ = 2 v − v₋, and strain. */
 static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment, double *kinetic, double *strain)
 {
     const ShvState *state = &hybrid->state;
@@ -112,7 +134,6 @@ static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment,
     for (int32_t k = 0; k < fragment->element_count; k++)
         *strain += shv_solid_element_energy(&hybrid->solid, state,
                                             hybrid->fragments.elements[fragment->element_begin + k]);
-    if (hybrid->model.can_break) *strain += shv_cohesive_recoverable_of(&hybrid->cohesive, state, fragment->id);
 }
 
 static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
@@ -120,26 +141,44 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     ShvFragment *fragment = &hybrid->fragments.items[index];
     const ShvFragments *fragments = &hybrid->fragments;
     ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_SLEEP, .fragment = index, .obstacle = -1};
+    ShvVec3 momentum, angular;
+    double kinetic;
     shv_fragment_fit(fragment, fragments, &hybrid->state);
+    shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     carried_energy(hybrid, fragment, &event.kinetic_before, &event.strain_before);
     event.kinetic_after = rigid_kinetic(fragment);
     event.value = event.kinetic_before + event.strain_before - event.kinetic_after;
-    if (!is_quiet(hybrid, fragment, event.value)) return SHV_OK;
+    double released = 0.0;
+    if (hybrid->model.can_break) released = shv_cohesive_recoverable_of(&hybrid->cohesive, &hybrid->state, index);
+    if (!is_quiet(hybrid, fragment, event.value + released)) return SHV_OK;
 
-    ShvVec3 momentum, angular;
-    double kinetic;
-    shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     shv_store3(event.momentum_before, momentum);
     shv_store3(event.angular_before, angular);
+    if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
     shv_fragment_scatter(fragment, fragments, &hybrid->state);
     shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     shv_store3(event.momentum_after, momentum);
     shv_store3(event.angular_after, angular);
     hybrid->ledger.booked[SHV_WORK_HANDOVER] -= event.value;
+    hybrid->ledger.released += released;
     fragment->mode = SHV_MODE_FLIGHT;
     hybrid->awake.stale = true;
     SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
     return shv_hybrid_log(hybrid, &event, error);
+}
+
+/* First halves of the works of the step to come are known only while a fragment is awake: those of what has gone to sleep
+   since the velocities were synchronised are booked. */
+static ShvStatus settle_works(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvGhost *ghost = &hybrid->ghost;
+    double first[SHV_WORK_COUNT];
+    memcpy(first, ghost->first, sizeof first);
+    SHV_TRY(shv_awake_refresh(hybrid, error));
+    SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    shv_hybrid_resume(hybrid);
+    for (int i = 0; i < SHV_WORK_COUNT; i++) hybrid->ledger.booked[i] += first[i] - ghost->first[i];
+    return SHV_OK;
 }
 
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
@@ -153,7 +192,8 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
     SHV_TRY(shv_hybrid_synchronise(hybrid, error));
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
-    SHV_TRY(shv_awake_refresh(hybrid, error));
+    shv_hybrid_resume(hybrid);
+    if (hybrid->awake.stale) SHV_TRY(settle_works(hybrid, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;
 }

@@ -69,10 +69,11 @@ static ShvStatus place_axis(Bricks *bricks, ShvMemory *memory, int axis, double 
 static ShvStatus place_planes(Bricks *bricks, ShvMemory *memory, const ShvMeshDefinition *d, ShvError *error)
 {
     if (d->notch_edge > 0.0 && d->notch_edge < 0.1 * d->edge)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "notched beam: notch_edge %g m is less than a tenth of edge, which makes flat bricks; choose at "
-                        "least %g m, or the pattern lattice",
-                        d->notch_edge, 0.1 * d->edge);
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "notched beam: notch_edge %g m is less than a tenth of edge, which makes flat bricks; choose at "
+            "least %g m, or the pattern lattice",
+            d->notch_edge, 0.1 * d->edge);
     const double side = d->edge / SHV_BRICK_EDGE, half[3] = {0.5 * d->size[0], 0.5 * d->size[1], 0.5 * d->size[2]};
     const double finest = d->notch_edge > 0.0 ? fmin(side, d->notch_edge / SHV_BRICK_EDGE) : side;
     const Sides even = {side, side, 0.0}, graded = {finest, side, d->notch_growth};

@@ -26,21 +26,8 @@ typedef enum ShvWork {
 typedef struct ShvLedger {
     double booked[SHV_WORK_COUNT];  /* J, up to and including the second halves of the present step */
     double pending[SHV_WORK_COUNT]; /* J, second halves of the present step */
+    double released;                /* J, recoverable energy of cohesive zones that was let go at mode switches */
 } ShvLedger;
-
-/* What is true at one moment; filled by shv_ledger_… in hybrid. */
-typedef struct ShvBalance {
-    double time;
-    double kinetic, strain, gravity_potential, cohesive_recoverable; /* J: functions of the state */
-    double fracture_dissipation;                                     /* J: from the damage of cohesive facets */
-    double opened_area, inserted_area;                               /* m²: damage ≥ 0.99; all inserted */
-    double fracture_energy_area;                                     /* J: ΣG·A over opened facets */
-    double work[SHV_WORK_COUNT];                                     /* J, booked − pending */
-    double momentum[3], angular_momentum[3];                         /* kg m/s, kg m²/s about the origin */
-    double residual; /* J: (kinetic + strain + gravity potential + cohesive recoverable + fracture dissipation) − (same
-                        at the start) − Σ of all works except the cohesive: zero for an exact integrator */
-    double largest;  /* J: largest energy seen so far, the scale of the residual */
-} ShvBalance;
 
 const char *shv_work_name(ShvWork work);
 /* Starts a step: clears `pending`. */

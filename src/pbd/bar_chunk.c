@@ -57,8 +57,8 @@ static int32_t collect(ShvBars *bars, const ShvState *state, int32_t chunk)
     int32_t count = 0;
     const int32_t end = shv_bar_chunk_end(bars, chunk);
     for (int32_t origin = chunk * SHV_BAR_CHUNK_NODES; origin < end; origin++)
-        count = bars->form == SHV_BARS_EDGE ? add_edges(bars, state, origin, count)
-                                            : add_tets(bars, state, origin, count);
+        count =
+            bars->form == SHV_BARS_EDGE ? add_edges(bars, state, origin, count) : add_tets(bars, state, origin, count);
     for (int32_t i = 0; i < bars->corners * count; i++) bars->seen[bars->items[i]] = -1;
     return count;
 }
@@ -139,7 +139,8 @@ static void store_item(ShvBars *bars, const ShvState *state, const int32_t *node
 {
     const int32_t last = lane == 0 ? SHV_LANES : lane + 1;
     for (int32_t corner = 0; corner < bars->corners; corner++)
-        for (int32_t i = lane; i < last; i++) bars->ends[(batch * bars->corners + corner) * SHV_LANES + i] = nodes[corner];
+        for (int32_t i = lane; i < last; i++)
+            bars->ends[(batch * bars->corners + corner) * SHV_LANES + i] = nodes[corner];
     for (int edge = 0; edge < bars->edges; edge++) {
         const double rest = rest_length(state, nodes, edge);
         for (int32_t i = lane; i < last; i++) bars->rest[(batch * bars->edges + edge) * SHV_LANES + i] = rest;
@@ -231,5 +232,6 @@ ShvStatus shv_bar_chunks_colour(ShvBars *bars, ShvError *error)
     const bool made = bars->colour_start && bars->chunk_order;
     if (made) sort_chunks(bars, colours);
     shv_release(colours);
-    return made ? SHV_OK : shv_fail_memory(error, "the order of bars", (chunks + (size_t)bars->colour_count + 1) * size);
+    return made ? SHV_OK
+                : shv_fail_memory(error, "the order of bars", (chunks + (size_t)bars->colour_count + 1) * size);
 }

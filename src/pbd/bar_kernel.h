@@ -35,8 +35,8 @@ static inline void shv_bar_relax(ShvWide stiffness, ShvWide rest, const ShvWide 
 {
     const ShvBarShape shape = shv_bar_shape(a, b, u, v);
     const ShvWide zero = shv_wide_zero();
-    const ShvWide divisor = shv_wide_mul(shv_wide_mul(shape.length, shv_wide_add(shape.length, rest)),
-                                         shv_wide_add(a[3], b[3]));
+    const ShvWide divisor =
+        shv_wide_mul(shv_wide_mul(shape.length, shv_wide_add(shape.length, rest)), shv_wide_add(a[3], b[3]));
     const ShvWideMask sound = shv_wide_less(zero, shv_wide_min(divisor, rest));
     const ShvWide f = shv_wide_select(sound, shv_wide_div(shv_wide_mul(stiffness, shape.excess), divisor), zero);
     const ShvWide first = shv_wide_mul(a[3], f), second = shv_wide_mul(b[3], f);

@@ -38,9 +38,9 @@ typedef struct ShvBars {
     int32_t *chunk_order;  /* chunks sorted by colour */
     int32_t batch_end, batch_capacity;
     int32_t batch_held; /* batches that belong to a chunk; the others are gaps */
-    int32_t *ends; /* corners × 8 per batch: nodes, corner-major; free lanes repeat the batch's first item */
-    double *rest;  /* edges × 8 per batch: rest lengths, m, edge-major */
-    int64_t bar_count; /* edges relaxed by one sweep */
+    int32_t *ends;      /* corners × 8 per batch: nodes, corner-major; free lanes repeat the batch's first item */
+    double *rest;       /* edges × 8 per batch: rest lengths, m, edge-major */
+    int64_t bar_count;  /* edges relaxed by one sweep */
     /* what the bars were made from */
     int32_t known_nodes;
     uint8_t *awake; /* per element: its edges are bars */
@@ -49,8 +49,8 @@ typedef struct ShvBars {
     const int32_t *corner_start, *corner_list;
     int32_t *own_start, *own_list;
     /* work space */
-    uint64_t *met;  /* per node: colours in use; zero between calls */
-    int32_t *seen;  /* per node: the owner of the last edge that ended here; −1 between calls */
+    uint64_t *met; /* per node: colours in use; zero between calls */
+    int32_t *seen; /* per node: the owner of the last edge that ended here; −1 between calls */
     int32_t node_room;
     int32_t *items; /* corners per item of one chunk */
     uint8_t *item_colour;

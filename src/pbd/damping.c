@@ -12,7 +12,8 @@ typedef struct Frame {
     ShvVec3 mean;   /* of the positions, from there */
     ShvVec3 velocity;
     double mass;
-    ShvMat3 axes; /* principal, in columns */
+    ShvMat3 axes;   /* principal, in columns */
+    ShvVec3 middle; /* mean of the arms in these axes: round-off along the longest, which would weigh across it */
     double moment[3];
 } Frame;
 
@@ -69,15 +70,21 @@ static ShvMat3 inertia_of(const Frame *frame)
     return (ShvMat3){{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
 }
 
+/* In principal axes the arms of nearly collinear nodes keep their digits. */
+static ShvVec3 principal_arm(const Frame *frame, int32_t node)
+{
+    return shv_sub(shv_apply_transposed(&frame->axes, arm_of(frame, node)), frame->middle);
+}
+
 /* Angular momentum, in principal axes, of what is left of the velocities beside a spin; the sum of magnitudes goes to
-   `scale`. In these axes the arms of nearly collinear nodes keep their digits. */
+   `scale`. */
 static ShvVec3 left_momentum(const Frame *frame, ShvVec3 spin, double *scale)
 {
     ShvVec3 sum = {0.0, 0.0, 0.0};
     *scale = 0.0;
     for (int32_t i = 0; i < frame->count; i++) {
         const double m = frame->state->mass[frame->nodes[i]];
-        const ShvVec3 r = shv_apply_transposed(&frame->axes, arm_of(frame, frame->nodes[i]));
+        const ShvVec3 r = principal_arm(frame, frame->nodes[i]);
         const ShvVec3 v = shv_apply_transposed(&frame->axes, velocity_of(frame, frame->nodes[i]));
         sum = shv_madd(sum, m, shv_cross(r, shv_sub(v, shv_cross(spin, r))));
         *scale += m * shv_norm(r) * shv_norm(v);
@@ -88,13 +95,19 @@ static ShvVec3 left_momentum(const Frame *frame, ShvVec3 spin, double *scale)
 static void find_moments(Frame *frame)
 {
     double sum[3] = {0.0};
+    ShvVec3 first = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < frame->count; i++) {
         const double m = frame->state->mass[frame->nodes[i]];
-        const ShvVec3 r = shv_apply_transposed(&frame->axes, arm_of(frame, frame->nodes[i]));
+        const ShvVec3 r = principal_arm(frame, frame->nodes[i]);
+        first = shv_madd(first, m, r);
         sum[0] += m * r.x * r.x;
         sum[1] += m * r.y * r.y;
         sum[2] += m * r.z * r.z;
     }
+    if (frame->mass > 0.0) frame->middle = shv_scale(first, 1.0 / frame->mass);
+    sum[0] = fmax(0.0, sum[0] - first.x * frame->middle.x);
+    sum[1] = fmax(0.0, sum[1] - first.y * frame->middle.y);
+    sum[2] = fmax(0.0, sum[2] - first.z * frame->middle.z);
     for (int i = 0; i < 3; i++) frame->moment[i] = sum[(i + 1) % 3] + sum[(i + 2) % 3];
 }
 
@@ -120,7 +133,7 @@ static ShvVec3 find_spin(const Frame *frame, ShvVec3 *momentum)
     return spin;
 }
 
-static ShvRigidField find_field(Frame *frame)
+static ShvRigidField find_field(Frame *frame, ShvVec3 *spin)
 {
     find_means(frame);
     ShvRigidField field = {.mass = frame->mass,
@@ -131,7 +144,8 @@ static ShvRigidField find_field(Frame *frame)
     shv_symmetric_eigen(&field.inertia, values, &frame->axes);
     find_moments(frame);
     ShvVec3 momentum;
-    field.angular_velocity = shv_apply(&frame->axes, find_spin(frame, &momentum));
+    *spin = find_spin(frame, &momentum);
+    field.angular_velocity = shv_apply(&frame->axes, *spin);
     field.angular_momentum = shv_apply(&frame->axes, momentum);
     return field;
 }
@@ -147,19 +161,21 @@ static Frame frame_of(const ShvState *state, const int32_t *nodes, int32_t count
 ShvRigidField shv_rigid_field(const ShvState *state, const int32_t *nodes, int32_t count)
 {
     Frame frame = frame_of(state, nodes, count);
-    return find_field(&frame);
+    ShvVec3 spin;
+    return find_field(&frame, &spin);
 }
 
 double shv_damp_velocities(ShvState *state, const int32_t *nodes, int32_t count, double damping, ShvRigidField *field)
 {
     Frame frame = frame_of(state, nodes, count);
-    const ShvRigidField rigid = find_field(&frame);
+    ShvVec3 spin;
+    const ShvRigidField rigid = find_field(&frame, &spin);
     if (field) *field = rigid;
     if (damping == 0.0) return 0.0;
     double deviation = 0.0;
     for (int32_t i = 0; i < count; i++) {
         double *velocity = state->velocity + 3 * (int64_t)nodes[i];
-        const ShvVec3 turning = shv_cross(rigid.angular_velocity, arm_of(&frame, nodes[i]));
+        const ShvVec3 turning = shv_apply(&frame.axes, shv_cross(spin, principal_arm(&frame, nodes[i])));
         const ShvVec3 change = shv_sub(turning, velocity_of(&frame, nodes[i]));
         deviation += state->mass[nodes[i]] * shv_dot(change, change);
         shv_add_to3(velocity, shv_scale(change, damping));

@@ -40,8 +40,8 @@ static ShvStatus grow(ShvRelax *relax, int64_t room, ShvError *error)
 {
     void *grown;
 #define GROW(name, components)                                                                                         \
-    grown = shv_reallocate(relax->memory, SHV_PART_BARS, relax->name, (components) * (size_t)room,                     \
-                           sizeof *relax->name);                                                                       \
+    grown =                                                                                                            \
+        shv_reallocate(relax->memory, SHV_PART_BARS, relax->name, (components) * (size_t)room, sizeof *relax->name);   \
     if (!grown) return shv_fail_memory(error, "the relaxation", (size_t)room * 133);                                   \
     relax->name = grown;
     GROW(anchors, 4)
@@ -65,8 +65,7 @@ static ShvStatus reserve(ShvRelax *relax, const ShvState *state, int32_t count, 
     }
     const int32_t blocks = count / BLOCK + 1;
     if (blocks > relax->block_room) {
-        ShvRelaxWork *works =
-            shv_reallocate(relax->memory, SHV_PART_BARS, relax->works, (size_t)blocks, sizeof *works);
+        ShvRelaxWork *works = shv_reallocate(relax->memory, SHV_PART_BARS, relax->works, (size_t)blocks, sizeof *works);
         if (!works) return shv_fail_memory(error, "the works of nodes", (size_t)blocks * sizeof *works);
         relax->works = works;
         relax->block_room = blocks;
@@ -136,8 +135,7 @@ static ShvStatus check_finite(ShvRelax *relax, const int32_t *nodes, int32_t cou
     double largest = 0.0;
     for (int32_t i = 0; i < count; i++) {
         const int64_t node = nodes[i];
-        const ShvVec3 change =
-            shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node));
+        const ShvVec3 change = shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node));
         const double square = shv_dot(change, change);
         if (!isfinite(square))
             return shv_fail(error, SHV_DIVERGED,
@@ -188,8 +186,8 @@ static void node_work(const ShvRelax *relax, const ShvState *state, int64_t node
 {
     const ShvVec3 before = shv_load3(relax->before + 3 * node), after = shv_load3(state->velocity + 3 * node);
     const double inverse = 1.0 / step->step;
-    ShvVec3 moved = shv_scale(
-        shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node)), state->mass[node]);
+    ShvVec3 moved = shv_scale(shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node)),
+                              state->mass[node]);
     for (int32_t t = relax->first_touch[node]; t >= 0; t = relax->touches[t].next) {
         const ShvRelaxTouch *touch = &relax->touches[t];
         add_work(work->contact, touch->impulse, before, after);

@@ -30,24 +30,24 @@ typedef struct ShvRelaxWork {
 /* A node that met an obstacle in this step. */
 typedef struct ShvRelaxTouch {
     int32_t node, obstacle;
-    int32_t next;            /* of the same node, −1: none */
-    bool fresh;              /* the node touched nothing in the step before */
-    bool held;               /* before the plane through `point`, where it entered */
-    double closing_speed;    /* m/s along the normal, by the predicted motion */
-    ShvVec3 point, normal;   /* on the obstacle at the end of the step; outward; world */
-    double push;             /* Σ of projections along the normal × mass, kg m; 0: it did not come to a touch */
-    ShvVec3 pushed, drag;    /* the same as a vector, and tangential projections × mass, kg m */
-    double normal_impulse;   /* N·s on the node, all together, ≥ 0 */
-    ShvVec3 impulse;         /* the same as a vector */
-    ShvVec3 friction;        /* N·s on the node */
+    int32_t next;          /* of the same node, −1: none */
+    bool fresh;            /* the node touched nothing in the step before */
+    bool held;             /* before the plane through `point`, where it entered */
+    double closing_speed;  /* m/s along the normal, by the predicted motion */
+    ShvVec3 point, normal; /* on the obstacle at the end of the step; outward; world */
+    double push;           /* Σ of projections along the normal × mass, kg m; 0: it did not come to a touch */
+    ShvVec3 pushed, drag;  /* the same as a vector, and tangential projections × mass, kg m */
+    double normal_impulse; /* N·s on the node, all together, ≥ 0 */
+    ShvVec3 impulse;       /* the same as a vector */
+    ShvVec3 friction;      /* N·s on the node */
 } ShvRelaxTouch;
 
 typedef struct ShvRelaxStep {
-    double step;         /* dt, s */
-    double gravity[3];   /* m/s² */
-    double stiffness;    /* k, 0…1 */
-    int32_t iterations;  /* ≥ 1 */
-    double rest_speed;   /* m/s: slower impacts do not bounce; 2 dt |g| */
+    double step;        /* dt, s */
+    double gravity[3];  /* m/s² */
+    double stiffness;   /* k, 0…1 */
+    int32_t iterations; /* ≥ 1 */
+    double rest_speed;  /* m/s: slower impacts do not bounce; 2 dt |g| */
     /* Velocities of whole moments (rigid mode) instead of half steps: they have had dt g/2 before and get dt g/2 after the
        relaxation, ahead of the response; works then balance the potential energy of gravity exactly. */
     bool synchronous;
@@ -67,7 +67,7 @@ typedef struct ShvRelax {
     int32_t *first_touch;     /* per node: its touches of this step; −1: none */
     uint8_t *touched;         /* per node: in the last step */
     int32_t known_nodes;
-    ShvRelaxTouch *touches;   /* of this step, those with a push of 0 did not happen */
+    ShvRelaxTouch *touches; /* of this step, those with a push of 0 did not happen */
     int32_t touch_count, touch_room;
     int32_t obstacle_count;
     ShvObstacle *later;  /* the obstacles at the end of the step, with its mean velocity */

@@ -68,8 +68,7 @@ static double obstacle_way(const ShvRelax *relax, int32_t obstacle, double step)
 
 static double node_way(const ShvRelax *relax, const ShvState *state, int64_t node)
 {
-    return shv_norm(
-        shv_sub(shv_load3(relax->predicted + 3 * node), shv_load3(state->displacement + 3 * node)));
+    return shv_norm(shv_sub(shv_load3(relax->predicted + 3 * node), shv_load3(state->displacement + 3 * node)));
 }
 
 static ShvVec3 predicted_position(const ShvRelax *relax, const ShvState *state, int64_t node)
@@ -194,8 +193,8 @@ static void push_out(ShvRelax *relax, const ShvState *state, ShvRelaxTouch *touc
 static ShvStatus project(ShvRelax *relax, const ShvState *state, int32_t node, int32_t o, const ShvRelaxStep *step,
                          ShvError *error)
 {
-    const ShvVec3 position = shv_add(shv_load3(state->reference + 3 * (int64_t)node),
-                                     shv_load3(relax->shifts + 4 * (int64_t)node));
+    const ShvVec3 position =
+        shv_add(shv_load3(state->reference + 3 * (int64_t)node), shv_load3(relax->shifts + 4 * (int64_t)node));
     int32_t t = find_touch(relax, node, o);
     if (t >= 0 && relax->touches[t].held) {
         const ShvRelaxTouch *held = &relax->touches[t];
@@ -223,12 +222,10 @@ ShvStatus shv_response_project(ShvRelax *relax, const ShvState *state, const int
         const int64_t node = nodes[i];
         double clear = relax->clear[node];
         for (int32_t o = 0; o < relax->obstacle_count; o++) clear -= relax->gave_way[o];
-        const ShvVec3 moved =
-            shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node));
+        const ShvVec3 moved = shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node));
         if (clear > 0.0 && shv_dot(moved, moved) < clear * clear) continue;
         if (!(relax->anchors[4 * node + 3] > 0.0) || (step->fixed && step->fixed[node])) continue;
-        for (int32_t o = 0; o < relax->obstacle_count; o++)
-            SHV_TRY(project(relax, state, nodes[i], o, step, error));
+        for (int32_t o = 0; o < relax->obstacle_count; o++) SHV_TRY(project(relax, state, nodes[i], o, step, error));
     }
     return SHV_OK;
 }
@@ -281,8 +278,8 @@ static void restore(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, doub
     const double now = shv_dot(relative_velocity(relax, state, touch, step), touch->normal);
     double wanted = fmin(fmax(now, 0.0), undisturbed);
     if (undisturbed < 0.0) wanted = -undisturbed > step->rest_speed ? -later->restitution * undisturbed : 0.0;
-    const double mobility = relax->anchors[4 * (int64_t)touch->node + 3] +
-                            shv_obstacle_inverse_mass(later, touch->point, touch->normal);
+    const double mobility =
+        relax->anchors[4 * (int64_t)touch->node + 3] + shv_obstacle_inverse_mass(later, touch->point, touch->normal);
     const double given = touch->push / step->step, impulse = fmax((wanted - now) / mobility, -given);
     exchange(relax, state, touch, shv_scale(touch->normal, impulse));
     touch->normal_impulse = given + impulse;
@@ -295,8 +292,8 @@ static void rub(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, const Sh
     const ShvVec3 given = shv_scale(touch->drag, 1.0 / step->step);
     const ShvVec3 relative = relative_velocity(relax, state, touch, step);
     const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, touch->normal), touch->normal);
-    const double mobility = relax->anchors[4 * (int64_t)touch->node + 3] +
-                            shv_obstacle_inverse_mass(later, touch->point, shv_unit(slip));
+    const double mobility =
+        relax->anchors[4 * (int64_t)touch->node + 3] + shv_obstacle_inverse_mass(later, touch->point, shv_unit(slip));
     const double most = later->friction * touch->normal_impulse;
     ShvVec3 friction = shv_madd(given, -1.0 / mobility, slip);
     const double size = shv_norm(friction);

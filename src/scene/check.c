@@ -102,8 +102,10 @@ static void check_file(Checker *checker, const ShvNode *node, const char *path, 
 {
     if (!file || file_exists(checker, file, "") || (ending[0] && file_exists(checker, file, ending))) return;
     const char *folder = checker->folder && checker->folder[0] ? checker->folder : "the working directory";
-    fault(checker, node, path, "file %s cannot be read; relative names start from %.200s", shv_quoted(file).text,
-          folder);
+    /* Meshes that come from elsewhere are not part of the source tree; one command makes all of them. */
+    const char *remedy = strstr(file, "build/meshes/") ? "; ./bootstrap meshes makes it" : "";
+    fault(checker, node, path, "file %s cannot be read%s; relative names start from %.200s", shv_quoted(file).text,
+          remedy, folder);
 }
 
 /* ---- materials ---------------------------------------------------------------------------------------- */

@@ -30,7 +30,7 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
                    sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
                    sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvBarForm) == sizeof(int) &&
- sizeof(ShvMeshPattern) == sizeof(int),
+                   sizeof(ShvMeshPattern) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -183,7 +183,8 @@ static const ShvKey cylinder_keys[] = {
      .sentence = "Height along z."},
     EDGE_KEY};
 MESH_TABLE(cylinder, "A cylinder or tube along z, centred on its origin.");
-static const ShvChoice pattern_choices[] = {{"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
+static const ShvChoice pattern_choices[] = {
+    {"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
 static const ShvKey notched_beam_keys[] = {
     SIZE_KEY("Length along x, depth along y and height along z."),
     EDGE_KEY,
@@ -196,8 +197,9 @@ static const ShvKey notched_beam_keys[] = {
     {"notch_growth", SHV_KEY_NUMBER, .range = &growth, .offset = MESH(notch_growth),
      .sentence = "How much the edge length grows per distance from the notch."},
     {"pattern", SHV_KEY_CHOICE, .choices = pattern_choices, .offset = MESH(pattern),
-     .sentence = "Tetrahedra of a body-centred lattice, whose cells are halved towards the notch, or five in each brick "
-                 "of a grid, whose bricks grow thinner along x towards the notch."}};
+     .sentence =
+         "Tetrahedra of a body-centred lattice, whose cells are halved towards the notch, or five in each brick "
+         "of a grid, whose bricks grow thinner along x towards the notch."}};
 MESH_TABLE(notched_beam, "A beam with a notch in its lower face, centred on its origin.");
 static const ShvKey gmsh_keys[] = {
     FILE_KEY("file", MESH(file), "File of tetrahedra: MSH 2.2 ASCII, or 4.1 ASCII or binary."), SCALE_KEY(MESH(scale))};
@@ -578,8 +580,7 @@ static const ShvTable rigid_table = {.name = "rigid",
                                      .sentence = "Bodies while nothing can break.",
                                      .keys = rigid_keys,
                                      .key_count = LENGTH_OF(rigid_keys)};
-static const ShvChoice stabiliser_choices[] = {
-    {"none", SHV_STABILISER_NONE}, {"bars", SHV_STABILISER_BARS}, {NULL, 0}};
+static const ShvChoice stabiliser_choices[] = {{"none", SHV_STABILISER_NONE}, {"bars", SHV_STABILISER_BARS}, {NULL, 0}};
 static const ShvChoice criterion_choices[] = {
     {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
 static const ShvChoice activation_choices[] = {
@@ -588,8 +589,9 @@ static const ShvKey fracture_keys[] = {
     {"enabled", SHV_KEY_BOOLEAN, .offset = SCENE(fracture.enabled),
      .sentence = "Whether facets open; bodies deform in any case."},
     {"stabiliser", SHV_KEY_CHOICE, .choices = stabiliser_choices, .offset = SCENE(fracture.stabiliser),
-     .sentence = "What keeps large steps stable: `none` is explicit central difference, which refuses a `time_step` above "
-                 "the stable one; `bars` along all edges bear a few times that, and do work that is not the material's."},
+     .sentence =
+         "What keeps large steps stable: `none` is explicit central difference, which refuses a `time_step` above "
+         "the stable one; `bars` along all edges bear a few times that, and do work that is not the material's."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &positive, .offset = SCENE(fracture.time_step),
      .absent = "auto",
      .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step, with bars as without them."},
@@ -632,15 +634,18 @@ static const ShvKey pbd_keys[] = {
      .sentence = "What a sweep visits: every edge once, or every tetrahedron, and with it each edge once for every "
                  "tetrahedron around it, which is stiffer at the same k."},
     {"damping", SHV_KEY_NUMBER, .range = &share, .offset = SCENE(pbd.damping),
-     .sentence = "Rigid mode: share of the deviation from rigid motion that a step takes from velocities: 1 leaves rigid "
-                 "motion alone, 0 takes nothing."},
+     .sentence =
+         "Rigid mode: share of the deviation from rigid motion that a step takes from velocities: 1 leaves rigid "
+         "motion alone, 0 takes nothing."},
     {"exact_rotation", SHV_KEY_BOOLEAN, .offset = SCENE(pbd.exact_rotation),
-     .sentence = "Rigid mode: nodes turn along circles about the centre of mass, not along tangents, which drift outwards "
-                 "step by step."},
+     .sentence =
+         "Rigid mode: nodes turn along circles about the centre of mass, not along tangents, which drift outwards "
+         "step by step."},
 };
 static const ShvTable pbd_table = {.name = "pbd",
-                                   .sentence = "Position based dynamics: rigid bars along all edges and damping towards "
-                                               "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
+                                   .sentence =
+                                       "Position based dynamics: rigid bars along all edges and damping towards "
+                                       "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
                                    .keys = pbd_keys,
                                    .key_count = LENGTH_OF(pbd_keys)};
 static const ShvKey output_keys[] = {

@@ -151,6 +151,10 @@ static void references_and_fits(void **state)
          "s.yaml:7:86: error: time must be later than that of the keyframe before"},
         {"obstacles: {a: {mesh: {file: none.stl}}}\n",
          "s.yaml:7:30: error: file 'none.stl' cannot be read; relative names start from scene"},
+        {"obstacles: {a: {mesh: {file: ../build/meshes/none.obj}}}\n",
+         "s.yaml:7:30: error: file '../build/meshes/none.obj' cannot be read; ./bootstrap meshes makes it; relative "
+         "names "
+         "start from scene"},
         {"obstacles: {a: {sphere: {radius: 1}, rotation: {angle: 3, axis: [0, 0, 0]}}}\n",
          "s.yaml:7:65: error: axis is zero, which is no direction; give one such as [0, 0, 1]"},
         {"events: [{at: 0.5, gravity: [0, 0, 0]}, {at: 0.25, gravity: [0, 0, 0]}]\n",

@@ -1,0 +1,172 @@
+#!/bin/sh
+# Runs every scene of this folder and writes docs/thesis_experiments.md: report.sh PROGRAM
+# Results and logs lie in build/thesis; a finished run newer than its scene and the program is not made again.
+set -eu
+
+program=$1
+root=$(cd "$(dirname "$0")/../.." && pwd)
+results=$root/build/thesis
+page=$root/docs/thesis_experiments.md
+mkdir -p "$results"
+
+# result | figure | scene | what the chapter shows | changes of the scene
+experiments()
+{
+    cat <<'END'
+bunny_drop|6.3|fig_6_3_bunny_drop|falls rigidly, breaks into several pieces at the floor, pieces fly on rigidly|
+beam|6.6|fig_6_6_mixed_mode_beam|stable at 30 µs; a crack leaves the notch at 30°|
+slow_beam|6.6, loaded slowly|fig_6_6_slow_beam|(not in the chapter)|
+sphere_k1|6.7 (a), 6.8 (a)|fig_6_7a_hollow_sphere|does not deform|
+sphere_k01|6.7 (b)|fig_6_7b_hollow_sphere|deforms|
+sphere_k001|6.7 (c)|fig_6_7c_hollow_sphere|deforms extremely|
+sphere_5e4|6.8 (b)|fig_6_8b_hollow_sphere|deforms at the longer step|
+plate_undamped|6.9|fig_6_9_plate_undamped|deforms completely|
+plate_damped|6.10|fig_6_10_plate_damped|bounces as a rigid body|
+plate_damped_1e3|6.10 at 1 ms|fig_6_10_plate_damped|(not in the chapter)|rigid.time_step=1e-3
+plate_damped_1e4|6.10 at 0.1 ms|fig_6_10_plate_damped|(not in the chapter)|rigid.time_step=1e-4
+sphere_strong|6.11 (a)|fig_6_11a_sphere_strong|breaks|
+sphere_weak|6.11 (b)|fig_6_11b_sphere_weak|breaks even more|
+sphere_brittle|6.12|fig_6_12_hollow_sphere_brittle|breaks in half|
+bunny_hit|6.13|fig_6_13_bunny_hit|breaks into many pieces|
+glass_plate|6.14|fig_6_14_glass_plate|breaks|
+END
+}
+
+status() { sed -n 's/.*"status": "\([^"]*\)".*/\1/p' "$results/$1.json" 2>/dev/null; }
+
+# The scenes named in $only (all unless it is set), one after the other; a failed run is reported, not fatal.
+run_all()
+{
+    experiments | while IFS='|' read -r name figure scene shown change; do
+        file=$root/scenes/thesis/$scene.yaml
+        result=$results/$name.json
+        case " ${only:-$name} " in *" $name "*) ;; *) continue ;; esac
+        if [ "$(status "$name")" = finished ] && [ -z "$(find "$file" "$program" -newer "$result")" ]; then continue; fi
+        echo "thesis: $figure, $scene${change:+ with $change}" >&2
+        if ! "$program" run "$file" ${change:+--set "$change"} --json --force --output "$results/$name.h5" \
+            >"$result.part" 2>"$results/$name.log" </dev/null; then
+            echo "thesis: that run failed, see build/thesis/$name.log" >&2
+        fi
+        # A run that never began leaves no summary.
+        [ -s "$result.part" ] || printf '{"status": "not run"}\n' >"$result.part"
+        mv "$result.part" "$result"
+    done
+}
+
+# number NAME KEY [FORMAT [FACTOR]]: from a result, – where it has none.
+number()
+{
+    sed -n 's/.*"'"$2"'": \([^,}]*\).*/\1/p' "$results/$1.json" 2>/dev/null |
+        awk -v format="${3:-%.3g}" -v factor="${4:-1}" '
+            $1 ~ /^[-+0-9.]/ { printf format, $1 * factor; found = 1 }
+            END { if (!found) printf "–" }'
+}
+
+# How a run ended; of one that did not finish, why: the last line that the program said.
+ending()
+{
+    if [ "$(status "$1")" = finished ]; then
+        printf 'finished, %s s' "$(number "$1" time)"
+    else
+        printf '%s at %s s: %s' "$(status "$1")" "$(number "$1" time)" \
+            "$(tail -n 1 "$results/$1.log" 2>/dev/null | sed "s|$root/||g; s/^shiver: //" | tr '|' '/')"
+    fi
+}
+
+crack()
+{
+    if [ "$(number "$1" crack_angle)" = – ]; then
+        printf '–'
+    else
+        printf '(%s, %s, %s) mm, %s°' "$(number "$1" crack_origin_x %.1f 1000)" "$(number "$1" crack_origin_y %.1f 1000)" \
+            "$(number "$1" crack_origin_z %.1f 1000)" "$(number "$1" crack_angle %.0f)"
+    fi
+}
+
+table()
+{
+    echo '| figure | the chapter shows | run | fragments | largest, share of mass | facets inserted | edge strain in flight | edge strain after impact | crack from, angle to the vertical | Courant number | share of bars in all work | run time, s |'
+    echo '|---|---|---|---|---|---|---|---|---|---|---|---|'
+    experiments | while IFS='|' read -r name figure scene shown change; do
+        printf '| [%s](../scenes/thesis/%s.yaml) | %s | %s | %s | %s | %s | %s | %s | %s | %s | %s | %s |\n' \
+            "$figure" "$scene" "$shown" "$(ending "$name")" "$(number "$name" fragments %d)" \
+            "$(number "$name" largest_mass_fraction)" "$(number "$name" inserted %d)" \
+            "$(number "$name" edge_strain_flight)" "$(number "$name" edge_strain_after_impact)" "$(crack "$name")" \
+            "$(number "$name" courant)" "$(number "$name" bar_work_share)" "$(number "$name" wall_seconds %.0f)"
+    done
+}
+
+# claim TEXT CONDITION VALUE…: an awk condition on a, b, c, which are the values.
+claim()
+{
+    text=$1
+    condition=$2
+    shift 2
+    verdict=$(printf '%s %s %s\n' "${1:-0}" "${2:-0}" "${3:-0}" | awk '
+        /–/ { print "no result"; exit }
+        { a = $1 + 0; b = $2 + 0; c = $3 + 0; print ('"$condition"') ? "holds" : "does not hold" }')
+    values=$(printf ', %s' "$@")
+    printf '| %s | %s | %s |\n' "$text" "${values#, }" "$verdict"
+}
+
+claims()
+{
+    echo '| claim of the chapter, at its own parameters | numbers | |'
+    echo '|---|---|---|'
+    claim '6.3: the falling bunny keeps its shape (edge strain in flight below 0.1 %)' 'a < 1e-3' \
+        "$(number bunny_drop edge_strain_flight)"
+    claim '6.3: the bunny breaks (fragments)' 'a > 1' "$(number bunny_drop fragments)"
+    claim '6.6: 25 m/s at 30 µs is stable (simulated ms, Courant number)' 'a > 8.99' "$(number beam time %.3g 1000)" \
+        "$(number beam courant)"
+    claim '6.6: the crack leaves the tip of the notch, 50.8 mm left of midspan and 19.05 mm above the lower face (x, z in mm)' \
+        '(a + 50.8)^2 + (b + 19.05)^2 < 25' "$(number beam crack_origin_x %.1f 1000)" "$(number beam crack_origin_z %.1f 1000)"
+    claim '6.6: the crack runs at 30° (within 10°)' 'a > 20 && a < 40' "$(number beam crack_angle)"
+    claim '6.6, loaded slowly: the crack leaves the tip of the notch (x, z in mm)' '(a + 50.8)^2 + (b + 19.05)^2 < 25' \
+        "$(number slow_beam crack_origin_x %.1f 1000)" "$(number slow_beam crack_origin_z %.1f 1000)"
+    claim '6.6, loaded slowly: the crack runs at 30° (within 10°)' 'a > 20 && a < 40' "$(number slow_beam crack_angle)"
+    claim '6.7: with k = 1 the sphere does not deform (edge strain after impact below 1 %)' 'a < 0.01' \
+        "$(number sphere_k1 edge_strain_after_impact)"
+    claim '6.7: the smaller k (1, 0.1, 0.01), the more it deforms (edge strain after impact)' 'a < b && b < c' \
+        "$(number sphere_k1 edge_strain_after_impact)" "$(number sphere_k01 edge_strain_after_impact)" \
+        "$(number sphere_k001 edge_strain_after_impact)"
+    claim '6.8: it deforms more at 5e-4 s than at 1e-4 s (edge strain after impact)' 'a < b' \
+        "$(number sphere_k1 edge_strain_after_impact)" "$(number sphere_5e4 edge_strain_after_impact)"
+    claim '6.9, 6.10: the plate deforms more without damping than with it (edge strain after impact)' 'a > b' \
+        "$(number plate_undamped edge_strain_after_impact)" "$(number plate_damped edge_strain_after_impact)"
+    claim '6.10: at 2, 1 and 0.1 ms the edge strain of the damped plate falls' 'a > b && b > c' \
+        "$(number plate_damped edge_strain_after_impact)" "$(number plate_damped_1e3 edge_strain_after_impact)" \
+        "$(number plate_damped_1e4 edge_strain_after_impact)"
+    claim '6.11: the weaker sphere breaks more (fragments of 5 mPa, of 0.5 µPa)' 'b > a && a > 1' \
+        "$(number sphere_strong fragments)" "$(number sphere_weak fragments)"
+    claim '6.12: the sphere breaks in half (largest share of mass within 0.4 to 0.6)' 'a >= 0.4 && a <= 0.6' \
+        "$(number sphere_brittle largest_mass_fraction)"
+    claim '6.13: the bunny breaks into many pieces (more than 10 fragments)' 'a > 10' "$(number bunny_hit fragments)"
+    claim '6.14: the glass plate breaks (fragments)' 'a > 1' "$(number glass_plate fragments)"
+}
+
+write_page()
+{
+    cat <<'END'
+# The chapter's experiments
+
+Made by `./bootstrap thesis` from runs of the scenes in `scenes/thesis`, each of which says what the chapter prints, what it
+does not, and what was chosen. Everything but the column on the chapter comes from the runs.
+
+- Edge strain: largest |length / rest length − 1| of any edge; in flight until the first contact, after impact from it on.
+- Crack: where the first facet opened, in coordinates of the scene at the start, and the angle between the vertical and the
+  plane that fits the crack best.
+- Courant number: last step of fracture mode over the stable step. Where it lies far below 1, bars and not the material
+  make the body stiff; share of bars: |work of bars| over the sum of the |works| of bars, contact, conditions, gravity,
+  damping and cohesion. Elasticity of a body whose bars do most of the work is that of its bars.
+
+END
+    table
+    printf '\n## What holds\n\n'
+    claims
+    printf '\nRun times on %s processors.\n' "$(getconf _NPROCESSORS_ONLN)"
+}
+
+run_all
+write_page >"$page.part"
+mv "$page.part" "$page"
+echo "thesis: wrote docs/thesis_experiments.md" >&2

@@ -1,0 +1,294 @@
+#include "pbd/pbd_backend.h"
+
+#include "pbd/flyer.h"
+
+typedef struct Pbd {
+    ShvRigidBackend backend; /* first: the interface's pointer is this one's */
+    const ShvPbdDefinition *settings;
+    ShvBars bars;
+    ShvRelax relax;
+    ShvFlyer **flyers; /* by increasing fragment */
+    int32_t count, capacity;
+    bool stale;     /* fragments came or went since the lists below were made */
+    uint8_t *flags; /* per fragment index: in flight */
+    int32_t flag_room;
+    int32_t *nodes; /* of all flyers, one after another */
+    int32_t node_count, node_room;
+    int32_t *owner; /* per node of the state: index of its flyer, for nodes in flight */
+    int32_t owner_room;
+} Pbd;
+
+static ShvMemory *memory_of(const Pbd *pbd)
+{
+    return pbd->backend.world.fragments->memory;
+}
+
+/* Room for `wanted` items of a block; new items are zero. */
+static ShvStatus reserve(const Pbd *pbd, void **block, int32_t *room, int64_t wanted, size_t size, ShvError *error)
+{
+    if (wanted <= *room) return SHV_OK;
+    int64_t larger = wanted + wanted / 2 + 16;
+    if (larger > INT32_MAX) larger = INT32_MAX;
+    void *grown = shv_reallocate(memory_of(pbd), SHV_PART_RIGID, *block, (size_t)larger, size);
+    if (!grown) return shv_fail_memory(error, "the fragments in flight", (size_t)larger * size);
+    *block = grown;
+    *room = (int32_t)larger;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_int(const Pbd *pbd, int32_t **block, int32_t *room, int64_t wanted, ShvError *error)
+{
+    void *grown = *block;
+    const ShvStatus status = reserve(pbd, &grown, room, wanted, sizeof **block, error);
+    *block = grown;
+    return status;
+}
+
+/* ---- coming and going ---- */
+
+static int32_t place_of(const Pbd *pbd, int32_t fragment)
+{
+    int32_t low = 0, high = pbd->count;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (pbd->flyers[middle]->fragment < fragment)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static ShvStatus reserve_flags(Pbd *pbd, ShvError *error)
+{
+    void *flags = pbd->flags;
+    const ShvStatus status =
+        reserve(pbd, &flags, &pbd->flag_room, pbd->backend.world.fragments->count, sizeof *pbd->flags, error);
+    pbd->flags = flags;
+    return status;
+}
+
+static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
+{
+    Pbd *pbd = (Pbd *)backend;
+    void *flyers = pbd->flyers;
+    SHV_TRY(reserve_flags(pbd, error));
+    const ShvStatus status = reserve(pbd, &flyers, &pbd->capacity, (int64_t)pbd->count + 1, sizeof *pbd->flyers, error);
+    pbd->flyers = flyers;
+    if (status != SHV_OK) return status;
+    ShvFlyer *flyer;
+    SHV_TRY(shv_flyer_create(&flyer, &backend->world, fragment, error));
+    const int32_t place = place_of(pbd, fragment);
+    for (int32_t i = pbd->count; i > place; i--) pbd->flyers[i] = pbd->flyers[i - 1];
+    pbd->flyers[place] = flyer;
+    pbd->count++;
+    pbd->flags[fragment] = 1;
+    pbd->stale = true;
+    return SHV_OK;
+}
+
+static void take_out(ShvRigidBackend *backend, int32_t fragment)
+{
+    Pbd *pbd = (Pbd *)backend;
+    const int32_t place = place_of(pbd, fragment);
+    if (place == pbd->count || pbd->flyers[place]->fragment != fragment) return;
+    shv_flyer_destroy(pbd->flyers[place]);
+    pbd->count--;
+    for (int32_t i = place; i < pbd->count; i++) pbd->flyers[i] = pbd->flyers[i + 1];
+    pbd->flags[fragment] = 0;
+    pbd->stale = true;
+}
+
+/* Lists of nodes and the bars of what is in flight. */
+static ShvStatus refresh(Pbd *pbd, ShvError *error)
+{
+    if (!pbd->stale) return SHV_OK;
+    const ShvRigidWorld *world = &pbd->backend.world;
+    int64_t count = 0;
+    for (int32_t i = 0; i < pbd->count; i++) count += world->fragments->items[pbd->flyers[i]->fragment].node_count;
+    SHV_TRY(reserve_flags(pbd, error));
+    SHV_TRY(reserve_int(pbd, &pbd->nodes, &pbd->node_room, count, error));
+    SHV_TRY(reserve_int(pbd, &pbd->owner, &pbd->owner_room, world->state->node_count, error));
+    SHV_TRY(shv_bars_update(&pbd->bars, world->state, pbd->flags, error));
+    pbd->node_count = 0;
+    for (int32_t i = 0; i < pbd->count; i++) {
+        const ShvFragment *fragment = &world->fragments->items[pbd->flyers[i]->fragment];
+        for (int32_t k = 0; k < fragment->node_count; k++) {
+            const int32_t node = world->fragments->nodes[fragment->node_begin + k];
+            pbd->owner[node] = i;
+            pbd->nodes[pbd->node_count++] = node;
+        }
+    }
+    pbd->stale = false;
+    return SHV_OK;
+}
+
+/* ---- advance ---- */
+
+static ShvRelaxStep step_of(const Pbd *pbd, double step, const double gravity[3])
+{
+    return (ShvRelaxStep){.step = step,
+                          .gravity = {gravity[0], gravity[1], gravity[2]},
+                          .stiffness = pbd->settings->stiffness,
+                          .iterations = pbd->settings->iterations,
+                          .rest_speed = 2.0 * step * shv_norm(shv_load3(gravity)),
+                          .synchronous = true};
+}
+
+static ShvStatus predict_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
+{
+    const ShvRigidWorld *world = &pbd->backend.world;
+    for (int32_t i = 0; i < pbd->count; i++) {
+        double taken;
+        SHV_TRY(shv_flyer_predict(pbd->flyers[i], world, pbd->settings, &pbd->relax, step, &taken, error));
+        pbd->backend.damping_work -= taken;
+    }
+    return shv_relax_look(&pbd->relax, world->state, world->obstacles, pbd->nodes, pbd->node_count, step, error);
+}
+
+/* The touch of each flyer and obstacle that closes fastest; `pushed`: only among those that were projected. */
+static void find_fastest(Pbd *pbd, bool pushed)
+{
+    for (int32_t i = 0; i < pbd->count; i++)
+        for (int32_t o = 0; o < pbd->relax.obstacle_count; o++) pbd->flyers[i]->fastest[o] = -1;
+    for (int32_t t = 0; t < pbd->relax.touch_count; t++) {
+        const ShvRelaxTouch *touch = &pbd->relax.touches[t];
+        if (pushed && !(touch->push > 0.0)) continue;
+        int32_t *fastest = &pbd->flyers[pbd->owner[touch->node]]->fastest[touch->obstacle];
+        if (*fastest < 0 || touch->closing_speed > pbd->relax.touches[*fastest].closing_speed) *fastest = t;
+    }
+}
+
+/* Whether a contact of one flyer wakes it. */
+static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, ShvWakeJudge judge, void *judge_data,
+                     ShvRigidContact *contact)
+{
+    for (int32_t o = 0; o < pbd->relax.obstacle_count && judge; o++) {
+        if (flyer->fastest[o] < 0) continue;
+        const ShvRelaxTouch *touch = &pbd->relax.touches[flyer->fastest[o]];
+        if (!(touch->closing_speed > 0.0)) continue;
+        *contact = (ShvRigidContact){.fragment = flyer->fragment,
+                                     .obstacle = o,
+                                     .time = time,
+                                     .point = touch->point,
+                                     .normal = touch->normal,
+                                     .closing_speed = touch->closing_speed,
+                                     .fresh = !flyer->touched[o]};
+        if (judge(judge_data, contact)) return true;
+    }
+    return false;
+}
+
+static void judge_all(Pbd *pbd, double time, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
+                      int32_t *wake_count)
+{
+    find_fastest(pbd, false);
+    int32_t kept = 0;
+    for (int32_t i = 0; i < pbd->count; i++) {
+        ShvFlyer *flyer = pbd->flyers[i];
+        ShvRigidContact contact;
+        if (!wakes_up(pbd, flyer, time, judge, judge_data, &contact)) {
+            pbd->flyers[kept++] = flyer;
+            continue;
+        }
+        wakes[(*wake_count)++] = contact;
+        shv_flyer_write(flyer, &pbd->backend.world);
+        pbd->flags[flyer->fragment] = 0;
+        pbd->stale = true;
+        shv_flyer_destroy(flyer);
+    }
+    pbd->count = kept;
+}
+
+/* What is still in flight moves. */
+static ShvStatus move_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
+{
+    const ShvRigidWorld *world = &pbd->backend.world;
+    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_turn(pbd->flyers[i], world);
+    SHV_TRY(shv_relax_begin(&pbd->relax, world->state, pbd->nodes, pbd->node_count, error));
+    const ShvVec3 kick = shv_scale(shv_load3(step->gravity), 0.5 * step->step);
+    for (int32_t i = 0; i < pbd->node_count; i++)
+        shv_add_to3(world->state->velocity + 3 * (int64_t)pbd->nodes[i], kick);
+    return shv_relax_run(&pbd->relax, &pbd->bars, world->state, world->obstacles, pbd->nodes, pbd->node_count, step,
+                         error);
+}
+
+static void book(Pbd *pbd)
+{
+    const ShvRelaxWork *work = &pbd->relax.work;
+    pbd->backend.bars_work += work->bars[0] + work->bars[1];
+    pbd->backend.contact_work += work->contact[0] + work->contact[1] + pbd->relax.obstacle_work;
+    pbd->backend.friction_work += work->friction[0] + work->friction[1];
+    find_fastest(pbd, true);
+    for (int32_t i = 0; i < pbd->count; i++) {
+        shv_flyer_write(pbd->flyers[i], &pbd->backend.world);
+        shv_flyer_note_touches(pbd->flyers[i], &pbd->backend.world, &pbd->relax);
+    }
+}
+
+static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
+                         ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
+                         ShvError *error)
+{
+    Pbd *pbd = (Pbd *)backend;
+    if (!(step > 0.0) || pbd->count == 0) return SHV_OK;
+    const ShvRelaxStep settings = step_of(pbd, step, gravity);
+    SHV_TRY(refresh(pbd, error));
+    SHV_TRY(shv_relax_begin(&pbd->relax, backend->world.state, pbd->nodes, pbd->node_count, error));
+    SHV_TRY(predict_all(pbd, &settings, error));
+    judge_all(pbd, time, judge, judge_data, wakes, wake_count);
+    SHV_TRY(refresh(pbd, error));
+    if (pbd->count == 0) return SHV_OK;
+    SHV_TRY(move_all(pbd, &settings, error));
+    book(pbd);
+    return SHV_OK;
+}
+
+/* ---- life ---- */
+
+static void destroy(ShvRigidBackend *backend)
+{
+    Pbd *pbd = (Pbd *)backend;
+    if (!pbd) return;
+    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_destroy(pbd->flyers[i]);
+    shv_release(pbd->flyers);
+    shv_release(pbd->flags);
+    shv_release(pbd->nodes);
+    shv_release(pbd->owner);
+    shv_relax_release(&pbd->relax);
+    shv_bars_release(&pbd->bars);
+    shv_release(pbd);
+}
+
+static ShvStatus check(const ShvPbdDefinition *pbd, ShvError *error)
+{
+    if (!(pbd->stiffness >= 0.0 && pbd->stiffness <= 1.0))
+        return shv_fail(error, SHV_BAD_INPUT, "pbd.stiffness is %g; give a number from 0 to 1", pbd->stiffness);
+    if (!(pbd->damping >= 0.0 && pbd->damping <= 1.0))
+        return shv_fail(error, SHV_BAD_INPUT, "pbd.damping is %g; give a number from 0 to 1", pbd->damping);
+    if (pbd->iterations < 1)
+        return shv_fail(error, SHV_BAD_INPUT, "pbd.iterations is %d; give at least 1", (int)pbd->iterations);
+    return SHV_OK;
+}
+
+ShvStatus shv_pbd_create(ShvRigidBackend **backend, const ShvRigidWorld *world, const ShvPbdDefinition *settings,
+                         ShvError *error)
+{
+    static const ShvRigidFunctions functions = {
+        .name = "pbd", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+    *backend = NULL;
+    SHV_TRY(check(settings, error));
+    Pbd *pbd = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *pbd);
+    if (!pbd) return shv_fail_memory(error, "the rigid backend", sizeof *pbd);
+    pbd->backend.functions = &functions;
+    pbd->backend.world = *world;
+    pbd->backend.keeps_nodes = true;
+    pbd->settings = settings;
+    ShvStatus status = shv_bars_create(&pbd->bars, world->model, settings->form, error);
+    if (status == SHV_OK) status = shv_relax_create(&pbd->relax, world->model, world->obstacles, error);
+    if (status == SHV_OK)
+        *backend = &pbd->backend;
+    else
+        destroy(&pbd->backend);
+    return status;
+}
