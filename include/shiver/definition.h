@@ -247,7 +247,8 @@ typedef struct ShvFractureDefinition {
     double threshold;         /* share of the strength at which a facet opens; 0.9 */
     ShvCriterion criterion;
     ShvActivation activation;
-    double regularisation;    /* ε: openings below ε × final opening unload with bounded stiffness; 0.02 */
+    double regularisation;    /* ε of PPR: slip below ε × final slip meets only part of the shear traction, whose direction it
+                                 fixes; costs 2ε/3 of the work of separation in pure opening; 0.005 */
     int32_t quiet_checks;     /* checks without insertion that end fracture mode when no contact is closing; 20 */
     double longest;           /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
                                  20 transits of the slowest bending wave */

@@ -102,6 +102,9 @@ typedef struct ShvFrameView {
     double step, courant;       /* s: last step of fracture mode; its ratio to the stable step */
     int32_t inserted, opened;   /* cohesive facets */
     double worst_overshoot;     /* largest criterion / strength at an insertion so far */
+    double edge_strain;         /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
+    double bar_work_share;      /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over the steps of fracture
+                                   mode; NaN without bars: how much of the stiffness seen is the bars' */
     const ShvCostView *costs;
     int32_t cost_count;
     const ShvBytesView *bytes;
@@ -160,6 +163,13 @@ typedef struct ShvMomentView {
     bool fracture;
 } ShvMomentView;
 ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
+/* The crack that began first: all inserted facets joined, through shared nodes, to the first one. */
+typedef struct ShvCrackView {
+    int32_t facets;   /* 0: nothing was inserted, the rest is NaN */
+    double origin[3]; /* centroid of the first facet inserted, m, in the reference mesh */
+    double normal[3]; /* unit normal of the plane through them (area weighted least squares of their centroids) */
+} ShvCrackView;
+ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *crack, ShvError *error);
 /* Threads that the solver uses. */
 int32_t shv_simulation_threads(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */

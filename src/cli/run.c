@@ -98,6 +98,9 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            ledger->closure, -ledger->handover);
     printf("  ledger residual %.2e of the largest energy (%.4g J)\n", share(ledger->residual, ledger->largest),
            ledger->largest);
+    if (frame->bar_work_share >= 0.0)
+        printf("  bars did %.1f %% of the work that bars and elastic forces did together; largest edge strain %.3g\n",
+               100.0 * frame->bar_work_share, frame->edge_strain);
     if (frame->inserted > 0)
         printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; opened area × G: %.4g J\n",
                -ledger->cohesive, ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
@@ -108,7 +111,27 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
     print_costs(frame, wall);
 }
 
-static void print_json(const ShvFrameView *frame, const char *path, double wall, ShvStatus status)
+/* What is gathered from frame to frame. */
+typedef struct History {
+    bool met;                                         /* a contact has done work or a fragment is awake */
+    double edge_strain_flight, edge_strain_after_impact; /* largest of recorded frames before and since */
+    ShvCrackView crack;
+} History;
+
+static void remember(History *history, const ShvFrameView *frame)
+{
+    if (frame->fracture || frame->ledger.contact < 0.0 || frame->ledger.contact > 0.0) history->met = true;
+    double *strain = history->met ? &history->edge_strain_after_impact : &history->edge_strain_flight;
+    *strain = fmax(*strain, frame->edge_strain);
+}
+
+/* Of the plane of the first crack against the vertical, degrees. */
+static double crack_angle(const ShvCrackView *crack)
+{
+    return asin(fmin(1.0, fabs(crack->normal[2]))) * 180.0 / 3.14159265358979323846;
+}
+
+static void print_json(const ShvFrameView *frame, const History *history, const char *path, double wall, ShvStatus status)
 {
     const ShvLedgerView *ledger = &frame->ledger;
     const struct {
@@ -133,7 +156,14 @@ static void print_json(const ShvFrameView *frame, const char *path, double wall,
                    {"closure", ledger->closure},
                    {"handover", ledger->handover},
                    {"residual", ledger->residual},
-                   {"largest_energy", ledger->largest}};
+                   {"largest_energy", ledger->largest},
+                   {"edge_strain_flight", history->edge_strain_flight},
+                   {"edge_strain_after_impact", history->edge_strain_after_impact},
+                   {"bar_work_share", frame->bar_work_share},
+                   {"crack_origin_x", history->crack.origin[0]},
+                   {"crack_origin_y", history->crack.origin[1]},
+                   {"crack_origin_z", history->crack.origin[2]},
+                   {"crack_angle", crack_angle(&history->crack)}};
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
     printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, \"steps\": %lld",
@@ -147,7 +177,8 @@ static void print_json(const ShvFrameView *frame, const char *path, double wall,
 }
 
 /* Pulls frames until the end; the record never lags behind. */
-static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvProgress *progress, ShvError *error)
+static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvProgress *progress, History *history,
+                             ShvError *error)
 {
     ShvStatus status = SHV_OK;
     while (status == SHV_OK && !shv_simulation_finished(simulation)) {
@@ -155,6 +186,7 @@ static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvPr
         ShvError ignored;
         const ShvStatus written = shv_record_frame(record, simulation, status == SHV_OK ? error : &ignored);
         if (status == SHV_OK) status = written;
+        remember(history, shv_simulation_frame(simulation));
         shv_progress_tick(progress);
     }
     return status;
@@ -180,13 +212,16 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
     ShvRecord *record = NULL;
     ShvStatus status = shv_record_create(&record, &recording, simulation, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    status = pull_frames(simulation, record, progress, &error);
+    History history = {.edge_strain_flight = (double)NAN, .edge_strain_after_impact = (double)NAN};
+    status = pull_frames(simulation, record, progress, &history, &error);
     ShvError closing;
     const ShvStatus closed = shv_record_close(record, status, status == SHV_OK ? "" : error.message, &closing);
     shv_progress_end(progress);
     const ShvFrameView *frame = shv_simulation_frame(simulation);
+    ShvError ignored;
+    if (shv_simulation_crack(simulation, &history.crack, &ignored) != SHV_OK) history.crack.normal[2] = (double)NAN;
     if (arguments->values[JSON])
-        print_json(frame, path, shv_now() - start, status);
+        print_json(frame, &history, path, shv_now() - start, status);
     else if (!arguments->values[QUIET])
         print_summary(frame, path, shv_now() - start, status);
     if (status != SHV_OK) return shv_cli_failed(status, &error);

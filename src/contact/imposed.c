@@ -145,7 +145,7 @@ bool shv_imposed_release_condition(ShvImposed *imposed, const char *name)
     return found;
 }
 
-static bool in_force(const ShvImposedCondition *condition, double time)
+bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
 {
     return !condition->released && time >= condition->definition->start && time < condition->definition->end;
 }
@@ -153,7 +153,7 @@ static bool in_force(const ShvImposedCondition *condition, double time)
 bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time)
 {
     for (int32_t i = 0; i < imposed->count; i++)
-        if (in_force(&imposed->items[i], time) && strcmp(imposed->items[i].definition->object, object) == 0)
+        if (shv_imposed_in_force(&imposed->items[i], time) && strcmp(imposed->items[i].definition->object, object) == 0)
             return true;
     return false;
 }
@@ -231,7 +231,7 @@ ShvStatus shv_imposed_add_force(ShvImposed *imposed, ShvState *state, ShvError *
     SHV_TRY(adopt_nodes(imposed, state, error));
     for (int32_t c = 0; c < imposed->count; c++) {
         ShvImposedCondition *condition = &imposed->items[c];
-        if (!in_force(condition, state->time)) continue;
+        if (!shv_imposed_in_force(condition, state->time)) continue;
         for (int32_t k = 0; k < condition->node_count; k++)
             shv_store3(condition->before + 3 * (int64_t)k,
                        shv_load3(state->velocity + 3 * (int64_t)condition->nodes[k]));
@@ -273,11 +273,11 @@ void shv_imposed_apply(ShvImposed *imposed, ShvState *state, double before, doub
 {
     for (int half = 0; half < 2; half++) imposed->constraint_work[half] = imposed->traction_work[half] = 0.0;
     for (int32_t c = 0; c < imposed->count; c++)
-        if (in_force(&imposed->items[c], state->time)) hold(&imposed->items[c], state, step);
+        if (shv_imposed_in_force(&imposed->items[c], state->time)) hold(&imposed->items[c], state, step);
     /* With the velocities after all conditions: a node may be under several. */
     for (int32_t c = 0; c < imposed->count; c++) {
         const ShvImposedCondition *condition = &imposed->items[c];
-        if (!in_force(condition, state->time)) continue;
+        if (!shv_imposed_in_force(condition, state->time)) continue;
         book_constraint(imposed, condition, state);
         imposed->traction_work[0] += 0.5 * before * condition->power;
         imposed->traction_work[1] += 0.5 * step * pull(condition, state, false);

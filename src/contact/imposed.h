@@ -49,6 +49,8 @@ ShvStatus shv_imposed_create(ShvImposed *imposed, const ShvModel *model, const S
 void shv_imposed_release(ShvImposed *imposed);
 /* Takes a condition out of force for good; false when no condition has that name. */
 bool shv_imposed_release_condition(ShvImposed *imposed, const char *name);
+/* Whether a condition acts at a time: started, not ended, not released. */
+bool shv_imposed_in_force(const ShvImposedCondition *condition, double time);
 /* Whether any condition on an object is in force at a time. */
 bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time);
 

@@ -53,6 +53,7 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     mark_batches(hybrid);
     shv_node_contact_invalidate(&hybrid->contact);
+    hybrid->bars_stale = true;
     if (hybrid->awake.count > 0) hybrid->bulk_step = shv_solid_stable_step(&hybrid->solid, NULL);
     hybrid->awake.stale = false;
     return SHV_OK;

@@ -74,6 +74,7 @@ static ShvStatus take_in_copies(ShvHybrid *hybrid, int32_t duplicated, ShvError 
     for (int32_t node = hybrid->state.node_count - duplicated; node < hybrid->state.node_count; node++)
         hybrid->awake.nodes[hybrid->awake.node_count++] = node;
     shv_node_contact_invalidate(&hybrid->contact);
+    hybrid->bars_stale = true;
     return SHV_OK;
 }
 
@@ -101,10 +102,20 @@ static ShvStatus look_for_inversion(ShvHybrid *hybrid, ShvError *error)
     return shv_hybrid_log(hybrid, &event, error);
 }
 
+static void count_quiet(ShvHybrid *hybrid)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->awake.flags[i]) hybrid->fragments.items[i].quiet++;
+}
+
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
 {
-    if (!hybrid->model.can_break) return SHV_OK;
     if (++hybrid->clock.since < hybrid->clock.due) return SHV_OK;
+    count_quiet(hybrid);
+    if (!hybrid->model.can_break) {
+        set_clock(hybrid, 0.0);
+        return SHV_OK;
+    }
     const double start = shv_now();
     int32_t count = 0;
     shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
@@ -112,8 +123,6 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
     const double largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
                                                    hybrid->awake.flags, hybrid->candidates, hybrid->overstress, &count);
     SHV_TRY(look_for_inversion(hybrid, error));
-    for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (hybrid->awake.flags[i]) hybrid->fragments.items[i].quiet++;
     set_clock(hybrid, largest);
     shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     return count > 0 ? insert(hybrid, count, error) : SHV_OK;

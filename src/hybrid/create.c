@@ -8,7 +8,7 @@ static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     hybrid->stable_step = shv_solid_stable_step(&hybrid->solid, &hybrid->stable_element);
     const double stable = hybrid->stable_step;
-    if (isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
+    if (hybrid->relaxed || isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT,
                     "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
                     "give %g or less, or 'auto'",
@@ -81,7 +81,11 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
-    SHV_TRY(shv_analytic_create(&hybrid->backend, &world, error));
+    if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
+    if (scene->rigid.engine == SHV_RIGID_PBD)
+        SHV_TRY(shv_pbd_create(&hybrid->backend, &world, &scene->pbd, error));
+    else
+        SHV_TRY(shv_analytic_create(&hybrid->backend, &world, error));
     return start_fragments(hybrid, error);
 }
 
@@ -100,6 +104,8 @@ ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvScene
 void shv_hybrid_release(ShvHybrid *hybrid)
 {
     if (hybrid->backend) hybrid->backend->functions->destroy(hybrid->backend);
+    if (hybrid->relaxed) shv_relax_release(&hybrid->relax);
+    if (hybrid->relaxed) shv_bars_release(&hybrid->bars);
     shv_fragments_release(&hybrid->fragments);
     shv_imposed_release(&hybrid->imposed);
     shv_node_contact_release(&hybrid->contact);
@@ -115,7 +121,9 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_release(hybrid->nodal);
     shv_release(hybrid->candidates);
     shv_release(hybrid->overstress);
+    shv_release(hybrid->fixed);
     shv_release(hybrid->ghost.before);
+    shv_release(hybrid->ghost.displacement);
     shv_release(hybrid->ghost.obstacles);
     shv_release(hybrid->held);
     shv_release(hybrid->log.items);

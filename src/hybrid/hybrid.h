@@ -15,6 +15,9 @@
 #include "contact/node_contact.h"
 #include "model/ledger.h"
 #include "model/state.h"
+#include "pbd/bars.h"
+#include "pbd/pbd_backend.h"
+#include "pbd/relax.h"
 #include "rigid/backend.h"
 #include "rigid/fragment.h"
 #include "shape/obstacle.h"
@@ -47,6 +50,7 @@ typedef struct ShvEventLog {
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
 typedef struct ShvGhost {
     double *before;          /* 3 per node: v(n−1/2) */
+    double *displacement;    /* 3 per node, with bars only: they move nodes */
     int64_t capacity;
     ShvObstacle *obstacles;  /* as they were before the ghost step */
     double kinetic;          /* J, of awake nodes: Σ ½ m v₋·v₊ */
@@ -65,6 +69,13 @@ typedef struct ShvHybrid {
     ShvObstacles obstacles;
     ShvNodeContact contact;
     ShvImposed imposed;
+    bool relaxed;           /* fracture.stabiliser is bars: */
+    ShvBars bars;
+    ShvRelax relax;
+    bool bars_stale;
+    uint8_t *fixed;         /* per node: components that conditions hold */
+    int64_t fixed_capacity;
+    double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
     ShvFragments fragments;
     ShvRigidBackend *backend;
 
@@ -93,7 +104,7 @@ typedef struct ShvHybrid {
     double start_energy, start_potential; /* J */
     bool balance_started;
     int32_t since_observed; /* steps since the ledger was last looked at */
-    double backend_contact, backend_friction; /* works already booked */
+    double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */
     ShvGhost ghost;
     ShvEventLog log;
     int32_t next_event;     /* of the scene's time line */
@@ -129,6 +140,11 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
+/* relaxed.c: the same kick with bars, which also moves the nodes to the next moment; set-up; and the largest |length/rest − 1|
+   over all edges. */
+ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error);
+double shv_hybrid_edge_strain(const ShvHybrid *hybrid);
 /* check.c: stress, criterion, insertion, splits, when due. */
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
 /* The clock of a body that has just woken. */

@@ -12,6 +12,12 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
         double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
         if (!before) return shv_fail_memory(error, "velocities around a moment", count * sizeof(double));
         ghost->before = before;
+        if (hybrid->relaxed) {
+            double *displacement =
+                shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
+            if (!displacement) return shv_fail_memory(error, "displacements at a moment", count * sizeof(double));
+            ghost->displacement = displacement;
+        }
         ghost->capacity = hybrid->state.node_capacity;
     }
     if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
@@ -48,12 +54,15 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     if (state->last_step > 0.0) {
         const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
         if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
+        const size_t moved = hybrid->relaxed ? 3 * (size_t)state->node_count * sizeof(double) : 0;
+        if (moved > 0) memcpy(ghost->displacement, state->displacement, moved);
         const ShvLedger booked = hybrid->ledger;
         SHV_TRY(shv_hybrid_forces(hybrid, error));
         SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, state->last_step, error));
         for (int i = 0; i < SHV_WORK_COUNT; i++)
             ghost->first[i] = hybrid->ledger.booked[i] - booked.booked[i] - hybrid->ledger.pending[i];
         hybrid->ledger = booked;
+        if (moved > 0) memcpy(state->displacement, ghost->displacement, moved);
         ghost->obstacle_exchange = obstacle_exchange(hybrid);
         if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
     }
@@ -76,6 +85,18 @@ static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momen
 {
     shv_add_to3(balance->momentum, momentum);
     shv_add_to3(balance->angular_momentum, shv_add(spin, shv_cross(position, momentum)));
+}
+
+/* A fragment whose nodes are the state in flight. */
+static void add_flying_nodes(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    ShvVec3 momentum, angular;
+    double kinetic;
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    balance->kinetic += kinetic;
+    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    shv_add_to3(balance->momentum, momentum);
+    shv_add_to3(balance->angular_momentum, angular);
 }
 
 static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
@@ -119,6 +140,10 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     booked[SHV_WORK_FRICTION] += hybrid->backend->friction_work - hybrid->backend_friction;
     hybrid->backend_contact = hybrid->backend->contact_work;
     hybrid->backend_friction = hybrid->backend->friction_work;
+    booked[SHV_WORK_BARS] += hybrid->backend->bars_work - hybrid->backend_bars;
+    booked[SHV_WORK_DAMPING] += hybrid->backend->damping_work - hybrid->backend_damping;
+    hybrid->backend_bars = hybrid->backend->bars_work;
+    hybrid->backend_damping = hybrid->backend->damping_work;
     double work[SHV_WORK_COUNT];
     for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
     balance->cohesive = work[SHV_WORK_COHESIVE];
@@ -221,7 +246,8 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
         shv_hybrid_resume(hybrid);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT) add_flying(hybrid, &balance, &hybrid->fragments.items[i]);
+        if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT)
+            (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, &balance, &hybrid->fragments.items[i]);
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, &hybrid->obstacles.items[i]);
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);

@@ -11,6 +11,9 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
     shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
     shv_solid_add_internal_force(&hybrid->solid, state);
     start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
+    if (hybrid->relaxed)
+        hybrid->elastic_turnover += state->last_step * fabs(shv_motion_power(state, state->force, awake->nodes,
+                                                                             awake->node_count, hybrid->model.threads));
     SHV_TRY(shv_imposed_add_force(&hybrid->imposed, state, error));
     if (hybrid->model.can_break) {
         shv_cohesive_begin(&hybrid->cohesive, state, awake->flags);
@@ -33,6 +36,7 @@ static void book(ShvHybrid *hybrid, double after)
 
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
+    if (hybrid->relaxed) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
     ShvState *state = &hybrid->state;
     const ShvAwake *awake = &hybrid->awake;
     const double kick = 0.5 * (before + after);
@@ -87,7 +91,10 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     SHV_TRY(shv_hybrid_forces(hybrid, error));
     SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, step, error));
     const double start = shv_now();
-    shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
+    if (hybrid->relaxed)
+        hybrid->bars_turnover += fabs(hybrid->relax.work.bars[0] + hybrid->relax.work.bars[1]);
+    else
+        shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
     shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     state->time += step;
     state->last_step = step;

@@ -37,6 +37,15 @@ static void step_back(ShvHybrid *hybrid, const ShvFragment *fragment)
     }
 }
 
+static double strain_energy(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double strain = 0.0;
+    for (int32_t k = 0; k < fragment->element_count; k++)
+        strain += shv_solid_element_energy(&hybrid->solid, &hybrid->state,
+                                           hybrid->fragments.elements[fragment->element_begin + k]);
+    return strain;
+}
+
 /* Momentum of the rigid motion. */
 static void rigid_momentum(const ShvFragment *fragment, double momentum[3], double angular[3])
 {
@@ -57,7 +66,8 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     const double start = shv_now();
-    shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+    const bool nodes = hybrid->backend->keeps_nodes;
+    if (!nodes) shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
     fragment->mode = SHV_MODE_FRACTURE;
     fragment->last_insertion = hybrid->state.time;
     fragment->quiet = 0;
@@ -66,9 +76,12 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_WAKE, .fragment = contact->fragment,
                           .obstacle = contact->obstacle, .value = contact->closing_speed};
     ShvVec3 momentum, angular;
-    event.kinetic_before = rigid_kinetic(fragment);
-    rigid_momentum(fragment, event.momentum_before, event.angular_before);
     shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_after);
+    event.kinetic_before = nodes ? event.kinetic_after : rigid_kinetic(fragment);
+    rigid_momentum(fragment, event.momentum_before, event.angular_before);
+    /* Nodes that flew on their own may be deformed: their elastic energy counts again from here. */
+    if (nodes) event.strain_after = strain_energy(hybrid, fragment);
+    hybrid->ledger.booked[SHV_WORK_HANDOVER] += event.strain_after;
     fragment->wake_energy = event.kinetic_after / fragment->mass;
     shv_store3(event.momentum_after, momentum);
     shv_store3(event.angular_after, angular);
@@ -109,7 +122,9 @@ static bool is_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, doubl
     const double age = hybrid->state.time - fragment->last_insertion;
     const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
     if (age >= longest) return true;
-    const bool checked = !hybrid->model.can_break || fragment->quiet >= fracture->quiet_checks;
+    const bool checked = fragment->quiet >= fracture->quiet_checks;
+    /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
+    if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return checked;
     const bool low = !hybrid->model.can_break || hybrid->clock.last < hybrid->scene->rigid.wake_fraction;
     return checked && low && age >= 2.0 * bar && dropped <= 0.05 * fragment->wake_energy * fragment->mass;
 }
@@ -125,15 +140,26 @@ static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
 static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment, double *kinetic, double *strain)
 {
     const ShvState *state = &hybrid->state;
-    *kinetic = *strain = 0.0;
+    *kinetic = 0.0;
+    *strain = strain_energy(hybrid, fragment);
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int64_t node = hybrid->fragments.nodes[fragment->node_begin + k];
         const ShvVec3 v = shv_load3(state->velocity + 3 * node), before = shv_load3(hybrid->ghost.before + 3 * node);
         *kinetic += 0.5 * state->mass[node] * shv_dot(before, shv_sub(shv_scale(v, 2.0), before));
     }
-    for (int32_t k = 0; k < fragment->element_count; k++)
-        *strain += shv_solid_element_energy(&hybrid->solid, state,
-                                            hybrid->fragments.elements[fragment->element_begin + k]);
+}
+
+/* A backend that keeps nodes takes them as they are, with the velocities of now; any other gets a rigid body. */
+static void hand_nodes_over(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    if (!hybrid->backend->keeps_nodes) {
+        shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+        return;
+    }
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        const int64_t i = 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k];
+        memcpy(hybrid->ghost.before + i, hybrid->state.velocity + i, 3 * sizeof(double));
+    }
 }
 
 static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
@@ -146,7 +172,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     shv_fragment_fit(fragment, fragments, &hybrid->state);
     shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     carried_energy(hybrid, fragment, &event.kinetic_before, &event.strain_before);
-    event.kinetic_after = rigid_kinetic(fragment);
+    event.kinetic_after = hybrid->backend->keeps_nodes ? kinetic : rigid_kinetic(fragment);
     event.value = event.kinetic_before + event.strain_before - event.kinetic_after;
     double released = 0.0;
     if (hybrid->model.can_break) released = shv_cohesive_recoverable_of(&hybrid->cohesive, &hybrid->state, index);
@@ -155,7 +181,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     shv_store3(event.momentum_before, momentum);
     shv_store3(event.angular_before, angular);
     if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
-    shv_fragment_scatter(fragment, fragments, &hybrid->state);
+    hand_nodes_over(hybrid, fragment);
     shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     shv_store3(event.momentum_after, momentum);
     shv_store3(event.angular_after, angular);

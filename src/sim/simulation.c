@@ -181,6 +181,10 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
         .bytes = simulation->views.bytes,
         .bytes_count = SHV_PART_COUNT,
     };
+    const bool positions = hybrid->relaxed || hybrid->backend->keeps_nodes;
+    const double turnover = hybrid->bars_turnover + hybrid->elastic_turnover;
+    simulation->frame.edge_strain = positions ? shv_hybrid_edge_strain(hybrid) : (double)NAN;
+    simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
     if (hybrid->model.can_break) {
         const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
         simulation->frame.inserted = energy.inserted;

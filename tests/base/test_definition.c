@@ -88,7 +88,7 @@ static void fracture_has_the_documented_defaults(void **state)
     assert_int_equal(f.quiet_checks, 20);
     check_near(f.safety, 0.9, 0.0);
     check_near(f.threshold, 0.9, 0.0);
-    check_near(f.regularisation, 0.02, 0.0);
+    check_near(f.regularisation, 0.005, 0.0);
     check_near(f.longest, 0.0, 0.0);
     check_near(f.energy_bound, 0.05, 0.0);
 }

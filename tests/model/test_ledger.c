@@ -6,7 +6,7 @@
 static void second_halves_wait_for_the_next_step(void **state)
 {
     (void)state;
-    ShvLedger ledger = {{0.0}, {0.0}};
+    ShvLedger ledger = {{0.0}, {0.0}, 0.0};
     for (int step = 0; step < 3; step++) {
         shv_ledger_begin_step(&ledger);
         shv_ledger_book(&ledger, SHV_WORK_CONTACT, 1.0, 2.0);
