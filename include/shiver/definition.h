@@ -282,7 +282,7 @@ typedef struct ShvSceneDefinition {
     ShvOutputDefinition output;
     double duration; /* s */
     uint64_t seed;   /* Weibull strengths */
-    int32_t threads; /* 0: all processors */
+    int32_t threads; /* 0: as many processors as have work */
 } ShvSceneDefinition;
 ShvSceneDefinition shv_scene_default(void);
 

@@ -20,7 +20,7 @@ enum { EDGE, OUTPUT, FORCE, JSON };
 
 /* Files of one call, in a folder of its own that is removed at the end. */
 typedef struct Workshop {
-    char folder[64], script[96], surface[96];
+    char folder[2048], script[2080], surface[2080];
 } Workshop;
 
 static bool has_extension(const char *path, const char *extension)
@@ -90,7 +90,9 @@ static ShvStatus write_script(const Workshop *workshop, const char *input, doubl
         fprintf(file, "Merge \"%s\";\n", input);
     }
     fprintf(file, "Mesh.CharacteristicLengthMin = %.17g;\nMesh.CharacteristicLengthMax = %.17g;\n", edge, edge);
-    fprintf(file, "Mesh.CharacteristicLengthFromPoints = 0;\nMesh.Optimize = 1;\nMesh.MshFileVersion = 4.1;\nMesh.Binary = 1;\n");
+    fprintf(
+        file,
+        "Mesh.CharacteristicLengthFromPoints = 0;\nMesh.Optimize = 1;\nMesh.MshFileVersion = 4.1;\nMesh.Binary = 1;\n");
     if (fclose(file) != 0)
         return shv_fail(error, SHV_FILE_ERROR, "cannot write %s: %s", workshop->script, strerror(errno));
     return SHV_OK;
@@ -98,13 +100,20 @@ static ShvStatus write_script(const Workshop *workshop, const char *input, doubl
 
 static ShvStatus call_gmsh(const Workshop *workshop, const char *output, ShvError *error)
 {
-    char *arguments[] = {(char[]){"gmsh"}, (char[]){"-3"}, (char[]){"-v"}, (char[]){"1"}, (char *)(uintptr_t)workshop->script,
-                         (char[]){"-o"},   (char *)(uintptr_t)output, NULL};
+    char *arguments[] = {(char[]){"gmsh"},
+                         (char[]){"-3"},
+                         (char[]){"-v"},
+                         (char[]){"1"},
+                         (char *)(uintptr_t)workshop->script,
+                         (char[]){"-o"},
+                         (char *)(uintptr_t)output,
+                         NULL};
     pid_t child = 0;
     const int failure = posix_spawnp(&child, "gmsh", NULL, NULL, arguments, environ);
     if (failure != 0) return shv_fail(error, SHV_FILE_ERROR, "cannot start gmsh: %s", strerror(failure));
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || access(output, R_OK) != 0)
         return shv_fail(error, SHV_FILE_ERROR,
                         "gmsh could not mesh it; its messages are above. Try another --edge, or mend the surface");
@@ -133,7 +142,8 @@ static void report(const char *output, const ShvMesh *mesh, bool json)
            quality.largest_dihedral);
 }
 
-static ShvStatus make(const Workshop *workshop, const char *input, double edge, const char *output, bool json, ShvError *error)
+static ShvStatus make(const Workshop *workshop, const char *input, double edge, const char *output, bool json,
+                      ShvError *error)
 {
     if (is_surface(input)) SHV_TRY(convert_surface(input, workshop->surface, error));
     SHV_TRY(write_script(workshop, input, edge, error));
@@ -146,13 +156,20 @@ static ShvStatus make(const Workshop *workshop, const char *input, double edge, 
     return status;
 }
 
-static ShvStatus check_input(const ShvArguments *arguments, double *edge, char output[4096], char input[4096], ShvError *error)
+static ShvStatus check_input(const ShvArguments *arguments, double *edge, char output[4096], char input[4096],
+                             ShvError *error)
 {
     const char *path = arguments->positional[0];
-    if (!arguments->values[EDGE]) return shv_fail(error, SHV_BAD_INPUT, "give the edge length: --edge 0.005 (in the file's units)");
+    if (!arguments->values[EDGE])
+        return shv_fail(error, SHV_BAD_INPUT, "give the edge length: --edge 0.005 (in the file's units)");
     const char *text = arguments->values[EDGE];
     if (shv_parse_double(text, strlen(text), false, edge, NULL) != SHV_OK || !(*edge > 0.0))
         return shv_fail(error, SHV_BAD_INPUT, "--edge must be a positive number, not '%s'", text);
+    if (strpbrk(path, "\"\\\n"))
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "the name %s holds a quote, a backslash or a line break, which gmsh cannot read; "
+                        "rename the file",
+                        path);
     /* gmsh takes names in a script as relative to the script: give it the whole path. */
     char folder[2048];
     if (access(path, R_OK) != 0 || !getcwd(folder, sizeof folder))
@@ -161,7 +178,8 @@ static ShvStatus check_input(const ShvArguments *arguments, double *edge, char o
     if (arguments->values[OUTPUT]) {
         snprintf(output, 4096, "%s", arguments->values[OUTPUT]);
     } else {
-        const char *dot = strrchr(path, '.');
+        const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+        if (slash && dot < slash) dot = NULL;
         snprintf(output, 4096, "%.*s.msh", dot ? (int)(dot - path) : (int)strlen(path), path);
     }
     if (access(output, F_OK) == 0 && !arguments->values[FORCE])
@@ -181,7 +199,8 @@ static int run(const ShvArguments *arguments)
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     const char *temporary = getenv("TMPDIR");
     Workshop workshop;
-    snprintf(workshop.folder, sizeof workshop.folder, "%.40s/shiver-XXXXXX", temporary ? temporary : "/tmp");
+    snprintf(workshop.folder, sizeof workshop.folder, "%.2000s/shiver-XXXXXX",
+             temporary && *temporary ? temporary : "/tmp");
     if (!mkdtemp(workshop.folder)) {
         fprintf(stderr, "shiver: cannot make a temporary folder like %s: %s\n", workshop.folder, strerror(errno));
         return SHV_EXIT_FAILED;
@@ -199,9 +218,10 @@ const ShvCommand shv_command_mesh = {
     .name = "mesh",
     .positional = "SURFACE",
     .summary = "fill a closed surface or a CAD file with tets (calls gmsh)",
-    .details = "Fills a closed triangle surface (STL, OBJ, PLY) or a CAD file that gmsh reads (STEP, IGES, .geo) with\n"
-               "tets of about the given edge length, and reports their quality. The file it writes is named in a scene\n"
-               "as mesh: {gmsh: {file: …}}.",
+    .details =
+        "Fills a closed triangle surface (STL, OBJ, PLY) or a CAD file that gmsh reads (STEP, IGES, .geo) with\n"
+        "tets of about the given edge length, and reports their quality. The file it writes is named in a scene\n"
+        "as mesh: {gmsh: {file: …}}.",
     .least_positional = 1,
     .most_positional = 1,
     .options = {{"--edge", "LENGTH", "target edge length, in the units of the file (required)"},

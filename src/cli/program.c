@@ -1,5 +1,6 @@
 #include "cli/command.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +18,9 @@ static void print_overview(FILE *stream)
             "usage: shiver COMMAND …\n\n",
             shv_version());
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(stream, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
-    fprintf(stream, "\n`shiver COMMAND --help` tells more. Exit status: 0 done, 1 the run failed, 2 bad input, 130 interrupted.\n");
+    fprintf(
+        stream,
+        "\n`shiver COMMAND --help` tells more. Exit status: 0 done, 1 the run failed, 2 bad input, 130 interrupted.\n");
 }
 
 static void print_help(const ShvCommand *command)
@@ -26,13 +29,15 @@ static void print_help(const ShvCommand *command)
     for (const ShvOption *option = command->options; option->name; option++)
         printf("  %-10s %-8s %s\n", option->name, option->value ? option->value : "", option->help);
     if (command->takes_scene)
-        printf("  %-10s %-8s %s\n", "--set", "KEY=VAL", "override any key of the scene, e.g. --set fracture.threshold=0.8; repeatable");
+        printf("  %-10s %-8s %s\n", "--set", "KEY=VAL",
+               "override any key of the scene, e.g. --set fracture.threshold=0.8; repeatable");
     printf("  %-10s %-8s %s\n", "--help", "", "this text");
 }
 
 static int bad_usage(const ShvCommand *command, const char *problem, const char *word, const char *hint)
 {
-    fprintf(stderr, "shiver %s: %s%s%s%s\n", command->name, problem, word, hint ? "; did you mean " : "", hint ? hint : "");
+    fprintf(stderr, "shiver %s: %s%s%s%s%s\n", command->name, problem, word, hint ? "; did you mean " : "",
+            hint ? hint : "", hint ? "?" : "");
     fprintf(stderr, "usage: shiver %s %s [options]; --help tells more\n", command->name, command->positional);
     return SHV_EXIT_INPUT;
 }
@@ -88,7 +93,7 @@ static int run_command(const ShvCommand *command, int argc, char **argv)
     return command->run(&arguments);
 }
 
-int shv_program(int argc, char **argv)
+static int dispatch(int argc, char **argv)
 {
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(argc < 2 ? stderr : stdout);
@@ -104,9 +109,19 @@ int shv_program(int argc, char **argv)
         if (strcmp(argv[1], names[i]) == 0) return run_command(commands[i], argc - 2, argv + 2);
     }
     const char *near = shv_nearest_name(argv[1], names, COMMAND_COUNT);
-    fprintf(stderr, "shiver: there is no command '%s'%s%s; `shiver --help` lists them\n", argv[1],
-            near ? "; did you mean " : "", near ? near : "");
+    fprintf(stderr, "shiver: there is no command '%s'%s%s%s; `shiver --help` lists them\n", argv[1],
+            near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
     return SHV_EXIT_INPUT;
+}
+
+/* What was printed must have arrived: a full disk behind standard output is a failure, too. */
+int shv_program(int argc, char **argv)
+{
+    const int status = dispatch(argc, argv);
+    const bool lost = fflush(stdout) != 0 || ferror(stdout) != 0;
+    if (!lost || status != SHV_EXIT_DONE) return status;
+    fprintf(stderr, "shiver: standard output could not be written: %s\n", strerror(errno));
+    return SHV_EXIT_FAILED;
 }
 
 int shv_cli_failed(ShvStatus status, const ShvError *error)

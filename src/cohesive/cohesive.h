@@ -11,8 +11,9 @@
        contact, supports
        shv_cohesive_book     with the velocities that the drift will use
        drift
-   `begin` moves the histories to where the last step really led and may be called again at the same moment. The last four
-   may be tried and thrown away by putting the velocities back. Insertion comes before `begin`. */
+   `begin` moves the histories to where the last step really led and may be called again at the same moment. A cluster of
+   pairs never gives more energy than it stores, and never stores more than it had and was given, however far its
+   impulses are from having settled: the first by scaling them, the second by softening it. The last four may be tried and thrown away by putting the velocities back. Insertion comes before `begin`. */
 #ifndef SHV_COHESIVE_COHESIVE_H
 #define SHV_COHESIVE_COHESIVE_H
 
@@ -33,11 +34,13 @@ typedef struct ShvCohesivePoint {
     bool carrying;         /* the facet has not failed */
     double weight;         /* area/3, m² */
     double peak;           /* largest traction it may still show, Pa */
-    double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a node */
+    double stored;         /* recoverable energy at n − 1/2, J */
+    double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
     ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
     ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
     ShvVec3 pull, push;    /* cohesive and closing force on the first node, N */
     ShvVec3 change;        /* of pull, in the present sweep, N */
+    ShvVec3 settled;       /* rate of opening that the pull answers, m/s; not finite: none yet */
 } ShvCohesivePoint;
 
 typedef struct ShvCohesive {
@@ -68,7 +71,6 @@ typedef struct ShvCohesive {
     int32_t cluster_count;
     int32_t *cluster;     /* cluster_count + 1, into `active`: points between copies of one node of the mesh */
     int32_t *origin_fill; /* mesh.node_count; zero between steps */
-    double *node_share;   /* node_capacity: Σ weight × peak of a node's active points; zero between steps */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */
@@ -115,8 +117,9 @@ ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const doub
    fragment index, NULL: all) rest. */
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
 /* Cohesive impulses on velocities after the kick; `kick`: mean of the steps before and after n, `step`: the one to come. The
-   mean force goes to state->force as well. Pairs that share nodes are brought together by repeated sweeps over all
-   points at once, each with its share of the masses: the order of facets and the number of threads do not matter. */
+   mean force goes to state->force as well. Pairs that share nodes are brought together by sweeps over the copies of a node,
+   pair after pair, points of one pair at once with shares of its masses. A second call goes on from the first: it looks
+   only at points whose nodes have other velocities since. The number of threads does not matter. */
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step);
 /* Keeps closing crack faces from passing through each other: a pair whose normal opening after `step` would be negative gets
    the inelastic impulse that lets it just close (or, when it is closed already, stops it); it never pushes faces apart,

@@ -82,6 +82,7 @@ static void settle_facet(ShvCohesive *cohesive, const ShvState *state, int32_t i
 
 void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t fragment)
 {
+    cohesive->active_count = cohesive->cluster_count = 0; /* the step they belong to is over */
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
         const int share = share_of(cohesive, state, index, fragment);

@@ -6,19 +6,96 @@
 
 /* Below this many facets, starting threads costs more than they save. */
 enum { FEWEST_PARALLEL_FACETS = 256 };
-/* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many. */
+/* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
+   then left is made up for by `limit_given` and `wear`. */
 enum { MOST_SWEEPS = 32 };
-static const double sweep_tolerance = 1e-3;
+static const double settled_share = 5e-3;
+/* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
+static const double news_share = 1e-3;
 
 static bool in_parallel(const ShvCohesive *cohesive, int32_t facets)
 {
     return cohesive->model->threads > 1 && facets >= FEWEST_PARALLEL_FACETS;
 }
 
+static ShvVec3 opening_rate(const ShvState *state, const ShvCohesivePoint *point)
+{
+    return shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
+                   shv_load3(state->velocity + 3 * (int64_t)point->first));
+}
+
 static bool rests(const ShvCohesive *cohesive, const ShvState *state, int32_t index, const uint8_t *awake)
 {
     const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)cohesive->facet[index];
     return awake && !(awake[state->element_fragment[elements[0]]] && awake[state->element_fragment[elements[1]]]);
+}
+
+/* ---- wear ---- */
+
+/* What a cluster's points may keep, and where the last step led them. */
+static double worn_recoverable(const ShvCohesive *cohesive, int32_t cluster, double share, bool keep)
+{
+    double sum = 0.0;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvLaw *law = &cohesive->law[point->point / 3];
+        const ShvHistory history = cohesive->history[point->point];
+        const double *end = law->final_opening;
+        const double normal = history.normal + share * shv_larger(end[SHV_NORMAL] - history.normal, 0.0);
+        const double shear = history.shear + share * shv_larger(end[SHV_SHEAR] - history.shear, 0.0);
+        const ShvHistory worn = shv_law_grow(law, history, normal, law->kind == SHV_PPR ? shear : 0.0);
+        const ShvOpening at = cohesive->opening[point->point];
+        sum += point->weight * shv_law_recoverable(law, worn, at.normal, at.shear);
+        if (!keep) continue;
+        cohesive->history[point->point] = worn;
+        cohesive->peak[point->point] = shv_law_peak(law, worn);
+    }
+    return sum;
+}
+
+/* Softens a cluster until it stores no more than `allowed`: all points by the same share of what is left of their law. The end
+   of the bracket that keeps the bound is taken, so that the bound holds however little the law is understood. */
+static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed)
+{
+    double low = 0.0, high = 1.0;
+    for (int i = 0; i < 40; i++) {
+        const double middle = 0.5 * (low + high);
+        if (worn_recoverable(cohesive, cluster, middle, false) <= allowed)
+            high = middle;
+        else
+            low = middle;
+    }
+    worn_recoverable(cohesive, cluster, high, true);
+}
+
+/* Moves the histories of a cluster along the last step, in the frame its tractions had. Sweeps that have not settled leave
+   a difference between the work of the tractions and the law; a cluster never keeps more than it had and was given. */
+static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t cluster)
+{
+    double allowed = 0.0, kept = 0.0;
+    bool moved = false;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1] && !moved; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvVec3 way = shv_sub(shv_cohesive_opening(state, point->first, point->second), point->opening);
+        moved = way.x != 0.0 || way.y != 0.0 || way.z != 0.0;
+    }
+    if (!moved) return; /* the same moment again */
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvLaw *law = &cohesive->law[point->point / 3];
+        ShvHistory *history = &cohesive->history[point->point];
+        const ShvVec3 to = shv_madd(shv_cohesive_opening(state, point->first, point->second), -0.5 * state->last_step,
+                                    opening_rate(state, point));
+        const ShvOpening at = shv_cohesive_components(to, point->normal);
+        const ShvHistory next = shv_law_advance(law, *history, cohesive->opening[point->point], at);
+        const bool grown = next.normal > history->normal || next.shear > history->shear;
+        *history = next;
+        cohesive->opening[point->point] = at;
+        if (grown) cohesive->peak[point->point] = shv_law_peak(law, next);
+        allowed += point->stored + shv_dot(point->pull, shv_sub(to, point->from));
+        kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
+    }
+    if (kept > shv_larger(allowed, 0.0)) wear(cohesive, cluster, shv_larger(allowed, 0.0));
 }
 
 /* ---- begin ---- */
@@ -32,9 +109,8 @@ static void begin_point(ShvCohesive *cohesive, const ShvState *state, const ShvC
     point->peak = 0.0;
     if (first == second) return;
     point->opening = shv_cohesive_opening(state, first, second);
-    const ShvVec3 rate =
-        shv_sub(shv_load3(state->velocity + 3 * (int64_t)second), shv_load3(state->velocity + 3 * (int64_t)first));
-    point->from = shv_madd(point->opening, -0.5 * state->last_step, rate);
+    point->from = shv_madd(point->opening, -0.5 * state->last_step, opening_rate(state, point));
+    point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     point->pull = point->push = shv_vec3(0.0, 0.0, 0.0);
     if (!point->carrying) return;
     const ShvLaw *law = &cohesive->law[index];
@@ -45,6 +121,7 @@ static void begin_point(ShvCohesive *cohesive, const ShvState *state, const ShvC
     cohesive->opening[k] = now;
     if (grown) cohesive->peak[k] = shv_law_peak(law, history);
     point->peak = cohesive->peak[k];
+    point->stored = point->weight * shv_law_recoverable(law, history, now.normal, now.shear);
 }
 
 /* Failed when no point can carry any more; separated when, besides, a pair is farther apart than half the edge of an
@@ -55,7 +132,7 @@ static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, int32_t index, c
     for (int i = 0; i < 3; i++) {
         if (points[i].first == points[i].second) return SHV_COHESIVE_CARRYING;
         if (points[i].peak > 0.0) return SHV_COHESIVE_CARRYING;
-        farthest = fmax(farthest, shv_dot(points[i].opening, points[i].opening));
+        farthest = shv_larger(farthest, shv_dot(points[i].opening, points[i].opening));
     }
     const double edge_squared = cohesive->area[index] * (4.0 / sqrt(3.0));
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
@@ -80,6 +157,30 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint
     cohesive->phase[index] = (uint8_t)next_phase(cohesive, index, points);
 }
 
+static bool same_pair(const ShvCohesivePoint *a, const ShvCohesivePoint *b)
+{
+    return (a->first == b->first && a->second == b->second) || (a->first == b->second && a->second == b->first);
+}
+
+static int64_t pair_key(const ShvCohesivePoint *point)
+{
+    const int32_t low = point->first < point->second ? point->first : point->second;
+    const int32_t high = point->first < point->second ? point->second : point->first;
+    return ((int64_t)low << 32) + high;
+}
+
+/* Points of one pair side by side, in order of facets; clusters are small. */
+static void sort_pairs(const ShvCohesive *cohesive, int32_t *points, int32_t count)
+{
+    for (int32_t i = 1; i < count; i++) {
+        const int32_t p = points[i];
+        const int64_t key = pair_key(&cohesive->points[p]);
+        int32_t k = i;
+        for (; k > 0 && pair_key(&cohesive->points[points[k - 1]]) > key; k--) points[k] = points[k - 1];
+        points[k] = p;
+    }
+}
+
 /* Active points sorted by the node they stem from, in order of facets within one: pairs of copies of one node make a
    cluster, and no two clusters share a node. */
 static void sort_clusters(ShvCohesive *cohesive, const ShvState *state)
@@ -102,6 +203,8 @@ static void sort_clusters(ShvCohesive *cohesive, const ShvState *state)
     }
     for (int32_t i = 0; i < cohesive->active_count; i++)
         fill[state->origin[cohesive->points[cohesive->active[i]].first]] = 0;
+    for (int32_t c = 0; c < cohesive->cluster_count; c++)
+        sort_pairs(cohesive, cohesive->active + cohesive->cluster[c], cohesive->cluster[c + 1] - cohesive->cluster[c]);
 }
 
 /* Separated facets leave the list for good; the others' points are sorted by what they need. */
@@ -127,6 +230,9 @@ static void collect(ShvCohesive *cohesive, const ShvState *state)
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     const int32_t live = cohesive->live_count, threads = cohesive->model->threads;
+    const int32_t clusters = cohesive->cluster_count;
+#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, clusters))
+    for (int32_t c = 0; c < clusters; c++) end_step(cohesive, state, c);
 #pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, live))
     for (int32_t k = 0; k < live; k++)
         begin_facet(cohesive, state, awake, cohesive->live[k], cohesive->points + 3 * (int64_t)k);
@@ -135,74 +241,124 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
 
 /* ---- pull ---- */
 
-/* Each point moves shares of its nodes' masses in proportion to what it may pull. For points that share both nodes, as in
-   a plane crack, one sweep is then exact; and as the shares of a node sum to its mass, moving all points at once takes no
-   less energy than moving each with its share (the node's velocity is the shares' mean). */
+/* Points of one pair of nodes, as in a plane crack, move together: each with its share of the nodes' masses in proportion
+   to what it may pull. As the shares sum to the masses, that takes no less energy than each would by itself, and where the
+   points are alike it is exact at once. */
 static void share_masses(ShvCohesive *cohesive, const ShvState *state, const int32_t *points, int32_t count)
 {
-    double *share = cohesive->node_share;
-    for (int32_t i = 0; i < count; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[points[i]];
-        share[point->first] += point->weight * point->peak;
-        share[point->second] += point->weight * point->peak;
-    }
+    double sum = 0.0;
+    for (int32_t i = 0; i < count; i++) sum += cohesive->points[points[i]].weight * cohesive->points[points[i]].peak;
+    const ShvCohesivePoint *pair = &cohesive->points[points[0]];
+    const double whole = 1.0 / state->mass[pair->first] + 1.0 / state->mass[pair->second];
     for (int32_t i = 0; i < count; i++) {
         ShvCohesivePoint *point = &cohesive->points[points[i]];
-        const double own = point->weight * point->peak;
-        point->response = share[point->first] / (own * state->mass[point->first]) +
-                          share[point->second] / (own * state->mass[point->second]);
-    }
-    for (int32_t i = 0; i < count; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[points[i]];
-        share[point->first] = share[point->second] = 0.0;
+        point->response = whole * (sum / (point->weight * point->peak));
     }
 }
 
-/* The force that the point would want, the others held; returns its change in units of the point's peak. */
+/* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
+   rises faster than free opening/compliance, neighbours that have hardly moved since the point was last looked at need no
+   new look. */
 static double want(const ShvCohesive *cohesive, const ShvState *state, ShvCohesivePoint *point, double kick,
                    double step)
 {
-    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
-                                 shv_load3(state->velocity + 3 * (int64_t)point->first));
+    const ShvVec3 rate = opening_rate(state, point), news = shv_sub(rate, point->settled);
+    const double peak = point->weight * point->peak, slight = news_share * peak * kick * point->response;
+    point->change = shv_vec3(0.0, 0.0, 0.0);
+    if (shv_dot(news, news) <= slight * slight) return 0.0;
     const ShvVec3 without = shv_madd(rate, kick * point->response, point->pull);
     const ShvPairStep pair = {point->from, point->opening, shv_madd(point->opening, 0.5 * step, without),
                               0.5 * step * kick * point->response * point->weight};
     const ShvVec3 traction =
         shv_pair_traction(&cohesive->law[point->point / 3], cohesive->history[point->point], point->normal, &pair);
     point->change = shv_sub(shv_scale(traction, point->weight), point->pull);
-    return shv_norm(point->change) / (point->weight * point->peak);
+    return shv_norm(point->change) / peak;
 }
 
-static void move(ShvState *state, int32_t node, double kick, ShvVec3 force)
+static void move(ShvState *state, ShvCohesivePoint *point, double kick, ShvVec3 change)
 {
-    const double factor = kick / state->mass[node];
-    shv_add_to3(state->velocity + 3 * (int64_t)node, shv_scale(force, factor));
-    shv_add_to3(state->force + 3 * (int64_t)node, force);
+    point->pull = shv_add(point->pull, change);
+    shv_add_to3(state->velocity + 3 * (int64_t)point->first, shv_scale(change, kick / state->mass[point->first]));
+    shv_add_to3(state->velocity + 3 * (int64_t)point->second, shv_scale(change, -kick / state->mass[point->second]));
+    shv_add_to3(state->force + 3 * (int64_t)point->first, change);
+    shv_add_to3(state->force + 3 * (int64_t)point->second, shv_scale(change, -1.0));
 }
 
-static double sweep(ShvCohesive *cohesive, ShvState *state, const int32_t *points, int32_t count, double kick,
-                    double step)
+static int32_t block_end(const ShvCohesive *cohesive, int32_t start, int32_t end)
 {
-    double change = 0.0;
-    for (int32_t i = 0; i < count; i++)
-        change = fmax(change, want(cohesive, state, &cohesive->points[points[i]], kick, step));
-    for (int32_t i = 0; i < count; i++) {
-        ShvCohesivePoint *point = &cohesive->points[points[i]];
-        point->pull = shv_add(point->pull, point->change);
-        move(state, point->first, kick, point->change);
-        move(state, point->second, kick, shv_scale(point->change, -1.0));
+    const ShvCohesivePoint *first = &cohesive->points[cohesive->active[start]];
+    int32_t stop = start + 1;
+    while (stop < end && same_pair(first, &cohesive->points[cohesive->active[stop]])) stop++;
+    return stop;
+}
+
+/* Blocks one after another, each with the others' forces as they are. */
+static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
+{
+    double largest = 0.0;
+    for (int32_t block = start, stop; block < end; block = stop) {
+        stop = block_end(cohesive, block, end);
+        double change = 0.0;
+        for (int32_t i = block; i < stop; i++)
+            change = shv_larger(change, want(cohesive, state, &cohesive->points[cohesive->active[i]], kick, step));
+        if (!(change > 0.0)) continue;
+        for (int32_t i = block; i < stop; i++) {
+            ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+            move(state, point, kick, point->change);
+        }
+        const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[block]];
+        const ShvVec3 rate = opening_rate(state, pair);
+        for (int32_t i = block; i < stop; i++) {
+            ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+            point->settled = point->first == pair->first ? rate : shv_scale(rate, -1.0);
+        }
+        largest = shv_larger(largest, stop - block == end - start && stop - block == 1 ? 0.0 : change);
     }
-    return change;
+    return largest;
+}
+
+/* Forces that have not settled could give more than the cluster stores. All are then scaled by λ, the largest for which
+   stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0. */
+static void limit_given(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
+{
+    double stored = 0.0, work = 0.0, a = 0.0;
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, opening_rate(state, point));
+        stored += point->stored;
+        work += shv_dot(point->pull, shv_sub(to, point->from));
+    }
+    if (stored + work >= 0.0) return;
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        point->change = point->pull;
+        move(state, point, kick, shv_scale(point->pull, -1.0));
+    }
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvVec3 free = shv_madd(point->opening, 0.5 * step, opening_rate(state, point));
+        a += shv_dot(point->change, shv_sub(free, point->from));
+    }
+    const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
+    const double scale = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        point->pull = shv_vec3(0.0, 0.0, 0.0);
+        move(state, point, kick, shv_scale(point->change, scale));
+    }
 }
 
 static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step)
 {
-    const int32_t *points = cohesive->active + cohesive->cluster[cluster];
-    const int32_t count = cohesive->cluster[cluster + 1] - cohesive->cluster[cluster];
-    share_masses(cohesive, state, points, count);
-    for (int32_t sweeps = 1; sweeps < MOST_SWEEPS; sweeps++)
-        if (sweep(cohesive, state, points, count, kick, step) <= sweep_tolerance || count == 1) return sweeps;
-    return MOST_SWEEPS;
+    const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
+    for (int32_t block = start, stop; block < end; block = stop) {
+        stop = block_end(cohesive, block, end);
+        share_masses(cohesive, state, cohesive->active + block, stop - block);
+    }
+    int32_t sweeps = 1;
+    while (sweep(cohesive, state, start, end, kick, step) > settled_share && sweeps < MOST_SWEEPS) sweeps++;
+    limit_given(cohesive, state, start, end, kick, step);
+    return sweeps;
 }
 
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step)
@@ -254,8 +410,8 @@ double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState 
         const double opening = shv_dot(rate, point->normal);
         const double slipping = shv_norm(shv_madd(rate, -opening, point->normal));
         const double slipped = law->kind == SHV_PPR ? history.shear : cohesive->opening[point->point].shear;
-        least = fmin(least, time_to(law->final_opening[SHV_NORMAL], history.normal, opening));
-        least = fmin(least, time_to(law->final_opening[SHV_SHEAR], slipped, slipping));
+        least = shv_smaller(least, time_to(law->final_opening[SHV_NORMAL], history.normal, opening));
+        least = shv_smaller(least, time_to(law->final_opening[SHV_SHEAR], slipped, slipping));
     }
     return least;
 }

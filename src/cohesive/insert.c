@@ -132,7 +132,7 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     }
     for (int32_t i = 0; i < count; i++) add_facet(cohesive, state, stress, sorted[i]);
     for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
-    cohesive->active_count = cohesive->pair_count = cohesive->cluster_count = 0;
+    cohesive->active_count = cohesive->pair_count = 0; /* clusters wait for the end of their step */
     return SHV_OK;
 }
 

@@ -28,8 +28,8 @@ ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale)
 {
     ShvLaw law = {.kind = material->law};
     for (int i = 0; i < 2; i++) {
-        law.energy[i] = fmin(material->fracture_energy[i], practically_infinite);
-        law.strength[i] = fmin(material->strength[i] * strength_scale, practically_infinite);
+        law.energy[i] = shv_smaller(material->fracture_energy[i], practically_infinite);
+        law.strength[i] = shv_smaller(material->strength[i] * strength_scale, practically_infinite);
         law.shape[i] = material->shape[i];
         law.final_opening[i] = final_opening(law.shape[i], law.energy[i], law.strength[i]);
     }
@@ -42,7 +42,7 @@ static const double start_share = 1e-8;
 
 static double start_opening(const ShvLaw *law, int component, double length, double modulus)
 {
-    return start_share * fmin(law->final_opening[component], length * (law->strength[component] / modulus));
+    return start_share * shv_smaller(law->final_opening[component], length * (law->strength[component] / modulus));
 }
 
 ShvHistory shv_law_start(const ShvLaw *law, double length, double modulus)
@@ -79,36 +79,37 @@ double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, 
 double shv_law_peak(const ShvLaw *law, ShvHistory history)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_peak(law, history);
-    return fmax(shv_ppr_branch(law, history, SHV_NORMAL).peak, shv_ppr_branch(law, history, SHV_SHEAR).peak);
+    return shv_larger(shv_ppr_branch(law, history, SHV_NORMAL).peak, shv_ppr_branch(law, history, SHV_SHEAR).peak);
 }
 
 static double counted_slip(const ShvLaw *law, double opening)
 {
     const double *end = law->final_opening;
     const bool finite = end[SHV_NORMAL] > 0.0 && isfinite(end[SHV_NORMAL]) && isfinite(end[SHV_SHEAR]);
-    return law->slip_share > 0.0 && finite ? law->slip_share * fmin(opening / end[SHV_NORMAL], 1.0) * end[SHV_SHEAR]
-                                           : 0.0;
+    return law->slip_share > 0.0 && finite
+               ? law->slip_share * shv_smaller(opening / end[SHV_NORMAL], 1.0) * end[SHV_SHEAR]
+               : 0.0;
 }
 
 ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) {
-        history.normal = fmax(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
+        history.normal = shv_larger(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
     } else {
-        history.normal = fmax(history.normal, normal);
-        history.shear = fmax(history.shear, fmax(shear, counted_slip(law, history.normal)));
+        history.normal = shv_larger(history.normal, normal);
+        history.shear = shv_larger(history.shear, shv_larger(shear, counted_slip(law, history.normal)));
     }
     return history;
 }
 
 static double on_branch(ShvLawBranch branch, double opening)
 {
-    return branch.limit > 0.0 ? branch.peak * fmin(opening / branch.limit, 1.0) : branch.peak;
+    return branch.limit > 0.0 ? branch.peak * shv_smaller(opening / branch.limit, 1.0) : branch.peak;
 }
 
 ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double normal, double shear)
 {
-    const double n = fmax(normal, 0.0);
+    const double n = shv_larger(normal, 0.0);
     const ShvHistory grown = shv_law_grow(law, history, n, shear);
     return (ShvLawTraction){on_branch(shv_law_normal_branch(law, grown, shear), n),
                             on_branch(shv_law_shear_branch(law, grown, n), shear)};
@@ -123,7 +124,7 @@ double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal,
 /* Work on the linear part of a branch, from zero to `opening` (cut at the limit). */
 static double linear_work(ShvLawBranch branch, double opening)
 {
-    const double x = fmin(fmax(opening, 0.0), branch.limit);
+    const double x = shv_smaller(shv_larger(opening, 0.0), branch.limit);
     return branch.limit > 0.0 ? 0.5 * branch.peak * (x / branch.limit) * x : 0.0;
 }
 
@@ -135,7 +136,7 @@ static ShvHistory advance_normal(const ShvLaw *law, ShvHistory history, double s
                         shv_law_normal_mean(law, history, shear, branch.limit, to) * (to - branch.limit);
     ShvHistory next = shv_law_grow(law, history, to, shear);
     const double stored = shv_law_recoverable(law, next, to, shear) - shv_law_recoverable(law, history, from, shear);
-    next.dissipated += fmax(work - stored, 0.0);
+    next.dissipated += shv_larger(work - stored, 0.0);
     return next;
 }
 
@@ -147,13 +148,13 @@ static ShvHistory advance_shear(const ShvLaw *law, ShvHistory history, double no
                         shv_law_shear_mean(law, history, normal, branch.limit, to) * (to - branch.limit);
     ShvHistory next = shv_law_grow(law, history, normal, to);
     const double stored = shv_law_recoverable(law, next, normal, to) - shv_law_recoverable(law, history, normal, from);
-    next.dissipated += fmax(work - stored, 0.0);
+    next.dissipated += shv_larger(work - stored, 0.0);
     return next;
 }
 
 ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
 {
-    const double start = fmax(from.normal, 0.0), end = fmax(to.normal, 0.0);
+    const double start = shv_larger(from.normal, 0.0), end = shv_larger(to.normal, 0.0);
     const ShvHistory reached = shv_law_grow(law, shv_law_grow(law, history, end, from.shear), end, to.shear);
     if (reached.normal == history.normal && reached.shear == history.shear) return history;
     const ShvHistory opened = advance_normal(law, history, from.shear, start, end);

@@ -53,6 +53,16 @@ typedef struct ShvLawBranch {
     double peak;  /* Pa */
 } ShvLawBranch;
 
+/* Of two numbers, the first where they do not compare: without the library's care for NaN, which costs a call. */
+static inline double shv_larger(double a, double b)
+{
+    return a < b ? b : a;
+}
+static inline double shv_smaller(double a, double b)
+{
+    return a > b ? b : a;
+}
+
 /* Law of a material. Zero energy gives instant release (no traction), zero strength no traction of that component,
    infinite energy never softens. Never 0/0. */
 ShvLaw shv_law_make(const ShvMaterial *material, double strength_scale);

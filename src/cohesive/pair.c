@@ -5,9 +5,11 @@ typedef struct Equation {
     const ShvLaw *law;
     ShvHistory history;
     ShvLawBranch branch;
-    double other;  /* opening of the component that is held */
-    double from;   /* opening at the start of the step */
-    double stored; /* work of the linear branch still to come before the envelope, J/m² */
+    double other;    /* opening of the component that is held */
+    double from;     /* opening at the start of the step */
+    double stored;   /* work of the linear branch still to come before the envelope, J/m² */
+    double stiffest; /* shear: largest ratio of traction to the sum of both openings */
+    double damped;   /* work of the damping on the way there, J/m² */
     double compliance;
     double free;        /* normal: opening without traction */
     ShvVec3 start, sum; /* shear: opening at the start; sum of it and the one without traction */
@@ -15,7 +17,7 @@ typedef struct Equation {
 
 /* Illinois variant of regula falsi on f(low) < 0 ≤ f(high), kept safe by bisection. */
 static double solve(const Equation *equation, double (*f)(const Equation *, double), double low, double high,
-                    double at_low, double at_high)
+                    double at_low, double at_high, double small)
 {
     int side = 0; /* end that moved last */
     for (int i = 0; i < 100 && at_high != 0.0; i++) {
@@ -23,6 +25,7 @@ static double solve(const Equation *equation, double (*f)(const Equation *, doub
         const double x = i % 8 != 7 && secant > low && secant < high ? secant : 0.5 * (low + high);
         if (!(x > low && x < high) || high - low <= 4e-16 * high) break;
         const double value = f(equation, x);
+        if (fabs(value) <= small) return x;
         if (value < 0.0) {
             low = x;
             at_low = value;
@@ -55,11 +58,11 @@ static double normal_balance(const Equation *e, double to)
 
 static double normal_envelope(Equation *e)
 {
-    const double limit = e->branch.limit, from = fmax(e->from, 0.0);
-    if (limit > 0.0) e->stored = 0.5 * e->branch.peak * (limit - from) * ((limit + from) / limit);
+    const double limit = e->branch.limit, from = shv_larger(e->from, 0.0);
+    if (limit > 0.0) e->stored = 0.5 * e->branch.peak * (limit - from) * ((limit + from) / limit) + e->damped;
     const double low = normal_balance(e, limit), high = normal_balance(e, e->free);
     if (!(low < 0.0)) return normal_chord(e, limit); /* by round-off still at the limit */
-    return normal_chord(e, solve(e, normal_balance, limit, e->free, low, high));
+    return normal_chord(e, solve(e, normal_balance, limit, e->free, low, high, 2e-16 * e->free));
 }
 
 /* From an opening that is closed already: no work before zero. */
@@ -75,40 +78,56 @@ static double normal_from_closed(Equation *e, double stiffness)
     return normal_envelope(e);
 }
 
-/* Share of the backward rule. An infinite stiffness asks for all of it. */
+/* Share of the backward rule, q²/(9 + q²): hardly any while the step resolves the spring (q = (ω step)²/2), nearly all where it
+   does not. Between, the trapezoidal rule alone is stable, and costs no energy. An infinite stiffness asks for all of it. */
 static double backward_share(double compliance, double stiffness)
 {
     const double q = compliance * stiffness;
-    return isfinite(q) ? q / (1.0 + q) : 1.0;
+    return q < 1e100 ? q * q / (9.0 + q * q) : 1.0;
 }
 
-/* Opening at the next half step on the spring: traction k (ahead × to − behind), ahead = (1 − η)/2 + 2 η,
-   behind = η now − (1 − η)/2 from. */
-static double spring_opening(double stiffness, double share, double from, double now, double free, double compliance)
+/* How the chord's opening `to` changes, and its traction with it, per damping traction: to −= yield × damping. */
+static double damping_yield(double compliance, double stiffness)
 {
-    const double ahead = 0.5 * (1.0 - share) + 2.0 * share, behind = share * now - 0.5 * (1.0 - share) * from;
-    return (free + compliance * stiffness * behind) / (1.0 + compliance * stiffness * ahead);
+    return compliance / (1.0 + 0.5 * compliance * stiffness);
 }
 
-/* Whether the spring answers the step, and takes no less than its energy grows by: (η (end − mean))·(to − from) ≥ 0. An
-   opening that is closed at its start is left to the backward rule. */
-static bool normal_on_spring(const Equation *e, double stiffness, double now, double *traction)
+/* What the backward rule would add to the chord's traction, η k (3/2 (to − from) − (now − from)) at the opening it leads to. */
+static ShvVec3 backward_excess(double compliance, double stiffness, const ShvPairStep *step, ShvVec3 chord)
 {
-    const double share = e->from < 0.0 ? 1.0 : backward_share(e->compliance, stiffness);
-    const double to = spring_opening(stiffness, share, e->from, now, e->free, e->compliance), end = 2.0 * to - now;
-    if (!(to >= 0.0 && to <= e->branch.limit && end >= 0.0 && end <= e->branch.limit)) return false;
-    if ((end - 0.5 * (e->from + to)) * (to - e->from) < 0.0) return false;
-    *traction = fmax((e->free - to) / e->compliance, 0.0);
-    return true;
+    const double pull = backward_share(compliance, stiffness) * stiffness;
+    const ShvVec3 path = shv_sub(chord, step->from), drift = shv_sub(step->now, step->from);
+    return shv_scale(shv_madd(shv_scale(drift, -1.0), 1.5, path),
+                     pull / (1.0 + 1.5 * pull * damping_yield(compliance, stiffness)));
 }
 
-/* By the chord alone, without damping. */
-static double normal_by_chord(Equation *e, double stiffness)
+/* Damping to add to the traction of the chord, which leads to `chord`: the largest share of the backward rule's that takes no
+   energy out of the spring, i.e. damping·(to − from) ≥ 0, and changes the traction by no more than k/2 × `room`, the way
+   left on the spring. Both fade to nothing where the rule changes, so that the traction is continuous in what the
+   neighbours do, and sweeps over them can settle. */
+static ShvVec3 damping(double compliance, double stiffness, const ShvPairStep *step, ShvVec3 chord, double room)
+{
+    const ShvVec3 whole = backward_excess(compliance, stiffness, step, chord);
+    const double size = shv_dot(whole, whole), path = shv_dot(whole, shv_sub(chord, step->from));
+    if (!(size > 0.0 && path > 0.0 && room > 0.0)) return shv_vec3(0.0, 0.0, 0.0);
+    const double yield = damping_yield(compliance, stiffness);
+    const double share = shv_smaller(path / (yield * size), 0.5 * stiffness * room / sqrt(size));
+    return shv_scale(whole, shv_smaller(share, 1.0));
+}
+
+static double normal_from_open(Equation *e, double stiffness, double now)
 {
     const double half = 0.5 * e->compliance * stiffness, from = e->from;
     const double to = (e->free - half * from) / (1.0 + half);
-    if (to > e->branch.limit) return normal_envelope(e);
-    if (to >= 0.0) return 0.5 * stiffness * (to + from);
+    if (to >= 0.0) {
+        const ShvPairStep line = {.from = {from, 0.0, 0.0}, .now = {now, 0.0, 0.0}};
+        const double room = to > from ? e->branch.limit - from : to;
+        const double damped = damping(e->compliance, stiffness, &line, shv_vec3(to, 0.0, 0.0), room).x;
+        const double end = to - damping_yield(e->compliance, stiffness) * damped;
+        if (end <= e->branch.limit) return shv_larger(0.5 * stiffness * (end + from) + damped, 0.0);
+        e->damped = shv_larger(damped * (e->branch.limit - from), 0.0);
+        return normal_envelope(e);
+    }
     /* closes: all that is stored comes back over the path */
     const double stored = 0.5 * stiffness * from * from, gap = from - e->free;
     const double root = sqrt(gap * gap + 4.0 * e->compliance * stored);
@@ -132,9 +151,7 @@ double shv_pair_normal(const ShvLaw *law, ShvHistory history, double shear, doub
         return from >= 0.0 && free <= compliance * branch.peak ? free / compliance : normal_envelope(&e);
     }
     const double stiffness = branch.peak / branch.limit;
-    double traction;
-    if (stiffness > 0.0 && normal_on_spring(&e, stiffness, now, &traction)) return traction;
-    return from < 0.0 ? normal_from_closed(&e, stiffness) : normal_by_chord(&e, stiffness);
+    return from < 0.0 ? normal_from_closed(&e, stiffness) : normal_from_open(&e, stiffness, now);
 }
 
 /* ---- shear component ---- */
@@ -145,7 +162,7 @@ static double shear_factor(const Equation *e, double theta, double *radius)
 {
     *radius = shv_norm(shv_sub(shv_scale(e->sum, theta), e->start));
     const double limit = e->branch.limit, length = *radius - limit;
-    if (!(length > 0.0)) return limit > 0.0 ? 0.5 * e->branch.peak / limit : 0.0;
+    if (!(length > 0.0)) return limit > 0.0 ? e->stiffest : 0.0;
     const double mean = shv_law_shear_mean(e->law, e->history, e->other, limit, *radius);
     return (e->stored + mean * length) / ((*radius - e->from) * (*radius + e->from));
 }
@@ -162,27 +179,15 @@ static ShvVec3 shear_envelope(Equation *e, double spring_theta)
     const double limit = e->branch.limit;
     double radius, low = -1.0 + e->compliance * e->branch.peak / shv_norm(e->sum);
     if (limit > 0.0) {
-        e->stored = 0.5 * e->branch.peak * (limit - e->from) * ((limit + e->from) / limit);
+        e->stored = 0.5 * e->branch.peak * (limit - e->from) * ((limit + e->from) / limit) + e->damped;
+        e->stiffest = 0.5 * e->branch.peak / limit;
+        if (e->damped > 0.0) e->stiffest += e->damped / ((limit - e->from) * (limit + e->from));
+        spring_theta = 1.0 / (1.0 + e->compliance * e->stiffest);
         low = shear_balance(e, spring_theta);
     }
     const double theta =
-        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0)) : spring_theta;
+        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0), 0.0) : spring_theta;
     return shv_scale(e->sum, shear_factor(e, theta, &radius) * theta);
-}
-
-/* As for the normal component, along the vectors. */
-static bool shear_on_spring(const Equation *e, double stiffness, const ShvPairStep *step, ShvVec3 *traction)
-{
-    const double share = backward_share(e->compliance, stiffness), q = e->compliance * stiffness;
-    const double ahead = 0.5 * (1.0 - share) + 2.0 * share;
-    const ShvVec3 behind = shv_sub(shv_scale(step->now, share), shv_scale(step->from, 0.5 * (1.0 - share)));
-    const ShvVec3 to = shv_scale(shv_madd(step->free, q, behind), 1.0 / (1.0 + q * ahead));
-    const ShvVec3 end = shv_sub(shv_scale(to, 2.0), step->now);
-    if (!(shv_norm(to) <= e->branch.limit && shv_norm(end) <= e->branch.limit)) return false;
-    const ShvVec3 path = shv_sub(to, step->from), mean = shv_scale(shv_add(to, step->from), 0.5);
-    if (shv_dot(shv_sub(end, mean), path) < 0.0) return false;
-    *traction = shv_scale(shv_sub(step->free, to), 1.0 / e->compliance);
-    return true;
 }
 
 ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, const ShvPairStep *step)
@@ -195,7 +200,7 @@ ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, con
                   .branch = branch,
                   .other = normal,
                   .compliance = compliance,
-                  .from = fmin(shv_norm(step->from), limit),
+                  .from = shv_smaller(shv_norm(step->from), limit),
                   .start = step->from,
                   .sum = sum};
     if (!(branch.peak > 0.0)) {
@@ -207,10 +212,12 @@ ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, con
         return shear_envelope(&e, 0.0);
     }
     const double stiffness = branch.peak / limit, theta = 1.0 / (1.0 + 0.5 * compliance * stiffness);
-    ShvVec3 traction;
-    if (shear_on_spring(&e, stiffness, step, &traction)) return traction;
-    if (shv_norm(shv_sub(shv_scale(sum, theta), step->from)) > limit) return shear_envelope(&e, theta);
-    return shv_scale(sum, 0.5 * stiffness * theta);
+    const ShvVec3 to = shv_sub(shv_scale(sum, theta), step->from);
+    const ShvVec3 damped = damping(compliance, stiffness, step, to, limit - e.from);
+    const ShvVec3 end = shv_madd(to, -damping_yield(compliance, stiffness), damped);
+    if (shv_norm(end) <= limit) return shv_madd(damped, 0.5 * stiffness, shv_add(end, step->from));
+    e.damped = shv_norm(damped) * (limit - e.from);
+    return shear_envelope(&e, theta);
 }
 
 ShvVec3 shv_pair_traction(const ShvLaw *law, ShvHistory history, ShvVec3 normal, const ShvPairStep *step)
@@ -221,7 +228,7 @@ ShvVec3 shv_pair_traction(const ShvLaw *law, ShvHistory history, ShvVec3 normal,
                                shv_madd(step->free, -open, normal), compliance};
     const double slip = shv_norm(plane.from);
     const double tension = shv_pair_normal(law, history, slip, from, now, open, compliance);
-    const double to = fmax(open - compliance * tension, 0.0);
+    const double to = shv_larger(open - compliance * tension, 0.0);
     const ShvHistory grown = shv_law_grow(law, history, to, slip);
     return shv_madd(shv_pair_shear(law, grown, to, &plane), tension, normal);
 }

@@ -7,8 +7,9 @@
    step, and as the step goes to zero this is the plain explicit law.
 
    Below the largest opening, where the law is a spring of stiffness k, T = k ((1 − η) (from + to)/2 + η × opening at n + 1),
-   η = q/(1 + q), q = compliance × k: the trapezoidal rule where the step resolves the spring, the backward rule where it does not.
-   Either is stable for the step that is stable without cracks, however large k is: with M the mass, K the solid's and C the
+   η = q²/(9 + q²), q = compliance × k: the trapezoidal rule where the step resolves the spring, the backward rule where it
+   does not, as far as that takes energy out. It fades where the rule changes (a closing pair, the envelope), so that
+   traction is continuous in `free`: with jumps, sweeps over neighbouring pairs would not settle. Either is stable for the step that is stable without cracks, however large k is: with M the mass, K the solid's and C the
    law's stiffness, step² K < 4 M. At zero history (k infinite) the pair is held by any traction up to the peak. The
    backward rule costs some of the recoverable energy of springs that the step cannot resolve; nothing is gained. */
 #ifndef SHV_COHESIVE_PAIR_H

@@ -13,16 +13,16 @@ static double share(double opening, double final_opening)
 
 static double larger(const ShvLaw *law)
 {
-    return fmax(law->energy[SHV_NORMAL], law->energy[SHV_SHEAR]);
+    return shv_larger(law->energy[SHV_NORMAL], law->energy[SHV_SHEAR]);
 }
 
 /* (φ v^β − ⟨φt−φn⟩)/φn for the normal component, and by symmetry: what the other component's opening leaves. */
 static double left_by_other(const ShvLaw *law, int component, double other)
 {
     const int across = 1 - component;
-    const double gap = fmax(law->energy[across] - law->energy[component], 0.0);
+    const double gap = shv_larger(law->energy[across] - law->energy[component], 0.0);
     const double rest = 1.0 - share(other, law->final_opening[across]);
-    return fmax((larger(law) * shv_power(rest, law->shape[across]) - gap) / law->energy[component], 0.0);
+    return shv_larger((larger(law) * shv_power(rest, law->shape[across]) - gap) / law->energy[component], 0.0);
 }
 
 static double envelope(const ShvLaw *law, int component, double opening, double other)
@@ -44,7 +44,8 @@ double shv_ppr_potential(const ShvLaw *law, double normal, double shear)
     const double gamma_n = phi_n < phi_t ? 1.0 : -phi_n, gamma_t = phi_n < phi_t ? -phi_t : 1.0;
     const double u = shv_power(1.0 - share(normal, law->final_opening[SHV_NORMAL]), law->shape[SHV_NORMAL]);
     const double v = shv_power(1.0 - share(shear, law->final_opening[SHV_SHEAR]), law->shape[SHV_SHEAR]);
-    return fmin(phi_n, phi_t) + (gamma_n * u + fmax(phi_n - phi_t, 0.0)) * (gamma_t * v + fmax(phi_t - phi_n, 0.0));
+    return shv_smaller(phi_n, phi_t) +
+           (gamma_n * u + shv_larger(phi_n - phi_t, 0.0)) * (gamma_t * v + shv_larger(phi_t - phi_n, 0.0));
 }
 
 ShvLawBranch shv_ppr_branch(const ShvLaw *law, ShvHistory history, int component)
@@ -66,7 +67,7 @@ double shv_ppr_mean(const ShvLaw *law, ShvHistory history, int component, double
 {
     const double final_opening = law->final_opening[component], a = law->shape[component];
     if (law->energy[component] == 0.0 || !(from < final_opening)) return 0.0;
-    const double end = fmin(to, final_opening);
+    const double end = shv_smaller(to, final_opening);
     const double scale = law->strength[component] * left_by_other(law, component, largest(history, 1 - component)) / a;
     const double u0 = 1.0 - from / final_opening, u1 = 1.0 - end / final_opening;
     const double mean = scale * mean_power(u0, u1, (end - from) / final_opening, a);
@@ -77,7 +78,7 @@ static double spring_energy(const ShvLaw *law, ShvHistory history, int component
 {
     const ShvLawBranch branch = shv_ppr_branch(law, history, component);
     if (!(opening > 0.0) || branch.limit == 0.0) return 0.0;
-    const double x = fmin(opening, branch.limit);
+    const double x = shv_smaller(opening, branch.limit);
     return 0.5 * branch.peak * (x / branch.limit) * x;
 }
 
@@ -100,6 +101,6 @@ double shv_ppr_damage(const ShvLaw *law, ShvHistory history)
     const ShvLawBranch shear = shv_ppr_branch(law, history, SHV_SHEAR);
     if (normal.peak == 0.0 && shear.peak == 0.0) return 1.0;
     const double left = 0.5 * normal.peak * normal.limit + 0.5 * shear.peak * shear.limit +
-                        fmax(work_left(law, history, SHV_NORMAL), work_left(law, history, SHV_SHEAR));
+                        shv_larger(work_left(law, history, SHV_NORMAL), work_left(law, history, SHV_SHEAR));
     return left > 0.0 ? history.dissipated / (history.dissipated + left) : 1.0;
 }

@@ -47,11 +47,8 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
 ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
-    const size_t size = sizeof *cohesive->node_share, bytes = (size_t)nodes * size;
-    double *share = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_share, (size_t)nodes, size);
-    if (!share) return shv_fail_memory(error, "nodes of cohesive facets", bytes);
-    cohesive->node_share = share;
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
+        const size_t size = sizeof *cohesive->node_value, bytes = (size_t)nodes * size;
         double *value = shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, (size_t)nodes, size);
         if (!value) return shv_fail_memory(error, "principal stresses of nodes", bytes);
         cohesive->node_value = value;
@@ -134,7 +131,6 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->cluster);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->element_bound);
-    shv_release(cohesive->node_share);
     shv_release(cohesive->node_value);
     *cohesive = (ShvCohesive){0};
 }

@@ -120,7 +120,8 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
         stream,
         "frame,time [s],kinetic [J],strain [J],gravity_potential [J],cohesive_recoverable [J],fracture_dissipation [J],"
         "contact [J],friction [J],closure [J],constraint [J],traction [J],bars [J],damping [J],handover [J],event [J],"
-        "cohesive [J],cohesive_released [J],cohesive_defect [J],opened_area [m2],inserted_area [m2],fracture_energy_area [J],momentum.x [kg m/s],"
+        "cohesive [J],cohesive_released [J],cohesive_defect [J],opened_area [m2],inserted_area "
+        "[m2],fracture_energy_area [J],momentum.x [kg m/s],"
         "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
         "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
     for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {

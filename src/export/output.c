@@ -28,6 +28,18 @@ char *shv_output_path(const ShvExportOptions *options, const char *prefix, const
     return path;
 }
 
+char *shv_output_escaped(const ShvExportOptions *options, const char *text)
+{
+    const size_t size = 6 * strlen(text) + 1;
+    char *escaped = shv_allocate(options->memory, SHV_PART_RECORD, size, 1);
+    for (char *end = escaped; end && *text; text++) {
+        const char *form = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '>' ? "&gt;" : NULL;
+        const bool control = (unsigned char)*text < 0x20 || *text == 0x7f;
+        end += form ? shv_format(end, 7, "%s", form) : shv_format(end, 7, "%c", control ? ' ' : *text);
+    }
+    return escaped;
+}
+
 ShvStatus shv_output_check(const ShvExportOptions *options, const char *prefix, const char *const *suffixes, int count,
                            ShvError *error)
 {

@@ -13,6 +13,8 @@ typedef struct ShvOutput {
 
 /* prefix + suffix; the caller releases it. NULL: out of memory. */
 char *shv_output_path(const ShvExportOptions *options, const char *prefix, const char *suffix);
+/* A text for XML, its control characters made spaces; the caller releases it. NULL: out of memory. */
+char *shv_output_escaped(const ShvExportOptions *options, const char *text);
 /* SHV_BAD_INPUT when one of the files prefix + suffix may not be written. */
 ShvStatus shv_output_check(const ShvExportOptions *options, const char *prefix, const char *const *suffixes, int count,
                            ShvError *error);

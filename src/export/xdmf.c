@@ -44,19 +44,6 @@ void shv_xdmf_attribute(const ShvXdmf *xdmf, const char *name, const char *kind,
 
 /* ---- the three files ---- */
 
-/* The file name behind the last slash; what XML or the reference "file:path" would misread is escaped. */
-static char *escaped_name(const ShvXdmf *xdmf, const char *path)
-{
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const size_t size = 6 * strlen(name) + 1;
-    char *escaped = shv_allocate(xdmf->options.memory, SHV_PART_RECORD, size, 1);
-    for (char *end = escaped; end && *name; name++) {
-        const char *form = *name == '&' ? "&amp;" : *name == '<' ? "&lt;" : *name == '>' ? "&gt;" : NULL;
-        end += form ? shv_format(end, 7, "%s", form) : shv_format(end, 7, "%c", *name);
-    }
-    return escaped;
-}
-
 typedef ShvStatus (*WriteGrids)(const ShvXdmf *xdmf, ShvError *error);
 
 static ShvStatus write_xml(ShvXdmf *xdmf, ShvOutput *output, const char *prefix, const char *suffix, const char *name,
@@ -77,7 +64,8 @@ static ShvStatus open_numbers(ShvXdmf *xdmf, const char *path, char **temporary,
 {
     int descriptor;
     xdmf->path = path;
-    xdmf->numbers_name = escaped_name(xdmf, path);
+    const char *slash = strrchr(path, '/');
+    xdmf->numbers_name = shv_output_escaped(&xdmf->options, slash ? slash + 1 : path);
     if (!xdmf->numbers_name) return shv_fail_memory(error, "a file name", 6 * strlen(path));
     SHV_TRY(shv_publish_begin(xdmf->options.memory, path, temporary, &descriptor, error));
     close(descriptor);

@@ -5,20 +5,16 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "base/vector.h"
+#include "export/pieces.h"
 #include "export/xdmf.h"
 
-/* The owners of the last frame are the finest division of the mesh: a point for every node of every last owner serves all
-   frames. Before its birth a fragment moves with the ancestor that lives then. */
+/* The finest division of the mesh serves all frames: a point for every node of every last owner. */
 typedef struct Rigid {
-    int32_t *elements, *owner; /* 4 × element_count; element_count */
-    int64_t *keys;             /* last owner and node of every point, increasing */
+    ShvPieces pieces;
+    int64_t *keys; /* last owner and node of every point, increasing */
     int64_t point_count;
-    double *reference, *points;                  /* 3 × node_count; 3 × point_count */
-    int32_t *carrier, *element_fragment, *shown; /* who moves each fragment; owners now, and in the last data set */
-    ShvFragmentView *fragments;
-    double *position, *orientation;
-    uint8_t *alive;
+    double *points;                    /* 3 × point_count */
+    int32_t *element_fragment, *shown; /* owners now, and in the last data set */
 } Rigid;
 
 static int64_t key_of(int32_t owner, int32_t node)
@@ -37,7 +33,8 @@ static int64_t make_keys(const ShvXdmf *xdmf, Rigid *rigid)
 {
     const int64_t corners = 4 * (int64_t)xdmf->info->element_count;
     int64_t kept = 0;
-    for (int64_t i = 0; i < corners; i++) rigid->keys[i] = key_of(rigid->owner[i / 4], rigid->elements[i]);
+    for (int64_t i = 0; i < corners; i++)
+        rigid->keys[i] = key_of(rigid->pieces.owner[i / 4], rigid->pieces.elements[i]);
     qsort(rigid->keys, (size_t)corners, sizeof *rigid->keys, by_key);
     for (int64_t i = 0; i < corners; i++)
         if (i == 0 || rigid->keys[i] != rigid->keys[i - 1]) rigid->keys[kept++] = rigid->keys[i];
@@ -47,34 +44,18 @@ static int64_t make_keys(const ShvXdmf *xdmf, Rigid *rigid)
 static ShvStatus put_cells(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
 {
     for (int64_t i = 0; i < 4 * (int64_t)xdmf->info->element_count; i++) {
-        const int64_t key = key_of(rigid->owner[i / 4], rigid->elements[i]);
+        const int64_t key = key_of(rigid->pieces.owner[i / 4], rigid->pieces.elements[i]);
         const int64_t *found = bsearch(&key, rigid->keys, (size_t)rigid->point_count, sizeof key, by_key);
-        rigid->elements[i] = (int32_t)(found - rigid->keys);
+        rigid->pieces.elements[i] = (int32_t)(found - rigid->keys);
     }
-    return shv_xdmf_put(xdmf, "/mesh/cells", SHV_XDMF_INT, xdmf->info->element_count, 4, rigid->elements, error);
-}
-
-static void find_carriers(const ShvXdmf *xdmf, const Rigid *rigid)
-{
-    for (int32_t i = 0; i < xdmf->info->fragment_count; i++) {
-        int32_t carrier = i;
-        while (!rigid->alive[carrier] && rigid->fragments[carrier].parent >= 0)
-            carrier = rigid->fragments[carrier].parent;
-        rigid->carrier[i] = carrier;
-    }
+    return shv_xdmf_put(xdmf, "/mesh/cells", SHV_XDMF_INT, xdmf->info->element_count, 4, rigid->pieces.elements, error);
 }
 
 static void move_points(const Rigid *rigid)
 {
-    for (int64_t i = 0; i < rigid->point_count; i++) {
-        const int32_t carrier = rigid->carrier[rigid->keys[i] >> 32];
-        const double *q = rigid->orientation + 4 * (int64_t)carrier;
-        const ShvVec3 reference = shv_load3(rigid->reference + 3 * (rigid->keys[i] & INT32_MAX));
-        const ShvVec3 arm = shv_sub(reference, shv_load3(rigid->fragments[carrier].reference_centre));
-        const ShvQuat rotation = {q[0], q[1], q[2], q[3]};
-        shv_store3(rigid->points + 3 * i,
-                   shv_add(shv_load3(rigid->position + 3 * (int64_t)carrier), shv_rotate(rotation, arm)));
-    }
+    for (int64_t i = 0; i < rigid->point_count; i++)
+        shv_store3(rigid->points + 3 * i, shv_pieces_point(&rigid->pieces, (int32_t)(rigid->keys[i] >> 32),
+                                                           (int32_t)(rigid->keys[i] & INT32_MAX)));
 }
 
 /* ---- XML of a frame ---- */
@@ -113,7 +94,7 @@ static ShvStatus put_owners(const ShvXdmf *xdmf, const Rigid *rigid, int64_t fra
 {
     const int32_t count = xdmf->info->element_count;
     char path[96];
-    for (int32_t e = 0; e < count; e++) rigid->element_fragment[e] = rigid->carrier[rigid->owner[e]];
+    for (int32_t e = 0; e < count; e++) rigid->element_fragment[e] = rigid->pieces.carrier[rigid->pieces.owner[e]];
     const bool same =
         *written >= 0 && memcmp(rigid->shown, rigid->element_fragment, (size_t)count * sizeof(int32_t)) == 0;
     if (!same) *written = frame;
@@ -126,14 +107,12 @@ static ShvStatus put_owners(const ShvXdmf *xdmf, const Rigid *rigid, int64_t fra
     return SHV_OK;
 }
 
-static ShvStatus put_rigid_frames(const ShvXdmf *xdmf, const Rigid *rigid, ShvError *error)
+static ShvStatus put_rigid_frames(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
 {
     int64_t written = -1;
     for (int64_t frame = 0; frame < xdmf->info->frame_count; frame++) {
         if (is_skipped(xdmf, frame)) continue;
-        SHV_TRY(shv_run_file_frame(xdmf->file, frame, NULL, NULL, rigid->alive, rigid->position, rigid->orientation,
-                                   NULL, NULL, error));
-        find_carriers(xdmf, rigid);
+        SHV_TRY(shv_pieces_move(&rigid->pieces, frame, error));
         move_points(rigid);
         begin_grid(xdmf, frame);
         SHV_TRY(put_points(xdmf, frame, rigid->point_count, rigid->points, error));
@@ -143,52 +122,17 @@ static ShvStatus put_rigid_frames(const ShvXdmf *xdmf, const Rigid *rigid, ShvEr
     return SHV_OK;
 }
 
-static ShvStatus allocate_rigid(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
-{
-    struct ShvMemory *memory = xdmf->options.memory;
-    const ShvRunFileInfo *info = xdmf->info;
-    const size_t elements = (size_t)info->element_count, fragments = (size_t)info->fragment_count;
-    *rigid = (Rigid){.elements = shv_allocate(memory, SHV_PART_RECORD, 4 * elements, sizeof(int32_t)),
-                     .owner = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t)),
-                     .keys = shv_allocate(memory, SHV_PART_RECORD, 4 * elements, sizeof(int64_t)),
-                     .reference = shv_allocate(memory, SHV_PART_RECORD, 3 * (size_t)info->node_count, sizeof(double)),
-                     .carrier = shv_allocate(memory, SHV_PART_RECORD, fragments, sizeof(int32_t)),
-                     .element_fragment = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t)),
-                     .shown = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t)),
-                     .fragments = shv_allocate(memory, SHV_PART_RECORD, fragments, sizeof(ShvFragmentView)),
-                     .position = shv_allocate(memory, SHV_PART_RECORD, 3 * fragments, sizeof(double)),
-                     .orientation = shv_allocate(memory, SHV_PART_RECORD, 4 * fragments, sizeof(double)),
-                     .alive = shv_allocate(memory, SHV_PART_RECORD, fragments, 1)};
-    if (rigid->elements && rigid->owner && rigid->keys && rigid->reference && rigid->carrier &&
-        rigid->element_fragment && rigid->shown && rigid->fragments && rigid->position && rigid->orientation &&
-        rigid->alive)
-        return SHV_OK;
-    return shv_fail_memory(error, "the mesh", 60 * elements);
-}
-
-static void release_rigid(Rigid *rigid)
-{
-    shv_release(rigid->elements);
-    shv_release(rigid->owner);
-    shv_release(rigid->keys);
-    shv_release(rigid->reference);
-    shv_release(rigid->points);
-    shv_release(rigid->carrier);
-    shv_release(rigid->element_fragment);
-    shv_release(rigid->shown);
-    shv_release(rigid->fragments);
-    shv_release(rigid->position);
-    shv_release(rigid->orientation);
-    shv_release(rigid->alive);
-}
-
 static ShvStatus put_rigid(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
 {
-    SHV_TRY(allocate_rigid(xdmf, rigid, error));
-    SHV_TRY(shv_run_file_mesh(xdmf->file, rigid->reference, rigid->elements, NULL, rigid->owner, error));
-    SHV_TRY(shv_run_file_fragments(xdmf->file, rigid->fragments, error));
+    struct ShvMemory *memory = xdmf->options.memory;
+    const size_t elements = (size_t)xdmf->info->element_count;
+    rigid->keys = shv_allocate(memory, SHV_PART_RECORD, 4 * elements, sizeof(int64_t));
+    rigid->element_fragment = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t));
+    rigid->shown = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t));
+    if (!rigid->keys || !rigid->element_fragment || !rigid->shown)
+        return shv_fail_memory(error, "the mesh", 40 * elements);
     rigid->point_count = make_keys(xdmf, rigid);
-    rigid->points = shv_allocate(xdmf->options.memory, SHV_PART_RECORD, 3 * (size_t)rigid->point_count, sizeof(double));
+    rigid->points = shv_allocate(memory, SHV_PART_RECORD, 3 * (size_t)rigid->point_count, sizeof(double));
     if (!rigid->points) return shv_fail_memory(error, "points", 24 * (size_t)rigid->point_count);
     SHV_TRY(put_cells(xdmf, rigid, error));
     return put_rigid_frames(xdmf, rigid, error);
@@ -196,9 +140,14 @@ static ShvStatus put_rigid(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
 
 ShvStatus shv_xdmf_mesh(const ShvXdmf *xdmf, ShvError *error)
 {
-    Rigid rigid = {.elements = NULL};
+    Rigid rigid = {.keys = NULL};
+    SHV_TRY(shv_pieces_create(&rigid.pieces, xdmf->file, xdmf->options.memory, error));
     const ShvStatus status = put_rigid(xdmf, &rigid, error);
-    release_rigid(&rigid);
+    shv_pieces_release(&rigid.pieces);
+    shv_release(rigid.keys);
+    shv_release(rigid.points);
+    shv_release(rigid.element_fragment);
+    shv_release(rigid.shown);
     return status;
 }
 

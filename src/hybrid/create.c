@@ -94,6 +94,7 @@ ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvScene
 {
     *hybrid = (ShvHybrid){.memory = memory, .scene = scene};
     memcpy(hybrid->gravity, scene->gravity, sizeof hybrid->gravity);
+    hybrid->relaxed = scene->fracture.stabiliser == SHV_STABILISER_BARS;
     shv_check_clock_start(&hybrid->clock);
     ShvStatus status = create_parts(hybrid, folder, error);
     if (status == SHV_OK) status = shv_hybrid_observe(hybrid, error);

@@ -125,6 +125,16 @@ static ShvStatus check_placed(const ShvMesh *mesh, const char *name, ShvError *e
     return SHV_OK;
 }
 
+/* As many threads as processors, but not more than have work: a colour of a small mesh is done before a second thread has
+   begun, and on a busy machine threads that wait for each other cost many times the work. */
+static int32_t choose_threads(const ShvSceneDefinition *scene, const ShvModel *model)
+{
+    enum { TETS_A_THREAD = 16384 };
+    if (scene->threads > 0) return scene->threads;
+    const int32_t useful = 1 + model->mesh.element_count / TETS_A_THREAD;
+    return useful < omp_get_num_procs() ? useful : omp_get_num_procs();
+}
+
 static ShvStatus make_part(ShvMesh *part, ShvMemory *memory, const ShvObjectDefinition *object, const char *folder,
                            ShvError *error)
 {
@@ -204,10 +214,10 @@ static ShvStatus build(ShvModel *model, const ShvSceneDefinition *scene, const c
 {
     SHV_TRY(check_scene(scene, error));
     model->seed = scene->seed;
-    model->threads = scene->threads > 0 ? scene->threads : omp_get_num_procs();
     SHV_TRY(make_materials(model, scene, error));
     SHV_TRY(make_objects(model, scene, error));
     SHV_TRY(make_mesh(model, scene, folder, error));
+    model->threads = choose_threads(scene, model);
     model->can_break = something_can_break(model, scene);
     if (model->can_break) SHV_TRY(shv_adjacency_build(&model->adjacency, &model->mesh, error));
     return SHV_OK;

@@ -20,8 +20,9 @@ static ShvVec3 centroid(const ShvModel *model, int32_t facet)
 {
     int32_t nodes[3];
     facet_nodes(model, facet, nodes);
-    const ShvVec3 sum = shv_add(shv_add(shv_mesh_position(&model->mesh, nodes[0]), shv_mesh_position(&model->mesh, nodes[1])),
-                                shv_mesh_position(&model->mesh, nodes[2]));
+    const ShvVec3 sum =
+        shv_add(shv_add(shv_mesh_position(&model->mesh, nodes[0]), shv_mesh_position(&model->mesh, nodes[1])),
+                shv_mesh_position(&model->mesh, nodes[2]));
     return shv_scale(sum, 1.0 / 3.0);
 }
 
@@ -75,7 +76,8 @@ static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach)
 ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *crack, ShvError *error)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
-    *crack = (ShvCrackView){.origin = {(double)NAN, (double)NAN, (double)NAN}, .normal = {(double)NAN, (double)NAN, (double)NAN}};
+    *crack = (ShvCrackView){.origin = {(double)NAN, (double)NAN, (double)NAN},
+                            .normal = {(double)NAN, (double)NAN, (double)NAN}};
     if (!hybrid->model.can_break || hybrid->cohesive.count == 0) return SHV_OK;
     const size_t nodes = (size_t)hybrid->model.mesh.node_count, facets = (size_t)hybrid->cohesive.count;
     Reach reach = {.node = shv_allocate(simulation->memory, SHV_PART_GENERAL, nodes, 1),

@@ -27,4 +27,14 @@ struct ShvSimulation {
     bool started;
 };
 
+/* Refuses what would steer a run wrongly (scene_check.c). */
+ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error);
+
+/* Intervals of the animation grid in the scene's duration, the last one perhaps shorter; what is left over by rounding alone
+   makes none of its own. */
+static inline int64_t shv_frame_intervals(const ShvSceneDefinition *scene)
+{
+    return (int64_t)fmin(ceil(scene->duration * scene->output.rate * (1.0 - 1e-12)), 9e18);
+}
+
 #endif

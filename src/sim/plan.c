@@ -31,7 +31,8 @@ static void list_parts(const ShvHybrid *hybrid, ShvPlan *plan)
     add_part(plan, "adjacency", breaks, shv_memory_bytes(memory, SHV_PART_ADJACENCY), because);
     add_part(plan, "stress", breaks, shv_memory_bytes(memory, SHV_PART_STRESS), because);
     add_part(plan, "nodal stress", principal, 0,
-             principal ? "principal criterion; grows at the first check" : "only the principal criterion averages at nodes");
+             principal ? "principal criterion; grows at the first check"
+                       : "only the principal criterion averages at nodes");
     add_part(plan, "cohesive facets", breaks, shv_memory_bytes(memory, SHV_PART_COHESIVE), because);
     add_part(plan, "obstacles", hybrid->obstacles.count > 0, shv_memory_bytes(memory, SHV_PART_SHAPE),
              hybrid->obstacles.count > 0 ? "the scene has obstacles" : "the scene has none");
@@ -65,8 +66,8 @@ static double time_step_cost(ShvHybrid *hybrid)
             int32_t count = 0;
             shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
             if (hybrid->scene->fracture.criterion == SHV_CRITERION_TRACTION)
-                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, NULL, hybrid->candidates,
-                                        hybrid->overstress, &count);
+                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, NULL,
+                                        hybrid->candidates, hybrid->overstress, &count);
             const int32_t every = hybrid->scene->fracture.check_every > 0 ? hybrid->scene->fracture.check_every : 5;
             check = (shv_now() - begin) / every;
         }
@@ -77,18 +78,19 @@ static double time_step_cost(ShvHybrid *hybrid)
 }
 
 /* Earliest moment at which a fragment's bounding sphere on its free path meets an obstacle at rest: by marching in rigid
-   steps, which a plan can afford. */
+   steps, or coarser ones where a plan could not afford them. */
 static double first_contact(const ShvHybrid *hybrid)
 {
-    const double step = hybrid->scene->rigid.time_step;
+    enum { MOST_STEPS = 100000 };
+    const double step = fmax(hybrid->scene->rigid.time_step, hybrid->scene->duration / MOST_STEPS);
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     for (double t = 0.0; t <= hybrid->scene->duration; t += step) {
         for (int32_t k = 0; k < hybrid->fragments.count; k++) {
             const ShvFragment *fragment = &hybrid->fragments.items[k];
-            const ShvVec3 x =
-                shv_madd(shv_madd(fragment->position, t, fragment->velocity), 0.5 * t * t, gravity);
+            const ShvVec3 x = shv_madd(shv_madd(fragment->position, t, fragment->velocity), 0.5 * t * t, gravity);
             for (int32_t i = 0; i < hybrid->obstacles.count; i++)
-                if (shv_obstacle_closest(&hybrid->obstacles.items[i], x, 2.0 * fragment->radius).gap <= fragment->radius)
+                if (shv_obstacle_closest(&hybrid->obstacles.items[i], x, 2.0 * fragment->radius).gap <=
+                    fragment->radius)
                     return t;
         }
     }
@@ -98,7 +100,7 @@ static double first_contact(const ShvHybrid *hybrid)
 static double shortest_window(const ShvHybrid *hybrid, double step)
 {
     double window = 0.0;
-    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->scene->rigid.wake != SHV_WAKE_CONTACT; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
         window = fmax(window, 4.0 * fragment->radius / material->bar_speed);
@@ -127,6 +129,6 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
         plan->awake_time = fmin(shortest_window(hybrid, plan->step), scene->duration - plan->first_contact);
     plan->predicted_steps = plan->awake_time / plan->step;
     plan->predicted_seconds = plan->predicted_steps * plan->seconds_per_step;
-    plan->frames = (int32_t)fmin(1e9, ceil(scene->duration * scene->output.rate)) + 1;
+    plan->frames = (int32_t)fmin(1e9, (double)shv_frame_intervals(scene)) + 1;
     return shv_awake_refresh(hybrid, error);
 }

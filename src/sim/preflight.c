@@ -1,7 +1,10 @@
 #include "shiver/plan.h"
 #include "sim/internal.h"
 
-int32_t shv_simulation_object_count(const ShvSimulation *simulation) { return simulation->hybrid.model.object_count; }
+int32_t shv_simulation_object_count(const ShvSimulation *simulation)
+{
+    return simulation->hybrid.model.object_count;
+}
 
 /* Quality and lumped properties come from the object's own part of the joint mesh, seen as a mesh of its own. */
 static ShvMesh part_of(const ShvModel *model, const ShvObject *object)
@@ -48,8 +51,7 @@ static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const
                                              hybrid->model.mesh.elements[4 * (int64_t)preflight->stable_element + a]));
     shv_store3(preflight->stable_centroid, shv_scale(sum, 0.25));
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->stable_step
-                                                 : fracture->time_step;
+    preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->stable_step : fracture->time_step;
     preflight->courant = preflight->step / preflight->stable_step;
 }
 
@@ -100,7 +102,8 @@ static double overshoot(const ShvSimulation *simulation, int32_t object, const S
     return speed > 0.0 ? stress / material->strength[SHV_NORMAL] * preflight->step / rise : (double)NAN;
 }
 
-ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight, ShvError *error)
+ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight,
+                                   ShvError *error)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
     if (object < 0 || object >= hybrid->model.object_count)

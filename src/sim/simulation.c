@@ -11,22 +11,6 @@ ShvSimulationOptions shv_simulation_options_default(void)
     return (ShvSimulationOptions){.cookie = SHV_DEFINITION_COOKIE};
 }
 
-static ShvStatus check_scene(const ShvSceneDefinition *scene, const ShvSimulationOptions *options, ShvError *error)
-{
-    if (!scene || scene->cookie != SHV_DEFINITION_COOKIE)
-        return shv_fail(error, SHV_BAD_INPUT, "the scene definition did not start from shv_scene_default()");
-    if (options && options->cookie != SHV_DEFINITION_COOKIE)
-        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_simulation_options_default()");
-    if (!(scene->duration >= 0.0) || !isfinite(scene->duration))
-        return shv_fail(error, SHV_BAD_INPUT, "duration must be a finite number of seconds, zero or more, not %g",
-                        scene->duration);
-    if (!(scene->output.rate > 0.0) || !isfinite(scene->output.rate))
-        return shv_fail(error, SHV_BAD_INPUT, "output.rate must be positive, not %g", scene->output.rate);
-    if (!(scene->rigid.time_step > 0.0) || !isfinite(scene->rigid.time_step))
-        return shv_fail(error, SHV_BAD_INPUT, "rigid.time_step must be positive, not %g", scene->rigid.time_step);
-    return SHV_OK;
-}
-
 static ShvStatus create_views(ShvSimulation *simulation, ShvError *error)
 {
     const ShvModel *model = &simulation->hybrid.model;
@@ -49,7 +33,9 @@ ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefini
                                 const ShvSimulationOptions *options, ShvError *error)
 {
     *simulation = NULL;
-    SHV_TRY(check_scene(scene, options, error));
+    if (options && options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_simulation_options_default()");
+    SHV_TRY(shv_simulation_check_scene(scene, error));
     ShvMemory *memory = options && options->memory ? options->memory : shv_memory_create();
     if (!memory) return shv_fail_memory(error, "the allocation counter", 0);
     const bool owns = !options || !options->memory;
@@ -117,8 +103,8 @@ static ShvStatus view_fragments(ShvSimulation *simulation, ShvError *error)
     ShvViews *views = &simulation->views;
     if (views->fragment_capacity < fragments->count) {
         const size_t capacity = (size_t)fragments->capacity;
-        ShvFragmentView *grown = shv_reallocate(simulation->memory, SHV_PART_RECORD, views->fragments, capacity,
-                                                sizeof(ShvFragmentView));
+        ShvFragmentView *grown =
+            shv_reallocate(simulation->memory, SHV_PART_RECORD, views->fragments, capacity, sizeof(ShvFragmentView));
         if (!grown) return shv_fail_memory(error, "views of fragments", capacity * sizeof(ShvFragmentView));
         views->fragments = grown;
         views->fragment_capacity = fragments->capacity;
@@ -149,9 +135,9 @@ static void view_costs(ShvSimulation *simulation)
         simulation->views.costs[i] = (ShvCostView){shv_cost_name((ShvCost)i), simulation->hybrid.costs.seconds[i],
                                                    simulation->hybrid.costs.calls[i]};
     for (int i = 0; i < SHV_PART_COUNT; i++)
-        simulation->views.bytes[i] = (ShvBytesView){shv_part_name((ShvPart)i),
-                                                    shv_memory_bytes(simulation->memory, (ShvPart)i),
-                                                    shv_memory_peak_bytes(simulation->memory, (ShvPart)i)};
+        simulation->views.bytes[i] =
+            (ShvBytesView){shv_part_name((ShvPart)i), shv_memory_bytes(simulation->memory, (ShvPart)i),
+                           shv_memory_peak_bytes(simulation->memory, (ShvPart)i)};
 }
 
 static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
@@ -198,7 +184,9 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
 
 static double animation_time(const ShvSimulation *simulation)
 {
-    return fmin((double)simulation->animation_frame / simulation->scene->output.rate, simulation->scene->duration);
+    const ShvSceneDefinition *scene = simulation->scene;
+    if (simulation->animation_frame >= shv_frame_intervals(scene)) return scene->duration;
+    return (double)simulation->animation_frame / scene->output.rate;
 }
 
 bool shv_simulation_finished(const ShvSimulation *simulation)
@@ -237,12 +225,15 @@ ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
     return fill_frame(simulation, animation, error);
 }
 
-const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation) { return &simulation->frame; }
+const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation)
+{
+    return &simulation->frame;
+}
 
 ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
 {
     const ShvModel *model = &simulation->hybrid.model;
-    return (ShvMeshView){model->mesh.node_count, model->mesh.element_count,       model->mesh.positions,
+    return (ShvMeshView){model->mesh.node_count, model->mesh.element_count, model->mesh.positions,
                          model->mesh.elements,   simulation->views.objects, model->object_count};
 }
 
@@ -281,9 +272,35 @@ void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *frag
     }
 }
 
-uint64_t shv_simulation_hash(const ShvSimulation *simulation) { return shv_state_hash(&simulation->hybrid.state); }
+/* What flies is in the fragments' records alone, what has cracked in the histories of its facets. */
+uint64_t shv_simulation_hash(const ShvSimulation *simulation)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    uint64_t hash = shv_state_hash(&hybrid->state);
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *f = &hybrid->fragments.items[i];
+        const double motion[] = {f->position.x,        f->position.y,    f->position.z,         f->orientation.w,
+                                 f->orientation.x,     f->orientation.y, f->orientation.z,      f->velocity.x,
+                                 f->velocity.y,        f->velocity.z,    f->angular_velocity.x, f->angular_velocity.y,
+                                 f->angular_velocity.z};
+        hash = shv_hash_bytes(hash, motion, sizeof motion);
+    }
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
+        const ShvObstacle *o = &hybrid->obstacles.items[i];
+        const double motion[] = {o->position.x,        o->position.y,    o->position.z,         o->orientation.w,
+                                 o->orientation.x,     o->orientation.y, o->orientation.z,      o->velocity.x,
+                                 o->velocity.y,        o->velocity.z,    o->angular_velocity.x, o->angular_velocity.y,
+                                 o->angular_velocity.z};
+        hash = shv_hash_bytes(hash, motion, sizeof motion);
+    }
+    if (!hybrid->model.can_break) return hash;
+    return shv_hash_bytes(hash, hybrid->cohesive.history, 3 * (size_t)hybrid->cohesive.count * sizeof(ShvHistory));
+}
 
-int32_t shv_simulation_threads(const ShvSimulation *simulation) { return simulation->hybrid.model.threads; }
+int32_t shv_simulation_threads(const ShvSimulation *simulation)
+{
+    return simulation->hybrid.model.threads;
+}
 
 ShvMomentView shv_simulation_moment(const ShvSimulation *simulation)
 {

@@ -109,7 +109,7 @@ static void a_plane_crack_takes_its_energy(void **state)
             /* in opening, slip_share takes 2/3 of itself */
             const double expected = 8.0 * area * (mode == 0 ? 1.0 - 2.0 / 3.0 * 0.005 : 1.0);
             check_near(energy.dissipated, expected, 4e-3 * expected);
-            /* forces are settled to 1e-3 of the peak, work to its square */
+            /* forces are settled to 5e-3 of the peak, work to its square */
             check_near(ledger.booked[SHV_WORK_COHESIVE], -energy.dissipated, 1e-5 * expected);
             check_near(start - kinetic(&f), energy.dissipated, 1e-5 * expected);
             assert_true(energy.opened == energy.inserted);
@@ -257,6 +257,74 @@ static void everything_breaks_without_gaining_energy(void **state)
     }
 }
 
+/* What a cluster stores, and what the tractions do if nodes keep their velocities, J. */
+static double cluster_budget(const Fixture *f, int32_t cluster, double step, double *size)
+{
+    double sum = 0.0;
+    *size = 0.0;
+    for (int32_t i = f->cohesive.cluster[cluster]; i < f->cohesive.cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &f->cohesive.points[f->cohesive.active[i]];
+        const ShvVec3 rate = shv_sub(shv_load3(f->state.velocity + 3 * (int64_t)point->second),
+                                     shv_load3(f->state.velocity + 3 * (int64_t)point->first));
+        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, rate);
+        const double work = shv_dot(point->pull, shv_sub(to, point->from));
+        sum += point->stored + work;
+        *size += point->stored + fabs(work);
+    }
+    return sum;
+}
+
+static void disturb(Fixture *f, double speed, uint64_t stream)
+{
+    for (int64_t i = 0; i < 3 * (int64_t)f->state.node_count; i++)
+        f->state.velocity[i] += speed * (shv_random_uniform(stream, (uint64_t)i) - 0.5);
+}
+
+/* Clusters that cannot settle: copies of unlike masses thrown about at random in every step, before either pull and, in
+   every second step, after both, as a support does. After the pulls each cluster's tractions give no more than it stores.
+   After the step it stores no more than it had and was given at the openings that really came, but for the turn of the
+   frames: in a step a facet of 5 mm turns by less than 100 m/s × 0.1 µs / 5 mm = 2e-3. */
+static void unsettled_clusters_never_give_energy(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 6; kind++) {
+        Fixture f;
+        fixture_define(&f, 0.02, 0.015, 0.015, 0.005);
+        f.material.law = kind % 2 ? SHV_CAMACHO_ORTIZ : SHV_PPR;
+        fixture_build(&f);
+        const int32_t count = f.model.adjacency.interior_count;
+        int32_t *facets = calloc((size_t)count, sizeof *facets), duplicated;
+        for (int32_t i = 0; i < count; i++) facets[i] = i;
+        check_ok(shv_cohesive_insert(&f.cohesive, &f.state, NULL, facets, count, &duplicated, &f.error), f.error);
+        free(facets);
+        const double step = 1e-7, speeds[] = {0.1, 1.0, 10.0}, speed = speeds[kind / 2];
+        for (int32_t i = 0; i < f.state.node_count; i++) f.state.mass[i] *= 1e-3 + shv_random_uniform(3, (uint64_t)i);
+        f.state.last_step = step;
+        double allowed = 0.0, size;
+        for (uint64_t k = 0; k < 40; k++) {
+            shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+            double stored = 0.0;
+            for (int32_t i = 0; i < f.cohesive.active_count; i++)
+                stored += f.cohesive.points[f.cohesive.active[i]].stored;
+            if (k > 0) assert_true(stored <= allowed * (1.0 + 2e-3));
+            for (uint64_t pull = 0; pull < 2; pull++) {
+                disturb(&f, speed, 10 + 3 * k + pull);
+                shv_cohesive_pull(&f.cohesive, &f.state, step, step);
+                for (int32_t c = 0; c < f.cohesive.cluster_count; c++)
+                    assert_true(cluster_budget(&f, c, step, &size) >= -1e-12 * size);
+            }
+            if (k % 2) disturb(&f, speed, 12 + 3 * k);
+            allowed = 0.0;
+            for (int32_t c = 0; c < f.cohesive.cluster_count; c++)
+                allowed += fmax(cluster_budget(&f, c, step, &size), 0.0);
+            for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
+                f.state.displacement[i] += step * f.state.velocity[i];
+            zero_force(&f);
+        }
+        fixture_release(&f);
+    }
+}
+
 /* The same opening, body and all turned by 90° about z. */
 static void turned_bodies_open_alike(void **state)
 {
@@ -310,6 +378,7 @@ int main(void)
         cmocka_unit_test(a_plane_crack_takes_its_energy),
         cmocka_unit_test(acceleration_is_continuous),
         cmocka_unit_test(everything_breaks_without_gaining_energy),
+        cmocka_unit_test(unsettled_clusters_never_give_energy),
         cmocka_unit_test(turned_bodies_open_alike),
         cmocka_unit_test(resolution_step_is_a_tenth_of_what_is_left),
     };

@@ -1,0 +1,114 @@
+/* What a scene made in C may get wrong where no part of the solver would notice: numbers and names that only steer the run. Parts
+   check what they build from: materials, meshes, obstacles and conditions. */
+#include <string.h>
+
+#include "sim/internal.h"
+
+typedef struct NumberRule {
+    const char *name;
+    double value, least, most;
+    bool above; /* more than `least`, not equal to it */
+} NumberRule;
+
+static ShvStatus check_number(const NumberRule *rule, ShvError *error)
+{
+    const bool enough = rule->above ? rule->value > rule->least : rule->value >= rule->least;
+    if (enough && rule->value <= rule->most && isfinite(rule->value)) return SHV_OK;
+    if (isfinite(rule->most))
+        return shv_fail(error, SHV_BAD_INPUT, "%s must be a number %s %g and at most %g, not %g", rule->name,
+                        rule->above ? "above" : "of at least", rule->least, rule->most, rule->value);
+    return shv_fail(error, SHV_BAD_INPUT, "%s must be a finite number %s %g, not %g", rule->name,
+                    rule->above ? "above" : "of at least", rule->least, rule->value);
+}
+
+static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
+{
+    const ShvFractureDefinition *fracture = &scene->fracture;
+    const double any = (double)INFINITY;
+    const NumberRule rules[] = {
+        {"duration", scene->duration, 0.0, any, false},
+        {"output.rate", scene->output.rate, 0.0, any, true},
+        {"output.fracture_every", (double)scene->output.fracture_every, 0.0, any, false},
+        {"gravity x", scene->gravity[0], -any, any, false},
+        {"gravity y", scene->gravity[1], -any, any, false},
+        {"gravity z", scene->gravity[2], -any, any, false},
+        {"rigid.time_step", scene->rigid.time_step, 0.0, any, true},
+        {"rigid.wake_fraction", scene->rigid.wake_fraction, 0.0, any, true},
+        {"rigid.wake_factor", scene->rigid.wake_factor, 0.0, any, true},
+        {"fracture.time_step", isnan(fracture->time_step) ? 1.0 : fracture->time_step, 0.0, any, true},
+        {"fracture.safety", fracture->safety, 0.0, 1.0, true},
+        {"fracture.check_every", fracture->check_every, 0.0, any, false},
+        {"fracture.threshold", fracture->threshold, 0.0, 1.0, true},
+        {"fracture.regularisation", fracture->regularisation, 0.0, 1.0, true},
+        {"fracture.quiet_checks", fracture->quiet_checks, 1.0, any, false},
+        {"fracture.longest", fracture->longest, 0.0, any, false},
+        {"fracture.energy_bound", fracture->energy_bound, 0.0, any, true},
+        {"pbd.stiffness", scene->pbd.stiffness, 0.0, 1.0, false},
+        {"pbd.iterations", scene->pbd.iterations, 1.0, any, false},
+        {"pbd.damping", scene->pbd.damping, 0.0, 1.0, false},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) SHV_TRY(check_number(&rules[i], error));
+    return SHV_OK;
+}
+
+static bool is_object(const ShvSceneDefinition *scene, const char *name)
+{
+    for (int32_t i = 0; i < scene->object_count; i++)
+        if (scene->objects[i].name && strcmp(scene->objects[i].name, name) == 0) return true;
+    return false;
+}
+
+static bool is_free_obstacle(const ShvSceneDefinition *scene, const char *name)
+{
+    for (int32_t i = 0; i < scene->obstacle_count; i++) {
+        const ShvObstacleDefinition *obstacle = &scene->obstacles[i];
+        if (obstacle->name && obstacle->motion == SHV_OBSTACLE_FREE && strcmp(obstacle->name, name) == 0) return true;
+    }
+    return false;
+}
+
+static bool is_condition(const ShvSceneDefinition *scene, const char *name)
+{
+    for (int32_t i = 0; i < scene->condition_count; i++)
+        if (scene->conditions[i].name && strcmp(scene->conditions[i].name, name) == 0) return true;
+    return false;
+}
+
+static ShvStatus check_target(const ShvSceneDefinition *scene, int32_t index, ShvError *error)
+{
+    const ShvEventDefinition *event = &scene->events[index];
+    if (event->kind == SHV_EVENT_GRAVITY) return SHV_OK;
+    const char *name = event->target ? event->target : "";
+    if (event->kind == SHV_EVENT_RELEASE)
+        return is_condition(scene, name)
+                   ? SHV_OK
+                   : shv_fail(error, SHV_BAD_INPUT, "event %d releases '%s', which is no condition", (int)index, name);
+    if (is_object(scene, name) || is_free_obstacle(scene, name)) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "event %d acts on '%s', which is neither an object nor a free obstacle",
+                    (int)index, name);
+}
+
+static ShvStatus check_event(const ShvSceneDefinition *scene, int32_t index, ShvError *error)
+{
+    const ShvEventDefinition *event = &scene->events[index];
+    if (event->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "event %d did not start from shv_event_default()", (int)index);
+    if (!(event->time >= 0.0) || !isfinite(event->time) || !shv_finite3(shv_load3(event->value)) ||
+        !shv_finite3(shv_load3(event->angular)))
+        return shv_fail(error, SHV_BAD_INPUT, "event %d needs finite numbers and a time of 0 or more, not %g s",
+                        (int)index, event->time);
+    if (index > 0 && event->time < scene->events[index - 1].time)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "event %d at %g s comes after one at %g s; give events by increasing time", (int)index,
+                        event->time, scene->events[index - 1].time);
+    return check_target(scene, index, error);
+}
+
+ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error)
+{
+    if (!scene || scene->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the scene definition did not start from shv_scene_default()");
+    SHV_TRY(check_numbers(scene, error));
+    for (int32_t i = 0; i < scene->event_count; i++) SHV_TRY(check_event(scene, i, error));
+    return SHV_OK;
+}

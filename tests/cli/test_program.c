@@ -1,0 +1,273 @@
+/* The program as its users meet it: what it prints, where, and how it ends. */
+#include "cli/json.h"
+#include "cli/shell.h"
+
+static const char tiny_scene[] =
+    "shiver: 1\n"
+    "name: tiny\n"
+    "materials:\n"
+    "  chalk: {density: 1200, youngs_modulus: 50e6, poissons_ratio: 0.2, fracture_energy: 0.5, cohesive_strength: "
+    "50e3}\n"
+    "objects:\n"
+    "  bar: {mesh: {box: {size: [0.02, 0.02, 0.06], edge: 0.02}}, material: chalk, position: [0, 0, 0.031],\n"
+    "        velocity: [0, 0, -0.3]}\n"
+    "obstacles:\n"
+    "  floor: {plane: {normal: [0, 0, 1], offset: 0}, friction: 0.3}\n"
+    "duration: 0.005\n"
+    "output: {rate: 1000}\n"
+    "threads: 1\n";
+
+static int enter(void **state)
+{
+    if (shell_enter(state) != 0) return -1;
+    shell_write("tiny.yaml", tiny_scene);
+    return 0;
+}
+
+static void test_usage(void **state)
+{
+    (void)state;
+    shell_fails("$shiver", 2, "usage: shiver COMMAND");
+    assert_string_equal(output.out, "");
+    shell_works("$shiver --help", "usage: shiver COMMAND");
+    shell_works("$shiver --version", "shiver 0.");
+    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export"};
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char line[64], usage[64];
+        snprintf(line, sizeof line, "$shiver %s --help", commands[i]);
+        snprintf(usage, sizeof usage, "usage: shiver %s ", commands[i]);
+        shell_works(line, usage);
+        assert_non_null(strstr(output.out, "--help"));
+        assert_string_equal(output.err, "");
+        snprintf(line, sizeof line, "$shiver %s", commands[i]);
+        shell_fails(line, 2, usage);
+        snprintf(line, sizeof line, "$shiver %s --colour blue", commands[i]);
+        shell_fails(line, 2, "unknown option --colour");
+    }
+}
+
+static void test_wrong_words(void **state)
+{
+    (void)state;
+    shell_fails("$shiver rum tiny.yaml", 2, "did you mean run?");
+    shell_fails("$shiver run tiny.yaml --forse", 2, "did you mean --force?");
+    shell_fails("$shiver run tiny.yaml other.yaml", 2, "one argument too many: other.yaml");
+    shell_fails("$shiver run tiny.yaml --output", 2, "--output needs a value");
+    shell_fails("$shiver run tiny.yaml --set", 2, "--set needs KEY=VALUE");
+    shell_fails("$shiver info tiny.yaml --set duration=1", 2, "unknown option --set");
+}
+
+static void test_check_and_plan(void **state)
+{
+    (void)state;
+    shell_works("$shiver check tiny.yaml", "stable step");
+    shell_works("$shiver check tiny.yaml", "cohesive zone");
+    shell_works("$shiver check tiny.yaml", "snap-back length");
+    shell_works("$shiver check tiny.yaml --json", "\"stable_step\"");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver plan tiny.yaml", "on  reference mesh");
+    shell_works("$shiver plan tiny.yaml", "6 animation frames");
+    shell_works("$shiver plan tiny.yaml --json", "\"seconds_per_step\"");
+    assert_true(json_valid(output.out));
+    /* Infinite and missing numbers are null. */
+    shell_works("$shiver check tiny.yaml --json --set materials.chalk.cohesive_strength=.inf", "null");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver plan tiny.yaml --json --set 'objects.bar.velocity=[0, 0, 9]' --set 'gravity=[0, 0, 0]'",
+                "\"first_contact\": null");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver plan tiny.yaml --set fracture.enabled=false", "fracture.enabled is false");
+    assert_false(json_valid("{\"a\": nan}") || json_valid("[1,]") || json_valid("{} x") || json_valid(""));
+}
+
+/* A plan of a slow and finely stepped fall takes no time itself. */
+static void test_plan_of_a_long_fall(void **state)
+{
+    (void)state;
+    shell_works(
+        "timeout 5 $shiver plan tiny.yaml --set rigid.time_step=1e-9 --set duration=1000 --set 'gravity=[0, 0, 0]' "
+        "--set 'objects.bar.velocity=[0, 0, 1]'",
+        "no contact");
+}
+
+static void test_overrides(void **state)
+{
+    (void)state;
+    shell_works("$shiver plan tiny.yaml --set output.rate=2000", "11 animation frames");
+    shell_works("$shiver plan tiny.yaml --set output.rate=2000 --set duration=0.01", "21 animation frames");
+    shell_fails("$shiver check tiny.yaml --set fracture.threshold=2", 2, "--set fracture.threshold: error");
+    shell_fails("$shiver check tiny.yaml --set gravty=3", 2, "did you mean 'gravity'?");
+    shell_fails("$shiver check tiny.yaml --set duration", 2, "--set");
+}
+
+static void test_bad_scenes(void **state)
+{
+    (void)state;
+    shell_write("bad.yaml",
+                "shiver: 1\nname: bad\nmaterials:\n  chalk: {densty: 1200, youngs_modulus: -5, poissons_ratio: 0.7,\n"
+                "          fracture_energy: 1, cohesive_strength: .nan}\nobjects: {}\nduration: -1\n");
+    const char *commands[] = {"check", "plan", "run"};
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "$shiver %s bad.yaml", commands[i]);
+        shell_fails(line, 2, "bad.yaml:4:");
+        assert_string_equal(output.out, "");
+        const char *expected[] = {"'densty'",       "'density'",   "youngs_modulus",
+                                  "poissons_ratio", "bad.yaml:5:", "bad.yaml:7:"};
+        for (size_t k = 0; k < sizeof expected / sizeof expected[0]; k++)
+            if (!strstr(output.err, expected[k])) fail_msg("'%s' is missing in: %s", expected[k], output.err);
+    }
+    assert_int_not_equal(access("bad.h5", F_OK), 0);
+    shell_fails("$shiver check missing.yaml", 2, "missing.yaml");
+    shell_fails("$shiver check .", 2, "directory");
+    shell_write("cut.yaml", "shiver: 1\nmaterials: {chalk: {density: 12");
+    shell_fails("$shiver check cut.yaml", 2, "cut.yaml:");
+    shell_fails("head -c 5000 $shiver >binary.yaml; $shiver check binary.yaml", 2, "binary.yaml");
+    shell_fails("head -c 20000000 /dev/zero >huge.yaml; $shiver check huge.yaml", 2, "huge.yaml");
+    shell_fails("$shiver run tiny.yaml --set 'objects.bar.mesh={gmsh: {file: nowhere.msh}}'", 2, "nowhere.msh");
+    shell_fails("$shiver run tiny.yaml --set fracture.time_step=1e-3", 2, "stable step");
+}
+
+static void test_run_and_info(void **state)
+{
+    (void)state;
+    shell_works("$shiver run tiny.yaml --output fine.h5", "finished: t = 0.005 s");
+    assert_non_null(strstr(output.out, "ledger residual"));
+    shell_works("$shiver info fine.h5", "tiny: finished");
+    assert_non_null(strstr(output.out, "6 frames from 0 to 0.005 s"));
+    shell_works("$shiver info fine.h5 --json", "\"status\": \"finished\"");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver info fine.h5 --fragments", "birth s");
+    shell_works("$shiver info fine.h5 --scene", tiny_scene);
+    shell_works("$shiver run tiny.yaml --output fine.h5 --force --json", "\"status\": \"finished\"");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver run tiny.yaml --output quiet.h5 --quiet", "");
+    assert_string_equal(output.out, "");
+    assert_string_equal(output.err, "");
+    shell_fails("$shiver info tiny.yaml", 2, "not a run file");
+    shell_fails("$shiver info missing.h5", 2, "missing.h5");
+    shell_fails("head -c 3000 fine.h5 >cut.h5; $shiver info cut.h5", 2, "cut.h5");
+    shell_fails("$shiver info .", 2, "");
+}
+
+/* The run file takes its name from the scene's, in the working folder. */
+static void test_default_name(void **state)
+{
+    (void)state;
+    shell_works("mkdir -p a && cp tiny.yaml a/other.scene.yaml && $shiver run a/other.scene.yaml", "other.scene.h5");
+    assert_int_equal(access("other.scene.h5", R_OK), 0);
+}
+
+static void test_existing_output(void **state)
+{
+    (void)state;
+    shell_write("kept.h5", "precious");
+    shell_fails("$shiver run tiny.yaml --output kept.h5", 2, "--force");
+    shell_works("cat kept.h5", "precious");
+    /* With --force, too, a run that does not begin leaves it alone. */
+    shell_fails("$shiver run tiny.yaml --output kept.h5 --force --set fracture.time_step=1", 2, "stable step");
+    shell_works("cat kept.h5", "precious");
+    shell_works("$shiver run tiny.yaml --output kept.h5 --force; $shiver info kept.h5", "tiny: finished");
+    shell_works("ls | grep -c part || true", "0");
+}
+
+static void test_unwritable(void **state)
+{
+    (void)state;
+    shell_fails("$shiver run tiny.yaml --output nowhere/x.h5", 1, "nowhere/x.h5");
+    shell_fails("$shiver run tiny.yaml --output /dev/full", 2, "not an ordinary file");
+    shell_fails("$shiver check tiny.yaml >/dev/full", 1, "standard output");
+    shell_fails("$shiver plan tiny.yaml --json >/dev/full", 1, "standard output");
+    shell_fails("$shiver --help >/dev/full", 1, "standard output");
+}
+
+static void test_full_disk(void **state)
+{
+    (void)state;
+    /* The limit counts blocks of 512 bytes (dash) or 1024 (bash); either way it falls within the frames of this run. */
+    shell_fails("ulimit -f 1000; $shiver run tiny.yaml --output full.h5 --set output.nodes=true --set output.rate=1e6 "
+                "--set threads=1 --quiet",
+                1, "full.h5");
+    shell_works("$shiver info full.h5", "tiny: failed");
+    shell_works("$shiver info full.h5 --json", "\"frames\": ");
+    assert_true(atoi(strstr(output.out, "\"frames\": ") + 10) > 1);
+}
+
+static void test_interruption(void **state)
+{
+    (void)state;
+    const char *signals[] = {"INT", "TERM"};
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
+        char line[512];
+        snprintf(
+            line, sizeof line,
+            "$shiver run tiny.yaml --output stopped.h5 --force --set duration=1e5 --set output.rate=100 --set "
+            "rigid.time_step=1e-4 & pid=$!; while ! [ -e stopped.h5 ]; do sleep 0.05; done; sleep 0.3; kill -%s $pid; "
+            "wait $pid",
+            signals[i]);
+        shell_fails(line, 130, "stopped at");
+        assert_non_null(strstr(output.out, "interrupted: t ="));
+        shell_works("$shiver info stopped.h5", "tiny: interrupted");
+        assert_int_equal(unlink("stopped.h5"), 0);
+    }
+}
+
+static void test_export(void **state)
+{
+    (void)state;
+    shell_works("$shiver run tiny.yaml --output out.h5 --quiet; $shiver export csv out.h5", "");
+    shell_works("head -1 out_trajectories.csv", "time");
+    shell_works("wc -l <out_ledger.csv", "7");
+    shell_works("head -2 out_genealogy.csv", "mass");
+    shell_fails("$shiver export csv out.h5", 2, "--force");
+    shell_works("$shiver export csv out.h5 --force", "");
+    shell_works("$shiver export xdmf out.h5 --output there", "");
+    shell_works("cat there_fragments.xmf there_mesh.xmf", "<Xdmf");
+    shell_works("ls", "there_xdmf.h5");
+    shell_fails("$shiver export pdf out.h5", 2, "pdf");
+    shell_fails("$shiver export csv tiny.yaml", 2, "not a run file");
+}
+
+static const char tetrahedron[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+static void test_mesh(void **state)
+{
+    (void)state;
+    shell_write("tet.obj", tetrahedron);
+    shell_fails("$shiver mesh tet.obj", 2, "--edge");
+    shell_fails("$shiver mesh tet.obj --edge nothing", 2, "positive number");
+    shell_fails("$shiver mesh tet.obj --edge -1", 2, "positive number");
+    shell_fails("$shiver mesh nowhere.obj --edge 1", 1, "nowhere.obj");
+    shell_fails("PATH=/nonexistent $shiver mesh tet.obj --edge 0.5", 2, "install it");
+    shell_write("kept.msh", "precious");
+    shell_fails("$shiver mesh tet.obj --edge 0.5 --output kept.msh", 2, "--force");
+    shell_works("cat kept.msh", "precious");
+    if (shell("command -v gmsh") != 0) return;
+    shell_works("mkdir -p long.folder.name/with.many.parts.to.see.that.no.name.is.cut && "
+                "TMPDIR=$PWD/long.folder.name/with.many.parts.to.see.that.no.name.is.cut $shiver mesh tet.obj --edge "
+                "0.5 --json",
+                "\"tets\"");
+    assert_true(json_valid(output.out));
+    shell_works("ls long.folder.name/with.many.parts.to.see.that.no.name.is.cut | wc -l", "0");
+    shell_works("$shiver check tiny.yaml --set 'objects.bar.mesh={gmsh: {file: tet.msh}}'", "bar (chalk)");
+}
+
+static void test_scenes(void **state)
+{
+    (void)state;
+    shell_works("for scene in $scenes/*.yaml; do $shiver check $scene || exit 1; done", "stable step");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_usage),           cmocka_unit_test(test_wrong_words),
+        cmocka_unit_test(test_check_and_plan),  cmocka_unit_test(test_plan_of_a_long_fall),
+        cmocka_unit_test(test_overrides),       cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_run_and_info),    cmocka_unit_test(test_default_name),
+        cmocka_unit_test(test_existing_output), cmocka_unit_test(test_unwritable),
+        cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_interruption),
+        cmocka_unit_test(test_export),          cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_scenes),
+    };
+    return cmocka_run_group_tests(tests, enter, shell_leave);
+}

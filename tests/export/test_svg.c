@@ -1,0 +1,299 @@
+/* Drawings: well-formed, with the panels, colours and extents that were asked for. */
+#include "check.h"
+
+#include <locale.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "export/svg.h"
+#include "fake_simulation.h"
+#include "files.h"
+
+static const FakeSetup BREAKING = {.bricks = 4, .split_every = 2, .most = 7, .splits = 1};
+enum { FRAMES = 8, BRICKS = 4 };
+
+static ShvRunFile *open_run(void *folder, bool nodes, struct ShvMemory *memory)
+{
+    ShvError error;
+    ShvRecord *record;
+    ShvRunFile *file;
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = file_in(folder, "run.h5");
+    definition.scene_name = "glass & <stone>";
+    definition.nodes = nodes;
+    definition.force = true;
+    ShvSimulation *simulation = fake_create(&BREAKING);
+    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
+    for (int i = 0; i < FRAMES; i++) {
+        fake_advance(simulation);
+        check_ok(shv_record_frame(record, simulation, &error), error);
+    }
+    check_ok(shv_record_close(record, SHV_OK, "", &error), error);
+    fake_destroy(simulation);
+    check_ok(shv_run_file_open(&file, file_in(folder, "run.h5"), memory, &error), error);
+    return file;
+}
+
+static char *draw(void *folder, ShvRunFile *file, const ShvSvgOptions *options)
+{
+    ShvError error;
+    check_ok(shv_export_svg(file, file_in(folder, "a"), options, &error), error);
+    return read_bytes(file_in(folder, "a.svg"));
+}
+
+static int count_text(const char *xml, const char *text)
+{
+    int count = 0;
+    for (const char *at = strstr(xml, text); at; at = strstr(at + 1, text)) count++;
+    return count;
+}
+
+/* Every element is closed by its own name, every attribute is quoted, every & begins an entity. */
+static void check_well_formed(const char *xml)
+{
+    char open[16][32];
+    int depth = 0, roots = 0;
+    assert_int_equal(strncmp(xml, "<?xml ", 6), 0);
+    for (const char *at = strstr(xml, "?>") + 2; *at; at++) {
+        if (*at == '&')
+            assert_true(strncmp(at, "&amp;", 5) == 0 || strncmp(at, "&lt;", 4) == 0 || strncmp(at, "&gt;", 4) == 0);
+        if (*at != '<') continue;
+        const size_t name = strcspn(at + 1, " />"), end = strcspn(at, ">");
+        assert_true(at[end] == '>' && strcspn(at + 1, "<") >= end);
+        int quotes = 0;
+        for (size_t i = 0; i < end; i++) quotes += at[i] == '"';
+        assert_int_equal(quotes % 2, 0);
+        if (at[1] == '/') {
+            assert_true(depth > 0 && strncmp(open[depth - 1], at + 2, end - 2) == 0 &&
+                        open[depth - 1][end - 2] == '\0');
+            depth--;
+        } else if (at[end - 1] != '/') {
+            roots += depth == 0;
+            assert_true(depth < 16 && name < 32);
+            snprintf(open[depth++], 32, "%.*s", (int)name, at + 1);
+        }
+        at += end;
+    }
+    assert_int_equal(depth, 0);
+    assert_int_equal(roots, 1);
+}
+
+/* The panel's faces have colours of these fragments and no others, and each fragment is seen. */
+static void check_colours(const char *panel, const int32_t *fragments, int count)
+{
+    bool seen[BRICKS] = {false};
+    const char *end = strstr(panel, "</svg>");
+    int paths = 0;
+    for (const char *at = strstr(panel, "\" stroke=\"#"); at && at < end;
+         at = strstr(at + 1, "\" stroke=\"#"), paths++) {
+        const uint32_t colour = (uint32_t)strtoul(at + 11, NULL, 16);
+        bool known = false;
+        for (int i = 0; i < count; i++)
+            for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
+                if (shv_svg_colour(fragments[i], i == 0, shade) == colour) known = seen[i] = true;
+        assert_true(known);
+    }
+    assert_true(paths > 0);
+    for (int i = 0; i < count; i++) assert_true(seen[i]);
+}
+
+static void test_panels_and_colours(void **state)
+{
+    const int64_t frames[2] = {0, FRAMES - 1};
+    for (int nodes = 0; nodes < 2; nodes++) {
+        ShvRunFile *file = open_run(*state, nodes, NULL);
+        ShvSvgOptions options = shv_svg_default();
+        options.frames = frames;
+        options.frame_count = 2;
+        options.mass_in_view = 1.0;
+        options.force = true;
+        char *xml = draw(*state, file, &options);
+        check_well_formed(xml);
+        assert_int_equal(count_text(xml, "class=\"panel\""), 2);
+        assert_int_equal(count_text(xml, "<title>glass &amp; &lt;stone&gt;</title>"), 1);
+        assert_int_equal(count_text(xml, ">1 fragment<"), 1);
+        assert_int_equal(count_text(xml, ">4 fragments<"), 1);
+        assert_int_equal(count_text(xml, ">0.02917 s<"), 1); /* 7 / 240 s */
+        const char *first = strstr(xml, "class=\"panel\"");
+        check_colours(first, (const int32_t[]){0}, 1);
+        /* Fragment 0 became 1 and 2, 1 became 3 and 4, 2 became 5 and 6: equal masses, so the first is the largest. */
+        check_colours(strstr(first + 1, "class=\"panel\""), (const int32_t[]){3, 4, 5, 6}, 4);
+        free(xml);
+        shv_run_file_close(file);
+    }
+}
+
+/* What must be in view is in view, and large: it reaches at least over half of the panel in one direction. */
+static void test_frame_around_the_fragments(void **state)
+{
+    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvSvgOptions options = shv_svg_default();
+    options.mass_in_view = 1.0;
+    char *xml = draw(*state, file, &options);
+    assert_int_equal(count_text(xml, "class=\"panel\""), 4);
+    double width, height, low[2] = {(double)INFINITY, (double)INFINITY},
+                          high[2] = {-(double)INFINITY, -(double)INFINITY};
+    assert_int_equal(
+        sscanf(strstr(strstr(xml, "class=\"panel\""), "width="), "width=\"%lf\" height=\"%lf\"", &width, &height), 2);
+    for (const char *at = strstr(xml, "d=\"M"); at; at = strstr(at, "d=\"M")) {
+        const char *end = strchr(at + 3, '"');
+        for (at += 3; at < end; at = strchr(at, 'z') + 1) {
+            double p[6];
+            assert_int_equal(sscanf(at, "M%lf %lfl%lf %lf %lf %lfz", &p[0], &p[1], &p[2], &p[3], &p[4], &p[5]), 6);
+            for (int k = 0; k < 2; k++) {
+                const double second = p[k] + p[2 + k], third = second + p[4 + k];
+                low[k] = fmin(low[k], fmin(p[k], fmin(second, third)));
+                high[k] = fmax(high[k], fmax(p[k], fmax(second, third)));
+            }
+        }
+    }
+    assert_true(low[0] >= 0.0 && low[1] >= 0.0 && high[0] <= width && high[1] <= height);
+    assert_true(high[0] - low[0] > 0.5 * width || high[1] - low[1] > 0.5 * height);
+    free(xml);
+    shv_run_file_close(file);
+}
+
+static void test_same_bytes_in_any_locale(void **state)
+{
+    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvSvgOptions options = shv_svg_default();
+    options.floor = true;
+    options.floor_normal[2] = 2.0;
+    char *one = draw(*state, file, &options);
+    ShvError error;
+    check_fails(shv_export_svg(file, file_in(*state, "a"), &options, &error), SHV_BAD_INPUT, error, "--force");
+    options.force = true;
+    static const char *const commas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"};
+    for (int i = 0; i < 3; i++)
+        if (setlocale(LC_ALL, commas[i])) break;
+    char *two = draw(*state, file, &options);
+    setlocale(LC_ALL, "C");
+    assert_string_equal(one, two);
+    check_well_formed(one);
+    assert_int_equal(count_text(one, "id=\"floor\""), 1);
+    assert_int_equal(count_text(one, "<use href=\"#floor\"/>"), 4);
+    assert_int_equal(count_text(one, "fill-opacity"), 4);
+    free(one);
+    free(two);
+    shv_run_file_close(file);
+}
+
+static void test_refusals(void **state)
+{
+    ShvError error;
+    const int64_t frames[25] = {0, FRAMES};
+    const double times[2] = {0.0, 1.0};
+    const char *path = file_in(*state, "a");
+    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvSvgOptions options = shv_svg_default();
+    options.frames = frames;
+    options.frame_count = 2;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "frames 0 to 7");
+    options.frame_count = 25;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "at most 24");
+    options.times = times;
+    options.time_count = 2;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "either");
+    options.frame_count = 0;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "no time 1 s");
+    options.size = 20;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "pixels");
+    options = shv_svg_default();
+    options.mass_in_view = 1.5;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "0 to 1");
+    options = shv_svg_default();
+    options.floor = true;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "normal");
+    options = shv_svg_default();
+    options.cookie = 0;
+    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "shv_svg_default");
+    assert_int_equal(files_in(*state), 1);
+    shv_run_file_close(file);
+}
+
+/* Whichever allocation fails: the status says so and no file is left. */
+static void test_out_of_memory(void **state)
+{
+    ShvError error;
+    ShvMemory *memory = shv_memory_create();
+    ShvRunFile *file = open_run(*state, true, memory);
+    ShvSvgOptions options = shv_svg_default();
+    options.memory = memory;
+    options.floor = true;
+    options.floor_normal[2] = 1.0;
+    const size_t before = shv_memory_bytes(memory, SHV_PART_COUNT);
+    ShvStatus status = SHV_NO_MEMORY;
+    int failures = 0;
+    for (; status != SHV_OK && failures < 1000; failures++) {
+        shv_memory_fail_after(memory, failures);
+        status = shv_export_svg(file, file_in(*state, "a"), &options, &error);
+        if (status != SHV_OK) assert_int_equal(status, SHV_NO_MEMORY);
+        assert_int_equal(files_in(*state), status == SHV_OK ? 2 : 1);
+        assert_int_equal(shv_memory_bytes(memory, SHV_PART_COUNT), before);
+    }
+    assert_true(failures > 20 && failures < 1000);
+    shv_memory_fail_after(memory, -1);
+    shv_run_file_close(file);
+    shv_memory_destroy(memory);
+}
+
+/* Each brick is two tets that share a face: six of the eight are seen from outside, and they point there. */
+static void test_skin(void **state)
+{
+    ShvError error;
+    ShvSkin skin;
+    ShvRunFile *file = open_run(*state, false, NULL);
+    check_ok(shv_skin_create(&skin, file, NULL, &error), error);
+    check_ok(shv_skin_move(&skin, FRAMES - 1, &error), error);
+    assert_int_equal(skin.count, 6 * BRICKS);
+    for (int64_t b = 0; b < BRICKS; b++) {
+        /* Volume by the divergence theorem: 1/6 and 1/3; 2e-15: rounding of 18 products of numbers up to 5. */
+        double volume = 0.0;
+        for (int64_t t = 6 * b; t < 6 * b + 6; t++) {
+            const ShvVec3 *c = skin.triangles[t].corner;
+            assert_int_equal(skin.triangles[t].fragment, 3 + b);
+            volume += shv_dot(c[0], shv_cross(c[1], c[2])) / 6.0;
+        }
+        check_near(volume, 0.5, 18.0 * 125.0 * 2.3e-16);
+    }
+    shv_skin_release(&skin);
+    shv_run_file_close(file);
+}
+
+static void test_raster(void **state)
+{
+    (void)state;
+    ShvError error;
+    ShvRaster raster;
+    check_ok(shv_raster_create(&raster, 20.0, 10.0, NULL, &error), error);
+    shv_raster_clear(&raster);
+    /* Legs of 8 pixels: the samples (i + 1/2)/2 with i + j ≤ 15 − 1 + 1, one on the long side included: 16·17/2. */
+    const ShvScreenPoint back[3] = {{1, 1, 1}, {9, 1, 1}, {1, 9, 1}};
+    const ShvScreenPoint front[3] = {{1, 1, 2}, {1, 5, 2}, {5, 1, 2}},
+                         far[3] = {{0, 0, 0.5}, {19, 0, 0.5}, {0, 9, 0.5}};
+    assert_int_equal(shv_raster_enter(&raster, back, 7), 16 * 17 / 2);
+    assert_int_equal(shv_raster_enter(&raster, back, 8), 0);
+    assert_int_equal(shv_raster_enter(&raster, front, 9), 8 * 9 / 2);
+    const ShvScreenPoint hidden[3] = {{1, 1, 0.5}, {4, 1, 0.5}, {1, 4, 0.5}},
+                         line[3] = {{1, 1, 3}, {2, 2, 3}, {3, 3, 3}};
+    assert_int_equal(shv_raster_enter(&raster, hidden, 10), 0);
+    assert_int_equal(shv_raster_enter(&raster, line, 11), 0);
+    assert_true(shv_raster_enter(&raster, far, 12) > 0);
+    assert_int_equal(raster.item[2 * raster.columns + 2], 9);
+    assert_int_equal(raster.item[2 * raster.columns + 16], 7);
+    shv_raster_release(&raster);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_panels_and_colours, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_frame_around_the_fragments, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_same_bytes_in_any_locale, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_refusals, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_out_of_memory, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_skin, make_folder, remove_folder),
+        cmocka_unit_test(test_raster),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,398 @@
+/* Whole impacts: a bar that falls on its end and breaks into a few pieces. */
+#include "sim/stage.h"
+
+#include <stdlib.h>
+
+/* Keeps what has woken awake: an explicit run to the end. */
+static void stay_awake(Stage *stage)
+{
+    stage->scene.fracture.quiet_checks = 1000000;
+    stage->scene.fracture.longest = 1e3;
+}
+
+/* 0.26 m/s opens a few facets and splits off a few pieces. */
+static void make_gentle_break(Stage *stage)
+{
+    stage_make_breaking_bar(stage);
+    stage->objects[0].placement.velocity[2] = -0.26;
+}
+
+static void test_ledger_closes(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stay_awake(&stage);
+    ShvSimulation *simulation = stage_start(&stage);
+    const ShvFrameView *frame = stage_next(simulation);
+    while (!shv_simulation_finished(simulation)) {
+        frame = stage_next(simulation);
+        check_near(frame->ledger.residual, 0.0, 1e-3 * frame->ledger.largest);
+    }
+    assert_true(frame->inserted > 0 && frame->alive_count > 1 && frame->alive_count < 10);
+    assert_true(frame->ledger.fracture_dissipation > 0.0);
+    assert_true(frame->ledger.contact < 0.0 && frame->ledger.friction < 0.0);
+    shv_simulation_destroy(simulation);
+}
+
+/* Ids count up, a child starts when its parent ends, and all pieces together have the tets of the whole. */
+static void check_genealogy(const ShvFrameView *frame)
+{
+    int32_t alive = 0, tets = 0;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        const ShvFragmentView *fragment = &frame->fragments[i];
+        assert_int_equal(fragment->id, i);
+        assert_true(fragment->parent < i);
+        if (fragment->parent >= 0) {
+            const ShvFragmentView *parent = &frame->fragments[fragment->parent];
+            assert_int_equal(parent->mode, SHV_FRAGMENT_DEAD);
+            assert_true(parent->death == fragment->birth);
+        }
+        if (fragment->mode == SHV_FRAGMENT_DEAD) {
+            assert_true(fragment->death >= fragment->birth);
+            continue;
+        }
+        assert_true(isnan(fragment->death));
+        alive++;
+        tets += fragment->tets;
+    }
+    assert_int_equal(alive, frame->alive_count);
+    assert_int_equal(tets, frame->fragments[0].tets);
+}
+
+/* Every tet belongs to a living piece, and together the pieces weigh what the whole did. */
+static void check_masses(const ShvSimulation *simulation, const ShvFrameView *frame, double density)
+{
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    int32_t *owner = malloc((size_t)mesh.element_count * sizeof *owner);
+    int32_t *tets = calloc((size_t)frame->fragment_count, sizeof *tets);
+    assert_non_null(owner);
+    assert_non_null(tets);
+    shv_simulation_element_state(simulation, owner, NULL);
+    double whole = 0.0;
+    for (int32_t i = 0; i < frame->fragment_count; i++)
+        if (frame->fragments[i].mode != SHV_FRAGMENT_DEAD) whole += frame->fragments[i].mass;
+    check_near(whole, frame->fragments[0].mass, 1e-14 * whole);
+    for (int32_t e = 0; e < mesh.element_count; e++) {
+        assert_true(frame->fragments[owner[e]].mode != SHV_FRAGMENT_DEAD);
+        tets[owner[e]]++;
+    }
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        const ShvFragmentView *fragment = &frame->fragments[i];
+        if (fragment->mode == SHV_FRAGMENT_DEAD) continue;
+        assert_int_equal(tets[i], fragment->tets);
+        check_near(fragment->mass, density * fragment->volume, 1e-14 * fragment->mass);
+    }
+    free(owner);
+    free(tets);
+}
+
+static void test_genealogy(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    stage.scene.output.fracture_every = 5;
+    stage.scene.fracture.energy_bound = 1.0;
+    ShvSimulation *simulation = stage_start(&stage);
+    int32_t known = 0, off_grid = 0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        assert_true(frame->fragment_count >= known);
+        known = frame->fragment_count;
+        check_genealogy(frame);
+        off_grid += !frame->animation;
+    }
+    check_masses(simulation, shv_simulation_frame(simulation), stage.material.density);
+    assert_true(known > 10);
+    assert_true(off_grid > 10);
+    shv_simulation_destroy(simulation);
+}
+
+/* A frame every so many steps of the fracture phase, beside the animation grid. */
+static void test_fracture_frames(void **state)
+{
+    (void)state;
+    enum { EVERY = 7 };
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.006;
+    stage.scene.output.fracture_every = EVERY;
+    ShvSimulation *simulation = stage_start(&stage);
+    int64_t due = EVERY;
+    int frames = 0;
+    double time = -1.0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        assert_true(frame->time > time);
+        time = frame->time;
+        assert_true(frame->steps <= due);
+        if (frame->steps == due) {
+            due += EVERY;
+            frames++;
+        } else {
+            assert_true(frame->animation);
+        }
+    }
+    assert_true(frames > 5);
+    shv_simulation_destroy(simulation);
+}
+
+/* Nothing is lost at a mode switch but what is booked: momentum and angular momentum to 1e-12 of what the fragment's mass could
+   carry at the speeds at hand. */
+static void check_switch(const ShvEventView *event, const ShvFragmentView *fragment, int *wakes, int *sleeps)
+{
+    if (event->kind != SHV_RUN_WAKE && event->kind != SHV_RUN_SLEEP) return;
+    *wakes += event->kind == SHV_RUN_WAKE;
+    *sleeps += event->kind == SHV_RUN_SLEEP;
+    const double speed = sqrt(2.0 * fmax(event->kinetic_before, event->kinetic_after) / fragment->mass), arm = 0.2;
+    for (int k = 0; k < 3; k++) {
+        check_near(event->momentum_after[k], event->momentum_before[k], 1e-12 * fragment->mass * speed);
+        check_near(event->angular_after[k], event->angular_before[k], 1e-12 * fragment->mass * speed * arm);
+    }
+    if (event->kind == SHV_RUN_WAKE)
+        check_near(event->kinetic_after, event->kinetic_before, 1e-12 * event->kinetic_before);
+    else
+        check_near(event->value, event->kinetic_before + event->strain_before - event->kinetic_after,
+                   1e-12 * (event->kinetic_before + event->strain_before));
+}
+
+static void test_mode_switches(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    stage.objects[0].placement.angular_velocity[1] = 3.0;
+    stage.material.breakable = false;
+    stage.scene.rigid.wake = SHV_WAKE_CONTACT;
+    stage.scene.fracture.enabled = false;
+    stage.scene.duration = 0.05;
+    ShvSimulation *simulation = stage_start(&stage);
+    int wakes = 0, sleeps = 0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int32_t i = 0; i < frame->event_count; i++)
+            check_switch(&frame->events[i], &frame->fragments[frame->events[i].fragment], &wakes, &sleeps);
+        check_near(frame->ledger.residual, 0.0, 1e-3 * frame->ledger.largest);
+    }
+    assert_true(wakes > 0);
+    assert_true(sleeps > 0);
+    shv_simulation_destroy(simulation);
+}
+
+/* Two bars of which the second strikes while the first is cracking: no copy of a node is forgotten when the lists of what is
+   awake are made anew, so that momentum obeys gravity and the floor, and the ledger closes. */
+static void test_wake_beside_cracking(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    stage_box(&stage, "second", (const double[3]){0.02, 0.02, 0.1}, 0.01, 0.05145)->placement.velocity[2] = -1.0;
+    stage.objects[1].placement.position[0] = 0.1;
+    stage.scene.duration = 0.003;
+    stage.scene.rigid.time_step = 3e-3;
+    stage.scene.output.rate = 1.0 / 3e-3;
+    stay_awake(&stage);
+    ShvSimulation *simulation = stage_start(&stage);
+    const ShvFrameView *frame = stage_finish(simulation);
+    int wakes = 0;
+    double first_insertion = 1.0, second_wake = 0.0;
+    for (int32_t i = 0; i < frame->event_count; i++) {
+        const ShvEventView *event = &frame->events[i];
+        if (event->kind == SHV_RUN_INSERTION) first_insertion = fmin(first_insertion, event->time);
+        if (event->kind == SHV_RUN_WAKE) {
+            wakes++;
+            second_wake = event->time;
+        }
+    }
+    assert_int_equal(wakes, 2);
+    assert_true(first_insertion < second_wake);
+    check_near(frame->ledger.residual, 0.0, 1e-3 * frame->ledger.largest);
+    shv_simulation_destroy(simulation);
+}
+
+static void test_same_bits(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.0045;
+    const uint64_t hash = stage_hash(&stage);
+    assert_true(stage_hash(&stage) == hash);
+    for (int32_t threads = 2; threads <= 3; threads++) {
+        stage.scene.threads = threads;
+        assert_true(stage_hash(&stage) == hash);
+    }
+    stage.objects[0].placement.velocity[2] += 1e-12;
+    assert_true(stage_hash(&stage) != hash);
+}
+
+/* How often frames are taken changes nothing but when pieces get their names (and so, when one of them may rest: here all stay
+   awake). */
+static void test_watching_changes_nothing(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stay_awake(&stage);
+    stage.scene.duration = 0.006;
+    ShvSimulation *plain = stage_start(&stage);
+    const ShvLedgerView alone = stage_finish(plain)->ledger;
+    stage.scene.output.fracture_every = 3;
+    ShvSimulation *watched = stage_start(&stage);
+    const ShvLedgerView seen = stage_finish(watched)->ledger;
+    /* Sums over nodes go fragment by fragment: their order alone may differ. */
+    check_near(seen.kinetic, alone.kinetic, 1e-12 * alone.kinetic);
+    check_near(seen.strain, alone.strain, 1e-12 * alone.largest);
+    check_near(seen.fracture_dissipation, alone.fracture_dissipation, 1e-12 * alone.largest);
+    shv_simulation_destroy(plain);
+    shv_simulation_destroy(watched);
+}
+
+/* A strength that rises in steps no greater than those of the stress is met within a tenth. */
+static void test_checks_keep_up(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.006;
+    ShvSimulation *simulation = stage_start(&stage);
+    const double automatic = stage_finish(simulation)->worst_overshoot;
+    assert_true(automatic >= 0.9 && automatic <= 1.1);
+    shv_simulation_destroy(simulation);
+}
+
+typedef struct Outcome {
+    double first; /* s: of the first insertion; infinite: none */
+    int32_t inserted;
+    ShvLedgerView ledger;
+} Outcome;
+
+static Outcome run(const Stage *stage)
+{
+    Outcome outcome = {.first = HUGE_VAL};
+    ShvSimulation *simulation = stage_start(stage);
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int32_t i = 0; i < frame->event_count; i++)
+            if (frame->events[i].kind == SHV_RUN_INSERTION) outcome.first = fmin(outcome.first, frame->events[i].time);
+        outcome.inserted = frame->inserted;
+        outcome.ledger = frame->ledger;
+        assert_true(isfinite(frame->ledger.kinetic + frame->ledger.strain + frame->ledger.residual));
+    }
+    shv_simulation_destroy(simulation);
+    return outcome;
+}
+
+/* Rare checks find a crack later, and neither creates energy. */
+static void test_check_interval(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.006;
+    stage.scene.fracture.energy_bound = 1.0;
+    stage.scene.fracture.check_every = 1;
+    const Outcome often = run(&stage);
+    stage.scene.fracture.check_every = 10;
+    const Outcome rarely = run(&stage);
+    assert_true(isfinite(often.first) && isfinite(rarely.first));
+    assert_true(often.first <= rarely.first);
+    const double given = 0.5 * 0.048 * 0.26 * 0.26 + 0.048 * 9.81 * 0.001;
+    assert_true(often.ledger.fracture_dissipation <= given && rarely.ledger.fracture_dissipation <= given);
+    assert_true(often.ledger.kinetic + often.ledger.strain <= 1.01 * given);
+    assert_true(rarely.ledger.kinetic + rarely.ledger.strain <= 1.01 * given);
+}
+
+static void test_extreme_strength(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.006;
+    stage.material.cohesive_strength = (double)INFINITY;
+    assert_int_equal(run(&stage).inserted, 0);
+    stage.material.cohesive_strength = 0.0;
+    assert_true(run(&stage).inserted > 100);
+}
+
+static void test_extreme_fracture_energy(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    stage.scene.duration = 0.006;
+    stage.material.fracture_energy = 0.0;
+    const Outcome brittle = run(&stage);
+    assert_true(brittle.inserted > 0);
+    check_near(brittle.ledger.fracture_dissipation, 0.0, 1e-12 * brittle.ledger.largest);
+    stage.material.fracture_energy = 1e30;
+    const Outcome tough = run(&stage);
+    assert_true(tough.inserted > 0);
+    assert_true(tough.ledger.opened_area == 0.0);
+}
+
+/* A slow touch is answered rigidly and in the end rests; the rule wakes by speed. */
+static void test_wake_rule(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    stage_box(&stage, "cube", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.01 + 1e-5);
+    stage_floor(&stage)->friction = 0.3;
+    stage.scene.duration = 0.2;
+    /* From 10 µm: 14 mm/s, K ρ c₀ v = 0.4 of the strength; the level is 0.5. */
+    assert_int_equal(run(&stage).inserted, 0);
+    ShvSimulation *simulation = stage_start(&stage);
+    const ShvFrameView *frame = stage_finish(simulation);
+    assert_int_equal(frame->steps, 0);
+    check_near(frame->fragments[0].position[2], 0.01, 1e-6);
+    check_near(frame->ledger.kinetic, 0.0, 1e-9);
+    shv_simulation_destroy(simulation);
+    stage.objects[0].placement.velocity[2] = -0.05;
+    simulation = stage_start(&stage);
+    assert_true(stage_finish(simulation)->steps > 0);
+    shv_simulation_destroy(simulation);
+}
+
+/* What has broken, fallen and come to rest is left alone. */
+static void test_rest_on_the_floor(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    stage_box(&stage, "cube", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.011)->placement.velocity[2] = -0.1;
+    stage_floor(&stage)->friction = 0.3;
+    stage.scene.duration = 0.5;
+    ShvSimulation *simulation = stage_start(&stage);
+    int64_t half_way = 0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        if (frame->time <= 0.25) half_way = frame->steps;
+    }
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    assert_true(half_way > 0);
+    assert_int_equal(frame->steps, half_way);
+    assert_false(frame->fracture);
+    shv_simulation_destroy(simulation);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ledger_closes),
+        cmocka_unit_test(test_genealogy),
+        cmocka_unit_test(test_fracture_frames),
+        cmocka_unit_test(test_mode_switches),
+        cmocka_unit_test(test_wake_beside_cracking),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_watching_changes_nothing),
+        cmocka_unit_test(test_checks_keep_up),
+        cmocka_unit_test(test_check_interval),
+        cmocka_unit_test(test_extreme_strength),
+        cmocka_unit_test(test_extreme_fracture_energy),
+        cmocka_unit_test(test_wake_rule),
+        cmocka_unit_test(test_rest_on_the_floor),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
