@@ -26,20 +26,20 @@ typedef enum ShvCohesiveLaw { SHV_PPR, SHV_CAMACHO_ORTIZ } ShvCohesiveLaw;
 typedef struct ShvMaterialDefinition {
     uint32_t cookie;
     const char *name;
-    double density;                /* kg/m³, > 0 */
-    double youngs_modulus;         /* Pa, > 0 */
-    double poissons_ratio;         /* −1 < ν < 0.5 */
-    ShvKinematics kinematics;      /* Green strain */
-    bool breakable;                /* false: no facet of it ever opens */
-    ShvCohesiveLaw law;            /* PPR */
-    double fracture_energy;        /* J/m², mode I, ≥ 0 */
-    double cohesive_strength;      /* Pa, mode I, ≥ 0; infinity: never opens */
-    double fracture_energy_shear;  /* J/m²; NaN: as mode I */
-    double cohesive_strength_shear;/* Pa; NaN: as mode I */
-    double ppr_shape;              /* α > 1: 2 softens linearly in pure opening */
-    double ppr_shape_shear;        /* β > 1; NaN: as α */
-    double weibull_modulus;        /* spread of strength from facet to facet; 0: none */
-    double weibull_volume;         /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
+    double density;                 /* kg/m³, > 0 */
+    double youngs_modulus;          /* Pa, > 0 */
+    double poissons_ratio;          /* −1 < ν < 0.5 */
+    ShvKinematics kinematics;       /* Green strain */
+    bool breakable;                 /* false: no facet of it ever opens */
+    ShvCohesiveLaw law;             /* PPR */
+    double fracture_energy;         /* J/m², mode I, ≥ 0 */
+    double cohesive_strength;       /* Pa, mode I, ≥ 0; infinity: never opens */
+    double fracture_energy_shear;   /* J/m²; NaN: as mode I */
+    double cohesive_strength_shear; /* Pa; NaN: as mode I */
+    double ppr_shape;               /* α > 1: 2 softens linearly in pure opening */
+    double ppr_shape_shear;         /* β > 1; NaN: as α */
+    double weibull_modulus;         /* spread of strength from facet to facet; 0: none */
+    double weibull_volume; /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
 } ShvMaterialDefinition;
 ShvMaterialDefinition shv_material_default(void);
 
@@ -74,22 +74,23 @@ typedef struct ShvMeshDefinition {
     double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
     double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
     ShvMeshPattern pattern; /* notched beam */
-    double jitter;          /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
+    double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
-    uint64_t seed;          /* of the jitter */
-    const char *file;       /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY) */
-    double scale;           /* multiplies every coordinate of a file, > 0; 1 */
-    double thickness;       /* shell: inwards, m (after scale) */
-    int32_t layers;         /* shell: ≥ 1 */
-    int64_t refine_to;      /* shell: split the longest edges until the surface has at least this many triangles; 0: as it is */
+    uint64_t seed;    /* of the jitter */
+    const char *file; /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY) */
+    double scale;     /* multiplies every coordinate of a file, > 0; 1 */
+    double thickness; /* shell: inwards, m (after scale) */
+    int32_t layers;   /* shell: ≥ 1 */
+    int64_t
+        refine_to; /* shell: split the longest edges until the surface has at least this many triangles; 0: as it is */
 } ShvMeshDefinition;
 ShvMeshDefinition shv_mesh_default(void);
 
 /* ---- objects, sets of nodes, conditions --------------------------------------------------------------- */
 
 typedef struct ShvPlacement {
-    double position[3];         /* m: where the mesh's origin goes */
-    double rotation_axis[3];    /* need not be a unit vector */
+    double position[3];      /* m: where the mesh's origin goes */
+    double rotation_axis[3]; /* need not be a unit vector */
     double rotation_degrees;
     double velocity[3];         /* m/s of the centre of mass */
     double angular_velocity[3]; /* rad/s, world axes, about the centre of mass */
@@ -123,20 +124,25 @@ typedef enum ShvConditionKind {
 
 typedef struct ShvConditionDefinition {
     uint32_t cookie;
-    const char *name;   /* for `release` events */
+    const char *name; /* for `release` events */
     const char *object;
     ShvSelection selection;
     ShvConditionKind kind;
-    bool axes[3];       /* support, velocity: which components */
+    bool axes[3]; /* support, velocity: which components */
     double value[3];
-    double ramp_time;   /* s: value × min(1, (t − start)/ramp_time); 0: at once */
-    double start, end;  /* s: in force for start ≤ t < end */
+    double ramp_time;  /* s: value × min(1, (t − start)/ramp_time); 0: at once */
+    double start, end; /* s: in force for start ≤ t < end */
 } ShvConditionDefinition;
 ShvConditionDefinition shv_condition_default(void);
 
 /* ---- obstacles ---------------------------------------------------------------------------------------- */
 
-typedef enum ShvObstacleShape { SHV_OBSTACLE_PLANE, SHV_OBSTACLE_SPHERE, SHV_OBSTACLE_BOX, SHV_OBSTACLE_MESH } ShvObstacleShape;
+typedef enum ShvObstacleShape {
+    SHV_OBSTACLE_PLANE,
+    SHV_OBSTACLE_SPHERE,
+    SHV_OBSTACLE_BOX,
+    SHV_OBSTACLE_MESH
+} ShvObstacleShape;
 typedef enum ShvObstacleMotion {
     SHV_OBSTACLE_FIXED,
     SHV_OBSTACLE_SCRIPTED, /* follows its keyframes */
@@ -144,8 +150,8 @@ typedef enum ShvObstacleMotion {
 } ShvObstacleMotion;
 
 typedef struct ShvKeyframe {
-    double time;             /* s, increasing */
-    double position[3];      /* m */
+    double time;        /* s, increasing */
+    double position[3]; /* m */
     double rotation_axis[3];
     double rotation_degrees; /* linear motion between keyframes, rotation by the shortest arc; held before and after */
 } ShvKeyframe;
@@ -162,7 +168,7 @@ typedef struct ShvObstacleDefinition {
     double friction;    /* Coulomb coefficient, ≥ 0 */
     double restitution; /* 0…1: rigid modes and PBD; node contact of explicit fracture has none */
     ShvObstacleMotion motion;
-    double mass;        /* kg, free: > 0; inertia that of the homogeneous solid */
+    double mass; /* kg, free: > 0; inertia that of the homogeneous solid */
     ShvPlacement placement;
     const ShvKeyframe *keyframes;
     int32_t keyframe_count;
@@ -202,8 +208,8 @@ typedef enum ShvBarForm {
 /* Position based dynamics: rigid bars along edges, damping towards rigid motion. Serves rigid.engine pbd and
    fracture.stabiliser bars. */
 typedef struct ShvPbdDefinition {
-    double stiffness;    /* k of a projection, 0…1 */
-    int32_t iterations;  /* sweeps a step, ≥ 1 */
+    double stiffness;   /* k of a projection, 0…1 */
+    int32_t iterations; /* sweeps a step, ≥ 1 */
     ShvBarForm form;
     double damping;      /* k of the damping in rigid mode, 0…1 */
     bool exact_rotation; /* rigid mode: nodes turn on circles instead of tangents, so that radii do not drift */
@@ -211,7 +217,7 @@ typedef struct ShvPbdDefinition {
 
 typedef enum ShvWake {
     SHV_WAKE_CONTACT, /* every new contact wakes */
-    SHV_WAKE_STRESS   /* a new contact wakes when its impact stress estimate K ρ c₀ v reaches wake_fraction × strength */
+    SHV_WAKE_STRESS /* a new contact wakes when its impact stress estimate K ρ c₀ v reaches wake_fraction × strength */
 } ShvWake;
 
 typedef struct ShvRigidDefinition {
@@ -239,20 +245,21 @@ typedef enum ShvActivation {
 } ShvActivation;
 
 typedef struct ShvFractureDefinition {
-    bool enabled;             /* false: bodies deform but nothing opens */
+    bool enabled; /* false: bodies deform but nothing opens */
     ShvStabiliser stabiliser;
-    double time_step;         /* s; NaN: automatic */
-    double safety;            /* share of the stable step when automatic, 0…1; 0.9 */
-    int32_t check_every;      /* steps between checks; 0: automatic, keeps the overshoot at insertion under 10 % */
-    double threshold;         /* share of the strength at which a facet opens; 0.9 */
+    double time_step;    /* s; NaN: automatic */
+    double safety;       /* share of the stable step when automatic, 0…1; 0.9 */
+    int32_t check_every; /* steps between checks; 0: automatic, keeps the overshoot at insertion under 10 % */
+    double threshold;    /* share of the strength at which a facet opens; 0.9 */
     ShvCriterion criterion;
     ShvActivation activation;
-    double regularisation;    /* ε of PPR: slip below ε × final slip meets only part of the shear traction, whose direction it
+    double
+        regularisation; /* ε of PPR: slip below ε × final slip meets only part of the shear traction, whose direction it
                                  fixes; costs 2ε/3 of the work of separation in pure opening; 0.005 */
-    int32_t quiet_checks;     /* checks without insertion that end fracture mode when no contact is closing; 20 */
-    double longest;           /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
+    int32_t quiet_checks; /* checks without insertion that end fracture mode when no contact is closing; 20 */
+    double longest;       /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
                                  20 transits of the slowest bending wave */
-    double energy_bound;      /* the run stops when the ledger's residual exceeds this share of the largest energy; 0.05 */
+    double energy_bound;  /* the run stops when the ledger's residual exceeds this share of the largest energy; 0.05 */
 } ShvFractureDefinition;
 
 typedef struct ShvOutputDefinition {

@@ -10,8 +10,8 @@ extern "C" {
 
 typedef struct ShvExportOptions {
     uint32_t cookie;
-    bool force;     /* replace existing files */
-    bool animation; /* only frames on the animation grid, not those of the fracture phase between them */
+    bool force;               /* replace existing files */
+    bool animation;           /* only frames on the animation grid, not those of the fracture phase between them */
     struct ShvMemory *memory; /* may be NULL */
 } ShvExportOptions;
 ShvExportOptions shv_export_default(void);
@@ -41,12 +41,12 @@ typedef struct ShvSvgOptions {
     bool force;            /* replace an existing file */
     const int64_t *frames; /* which frames to draw, one panel each, at most 24 */
     int32_t frame_count;
-    const double *times;   /* s: the frames nearest to these instead; without both, four frames spread over the run */
+    const double *times; /* s: the frames nearest to these instead; without both, four frames spread over the run */
     int32_t time_count;
-    int32_t size;          /* width of the picture, pixels, 200…4000 */
-    double mass_in_view;   /* 0…1: the frame is drawn around the fragments nearest to the middle that have this share of
+    int32_t size;        /* width of the picture, pixels, 200…4000 */
+    double mass_in_view; /* 0…1: the frame is drawn around the fragments nearest to the middle that have this share of
                               the mass; the farthest splinters may be outside. 1: all are inside */
-    bool floor;            /* draw a floor with shadows: n·x = offset */
+    bool floor;          /* draw a floor with shadows: n·x = offset */
     double floor_normal[3], floor_offset;
     struct ShvMemory *memory; /* may be NULL */
 } ShvSvgOptions;

@@ -21,8 +21,8 @@ typedef struct ShvRecordDefinition {
     const char *const *overrides; /* "a.b.c=value": what was changed of the text; stored in the file */
     int32_t override_count;
     uint64_t scene_hash;
-    int32_t threads;        /* stored in the file */
-    bool nodes;             /* corner positions and facet damage of every frame */
+    int32_t threads; /* stored in the file */
+    bool nodes;      /* corner positions and facet damage of every frame */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
 ShvRecordDefinition shv_record_default(void);
@@ -44,21 +44,21 @@ typedef struct ShvRunFile ShvRunFile;
 typedef struct ShvRunFileInfo {
     int32_t format;
     const char *code_version, *status, *message, *scene_text, *scene_name, *processor;
-    const char *overrides;  /* one a line */
-    bool nodes;             /* corners and damage were recorded */
+    const char *overrides; /* one a line */
+    bool nodes;            /* corners and damage were recorded */
     uint64_t scene_hash;
     int32_t threads;
     int32_t node_count, element_count, object_count, obstacle_count, fragment_count;
     int64_t frame_count, event_count;
     double first_time, last_time;
-    double wall_seconds;    /* from the making of the file to its last frame */
+    double wall_seconds; /* from the making of the file to its last frame */
 } ShvRunFileInfo;
 
 /* Counters of the solver at one frame. */
 typedef struct ShvProgressView {
-    int64_t steps;              /* of fracture mode so far */
-    double step, courant;       /* s: last step of fracture mode; its ratio to the stable step */
-    double worst_overshoot;     /* largest criterion / strength at an insertion so far */
+    int64_t steps;          /* of fracture mode so far */
+    double step, courant;   /* s: last step of fracture mode; its ratio to the stable step */
+    double worst_overshoot; /* largest criterion / strength at an insertion so far */
     int32_t alive, inserted, opened;
 } ShvProgressView;
 
@@ -79,23 +79,24 @@ ShvStatus shv_run_file_fragments(ShvRunFile *file, ShvFragmentView *fragments, S
 /* One frame: time, mode, and pose and velocities of every fragment (fragment_count entries; dead or unborn ones have
    NaN positions and alive = 0). mode: SHV_FRAGMENT_FRACTURE when some fragment was in fracture mode. Any pointer may be
    NULL. */
-ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive, double *positions,
-                             double *orientations, double *velocities, double *angular_velocities, ShvError *error);
+ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive,
+                             double *positions, double *orientations, double *velocities, double *angular_velocities,
+                             ShvError *error);
 ShvStatus shv_run_file_ledger(ShvRunFile *file, int64_t frame, ShvLedgerView *ledger, ShvError *error);
 ShvStatus shv_run_file_progress(ShvRunFile *file, int64_t frame, ShvProgressView *progress, ShvError *error);
 ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *event, ShvError *error);
 /* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */
 ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error);
 /* Cost and bytes by part as of the last frame; the arrays are valid as long as the file is open. */
-ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count, const ShvBytesView **bytes,
-                            int32_t *bytes_count, ShvError *error);
+ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count,
+                            const ShvBytesView **bytes, int32_t *bytes_count, ShvError *error);
 /* Reference mesh; element_fragment: which fragment owned the tet at the last frame. Any pointer may be NULL. */
 ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
                             int32_t *element_fragment, ShvError *error);
 /* Corner positions (12 per element), facet damage (4 per element) and owner of each element at a frame recorded with `nodes`;
    SHV_UNSUPPORTED without. Any pointer may be NULL. */
-ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage, int32_t *element_fragment,
-                               ShvError *error);
+ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,
+                               int32_t *element_fragment, ShvError *error);
 
 #ifdef __cplusplus
 }

@@ -14,20 +14,24 @@ extern "C" {
 
 typedef struct ShvSimulation ShvSimulation;
 
-typedef enum ShvFragmentMode { SHV_FRAGMENT_FLIGHT = 0, SHV_FRAGMENT_FRACTURE = 1, SHV_FRAGMENT_DEAD = 2 } ShvFragmentMode;
+typedef enum ShvFragmentMode {
+    SHV_FRAGMENT_FLIGHT = 0,
+    SHV_FRAGMENT_FRACTURE = 1,
+    SHV_FRAGMENT_DEAD = 2
+} ShvFragmentMode;
 
 /* One fragment, alive or dead; `id` is its index in the list of all and never used again. */
 typedef struct ShvFragmentView {
-    int32_t id, parent;         /* parent −1: an object's first fragment */
-    int32_t object;             /* index in the scene's objects */
-    double birth, death;        /* s; death NaN while alive */
+    int32_t id, parent;  /* parent −1: an object's first fragment */
+    int32_t object;      /* index in the scene's objects */
+    double birth, death; /* s; death NaN while alive */
     ShvFragmentMode mode;
     int32_t tets;
-    double mass, volume;        /* kg, m³ */
-    double inertia[6];          /* xx, yy, zz, yz, xz, xy of the lumped masses about the centre, reference axes, kg m² */
-    double reference_centre[3]; /* m, in the reference mesh */
-    double position[3];         /* centre of mass, m */
-    double orientation[4];      /* w, x, y, z: reference axes to world */
+    double mass, volume; /* kg, m³ */
+    double inertia[6];   /* xx, yy, zz, yz, xz, xy of the lumped masses about the centre, reference axes, kg m² */
+    double reference_centre[3];              /* m, in the reference mesh */
+    double position[3];                      /* centre of mass, m */
+    double orientation[4];                   /* w, x, y, z: reference axes to world */
     double velocity[3], angular_velocity[3]; /* m/s, rad/s, world */
 } ShvFragmentView;
 
@@ -48,12 +52,12 @@ typedef struct ShvLedgerView {
     double kinetic, strain, gravity_potential;         /* functions of the state */
     double cohesive_recoverable, fracture_dissipation; /* of the cohesive law, from its openings and histories */
     double contact, friction, closure, constraint, traction, bars, damping, handover, event;
-    double cohesive;               /* by cohesive tractions on the nodes */
-    double cohesive_released;      /* recoverable energy of cohesive zones that was let go at mode switches */
+    double cohesive;          /* by cohesive tractions on the nodes */
+    double cohesive_released; /* recoverable energy of cohesive zones that was let go at mode switches */
     double cohesive_defect;
     double opened_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over opened facets */
     double momentum[3], angular_momentum[3];                 /* kg m/s; kg m²/s about the origin */
-    double residual, largest;      /* largest: the largest single energy so far, the residual's scale */
+    double residual, largest; /* largest: the largest single energy so far, the residual's scale */
 } ShvLedgerView;
 
 typedef enum ShvRunEvent {
@@ -72,8 +76,8 @@ typedef struct ShvEventView {
     int32_t obstacle; /* −1: none */
     double value;
     double kinetic_before, kinetic_after, strain_before, strain_after; /* J, of the fragment */
-    double momentum_before[3], momentum_after[3];                     /* kg m/s */
-    double angular_before[3], angular_after[3];                       /* kg m²/s about the origin */
+    double momentum_before[3], momentum_after[3];                      /* kg m/s */
+    double angular_before[3], angular_after[3];                        /* kg m²/s about the origin */
 } ShvEventView;
 
 typedef struct ShvCostView {
@@ -89,8 +93,9 @@ typedef struct ShvBytesView {
 /* Everything about the present moment. Arrays belong to the simulation and are valid until its next advance. */
 typedef struct ShvFrameView {
     double time;
-    bool animation;  /* on the animation grid (output.rate); else a frame of the fracture phase (output.fracture_every) */
-    bool fracture;   /* some fragment is in fracture mode */
+    bool
+        animation; /* on the animation grid (output.rate); else a frame of the fracture phase (output.fracture_every) */
+    bool fracture; /* some fragment is in fracture mode */
     const ShvFragmentView *fragments; /* all that ever lived */
     int32_t fragment_count, alive_count;
     const ShvObstacleView *obstacles;
@@ -98,12 +103,12 @@ typedef struct ShvFrameView {
     const ShvEventView *events; /* since the last frame */
     int32_t event_count;
     ShvLedgerView ledger;
-    int64_t steps;              /* of fracture mode so far */
-    double step, courant;       /* s: last step of fracture mode; its ratio to the stable step */
-    int32_t inserted, opened;   /* cohesive facets */
-    double worst_overshoot;     /* largest criterion / strength at an insertion so far */
-    double edge_strain;         /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
-    double bar_work_share;      /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over the steps of fracture
+    int64_t steps;            /* of fracture mode so far */
+    double step, courant;     /* s: last step of fracture mode; its ratio to the stable step */
+    int32_t inserted, opened; /* cohesive facets */
+    double worst_overshoot;   /* largest criterion / strength at an insertion so far */
+    double edge_strain;       /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
+    double bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over the steps of fracture
                                    mode; NaN without bars: how much of the stiffness seen is the bars' */
     const ShvCostView *costs;
     int32_t cost_count;
@@ -120,15 +125,15 @@ typedef struct ShvObjectView {
 /* Reference geometry, constant: the joint mesh of all objects. */
 typedef struct ShvMeshView {
     int32_t node_count, element_count;
-    const double *positions;       /* 3 × node_count, m, world at the start */
-    const int32_t *elements;       /* 4 × element_count */
+    const double *positions; /* 3 × node_count, m, world at the start */
+    const int32_t *elements; /* 4 × element_count */
     const ShvObjectView *objects;
     int32_t object_count;
 } ShvMeshView;
 
 typedef struct ShvSimulationOptions {
     uint32_t cookie;
-    const char *folder; /* what relative file names of the scene start from; NULL: working directory */
+    const char *folder;       /* what relative file names of the scene start from; NULL: working directory */
     struct ShvMemory *memory; /* counter of allocations; NULL: one of its own */
     /* Asked now and then (at least every few milliseconds of work): true stops with SHV_INTERRUPTED at a consistent state. */
     bool (*stop)(void *data);
@@ -137,8 +142,8 @@ typedef struct ShvSimulationOptions {
 ShvSimulationOptions shv_simulation_options_default(void);
 
 /* On failure *simulation is NULL and everything is released. */
-ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefinition *scene, const ShvSimulationOptions *options,
-                                ShvError *error);
+ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefinition *scene,
+                                const ShvSimulationOptions *options, ShvError *error);
 void shv_simulation_destroy(ShvSimulation *simulation);
 
 /* Goes on to the next frame to record (the first call gives the frame of time 0). After SHV_DIVERGED or SHV_INTERRUPTED

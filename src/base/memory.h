@@ -54,10 +54,10 @@ char *shv_copy_text(ShvMemory *memory, ShvPart part, const char *text);
 ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes);
 
 /* Returns from the calling function when `expression` is not SHV_OK. */
-#define SHV_TRY(expression)                          \
-    do {                                             \
-        const ShvStatus shv_try_ = (expression);     \
-        if (shv_try_ != SHV_OK) return shv_try_;     \
+#define SHV_TRY(expression)                                                                                            \
+    do {                                                                                                               \
+        const ShvStatus shv_try_ = (expression);                                                                       \
+        if (shv_try_ != SHV_OK) return shv_try_;                                                                       \
     } while (0)
 
 #endif

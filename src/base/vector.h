@@ -15,8 +15,14 @@ typedef struct ShvQuat {
     double w, x, y, z;
 } ShvQuat;
 
-static inline ShvVec3 shv_vec3(double x, double y, double z) { return (ShvVec3){x, y, z}; }
-static inline ShvVec3 shv_load3(const double *p) { return (ShvVec3){p[0], p[1], p[2]}; }
+static inline ShvVec3 shv_vec3(double x, double y, double z)
+{
+    return (ShvVec3){x, y, z};
+}
+static inline ShvVec3 shv_load3(const double *p)
+{
+    return (ShvVec3){p[0], p[1], p[2]};
+}
 static inline void shv_store3(double *p, ShvVec3 a)
 {
     p[0] = a.x;
@@ -29,27 +35,45 @@ static inline void shv_add_to3(double *p, ShvVec3 a)
     p[1] += a.y;
     p[2] += a.z;
 }
-static inline ShvVec3 shv_add(ShvVec3 a, ShvVec3 b) { return (ShvVec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
-static inline ShvVec3 shv_sub(ShvVec3 a, ShvVec3 b) { return (ShvVec3){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static inline ShvVec3 shv_scale(ShvVec3 a, double s) { return (ShvVec3){a.x * s, a.y * s, a.z * s}; }
+static inline ShvVec3 shv_add(ShvVec3 a, ShvVec3 b)
+{
+    return (ShvVec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline ShvVec3 shv_sub(ShvVec3 a, ShvVec3 b)
+{
+    return (ShvVec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline ShvVec3 shv_scale(ShvVec3 a, double s)
+{
+    return (ShvVec3){a.x * s, a.y * s, a.z * s};
+}
 /* a + s b */
 static inline ShvVec3 shv_madd(ShvVec3 a, double s, ShvVec3 b)
 {
     return (ShvVec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
-static inline double shv_dot(ShvVec3 a, ShvVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline double shv_dot(ShvVec3 a, ShvVec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline ShvVec3 shv_cross(ShvVec3 a, ShvVec3 b)
 {
     return (ShvVec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-static inline double shv_norm(ShvVec3 a) { return sqrt(shv_dot(a, a)); }
+static inline double shv_norm(ShvVec3 a)
+{
+    return sqrt(shv_dot(a, a));
+}
 /* Unit vector, or zero for a zero vector. */
 static inline ShvVec3 shv_unit(ShvVec3 a)
 {
     const double n = shv_norm(a);
     return n > 0.0 ? shv_scale(a, 1.0 / n) : shv_vec3(0.0, 0.0, 0.0);
 }
-static inline int shv_finite3(ShvVec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+static inline int shv_finite3(ShvVec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
 
 static inline ShvMat3 shv_identity(void)
 {
@@ -89,13 +113,19 @@ static inline double shv_determinant(const ShvMat3 *a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
-static inline ShvQuat shv_quat_identity(void) { return (ShvQuat){1.0, 0.0, 0.0, 0.0}; }
+static inline ShvQuat shv_quat_identity(void)
+{
+    return (ShvQuat){1.0, 0.0, 0.0, 0.0};
+}
 static inline ShvQuat shv_quat_multiply(ShvQuat a, ShvQuat b)
 {
     return (ShvQuat){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
                      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
-static inline ShvQuat shv_quat_conjugate(ShvQuat q) { return (ShvQuat){q.w, -q.x, -q.y, -q.z}; }
+static inline ShvQuat shv_quat_conjugate(ShvQuat q)
+{
+    return (ShvQuat){q.w, -q.x, -q.y, -q.z};
+}
 static inline ShvQuat shv_quat_unit(ShvQuat q)
 {
     const double n = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);

@@ -1,3 +1,6 @@
 #include "shiver/version.h"
 
-const char *shv_version(void) { return SHIVER_VERSION; }
+const char *shv_version(void)
+{
+    return SHIVER_VERSION;
+}

@@ -9,12 +9,15 @@ static void warn_mesh(const ShvPreflight *p)
 {
     if (!p->breakable) return;
     if (p->longest_edge > p->snap_back)
-        printf("  warning: edges up to %.3g m are longer than the snap-back length %.3g m: a facet that opens beside such a\n"
-               "           tet releases more energy than G; cracks cost too much or run unstably. Use a finer mesh or a\n"
-               "           larger fracture_energy\n",
-               p->longest_edge, p->snap_back);
+        printf(
+            "  warning: edges up to %.3g m are longer than the snap-back length %.3g m: a facet that opens beside such "
+            "a\n"
+            "           tet releases more energy than G; cracks cost too much or run unstably. Use a finer mesh or a\n"
+            "           larger fracture_energy\n",
+            p->longest_edge, p->snap_back);
     if (p->mean_edge > p->cohesive_zone / 5.0)
-        printf("  warning: the cohesive zone (%.3g m) spans %.2g mean edges; 5 to 10 resolve it: the strength of crack tips\n"
+        printf("  warning: the cohesive zone (%.3g m) spans %.2g mean edges; 5 to 10 resolve it: the strength of crack "
+               "tips\n"
                "           depends on the mesh\n",
                p->cohesive_zone, p->cohesive_zone / p->mean_edge);
 }
@@ -23,12 +26,15 @@ static void warn_step(const ShvPreflight *p)
 {
     if (!p->breakable) return;
     if (p->steps_to_open < 5.0)
-        printf("  note: a facet opens in %.2g steps; the cohesive impulse takes the exact work G from it at any step, but the\n"
+        printf("  note: a facet opens in %.2g steps; the cohesive impulse takes the exact work G from it at any step, "
+               "but the\n"
                "        opening itself is not resolved in time\n",
                p->steps_to_open);
     if (p->overshoot_each_step > 0.1)
-        printf("  warning: at the first impact stress grows by up to %.2f of the strength a step: insertion may overshoot by\n"
-               "           more than 10 %%; a smaller fracture.safety resolves it, and the run reports the worst overshoot\n",
+        printf("  warning: at the first impact stress grows by up to %.2f of the strength a step: insertion may "
+               "overshoot by\n"
+               "           more than 10 %%; a smaller fracture.safety resolves it, and the run reports the worst "
+               "overshoot\n",
                p->overshoot_each_step);
     if (p->courant > 1.0) printf("  warning: Courant number above 1\n");
 }
@@ -38,18 +44,21 @@ static void print_object(const ShvPreflight *p)
     printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
     printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f\n",
            p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect);
-    printf("  stable step %.4g s, set by tet %d at (%.4g, %.4g, %.4g); step %.4g s, Courant number %.3f\n", p->stable_step,
-           (int)p->stable_element, p->stable_centroid[0], p->stable_centroid[1], p->stable_centroid[2], p->step, p->courant);
-    printf("  wave speeds %.4g m/s (bar), %.4g m/s (dilatational); bar transit %.3g s, bending period %.3g s\n", p->bar_speed,
-           p->dilatational_speed, p->bar_transit, p->bending_period);
+    printf("  stable step %.4g s, set by tet %d at (%.4g, %.4g, %.4g); step %.4g s, Courant number %.3f\n",
+           p->stable_step, (int)p->stable_element, p->stable_centroid[0], p->stable_centroid[1], p->stable_centroid[2],
+           p->step, p->courant);
+    printf("  wave speeds %.4g m/s (bar), %.4g m/s (dilatational); bar transit %.3g s, bending period %.3g s\n",
+           p->bar_speed, p->dilatational_speed, p->bar_transit, p->bending_period);
     if (p->breakable)
-        printf("  cohesive zone %.3g m, snap-back length %.3g m, final opening %.3g m; a free face opens it in %.3g s = %.3g "
+        printf("  cohesive zone %.3g m, snap-back length %.3g m, final opening %.3g m; a free face opens it in %.3g s "
+               "= %.3g "
                "steps\n",
                p->cohesive_zone, p->snap_back, p->final_opening, p->cohesive_step, p->steps_to_open);
     else
         printf("  cannot break\n");
     if (!isnan(p->overshoot_each_step))
-        printf("  first impact: stress behind the wave grows by about %.3g of the strength a step\n", p->overshoot_each_step);
+        printf("  first impact: stress behind the wave grows by about %.3g of the strength a step\n",
+               p->overshoot_each_step);
     warn_mesh(p);
     warn_step(p);
 }
@@ -129,9 +138,10 @@ const ShvCommand shv_command_check = {
     .name = "check",
     .positional = "SCENE",
     .summary = "validate a scene and print its physics before anything runs",
-    .details = "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
-               "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-               "facet, characteristic times. Warns where the mesh or the step does not resolve them.",
+    .details =
+        "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
+        "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
+        "facet, characteristic times. Warns where the mesh or the step does not resolve them.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

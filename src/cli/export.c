@@ -95,7 +95,8 @@ static ShvStatus export_svg(ShvRunFile *file, const char *prefix, const ShvArgum
     options.force = arguments->values[FORCE] != NULL;
     options.times = times;
     if (arguments->values[ANIMATION])
-        return shv_fail(error, SHV_BAD_INPUT, "--animation does not go with svg; choose frames with --frames or --time");
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "--animation does not go with svg; choose frames with --frames or --time");
     if (arguments->values[FRAMES]) SHV_TRY(read_frames(arguments->values[FRAMES], frames, &options, error));
     if (arguments->values[TIME])
         SHV_TRY(read_numbers("--time", arguments->values[TIME], times, &options.time_count, error));

@@ -9,11 +9,11 @@ enum { JSON, FRAGMENTS, SCENE };
 static void print_head(const ShvRunFileInfo *info)
 {
     printf("%s: %s%s%s\n", info->scene_name, info->status, info->message[0] ? ": " : "", info->message);
-    printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format, info->code_version,
-           info->processor, (int)info->threads, info->wall_seconds);
+    printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format,
+           info->code_version, info->processor, (int)info->threads, info->wall_seconds);
     printf("  scene hash %016llx\n", (unsigned long long)info->scene_hash);
-    printf("  %lld frames from %.6g to %.6g s, %lld events\n", (long long)info->frame_count, info->first_time, info->last_time,
-           (long long)info->event_count);
+    printf("  %lld frames from %.6g to %.6g s, %lld events\n", (long long)info->frame_count, info->first_time,
+           info->last_time, (long long)info->event_count);
     printf("  %d objects, %d tets, %d nodes, %d fragments ever\n", (int)info->object_count, (int)info->element_count,
            (int)info->node_count, (int)info->fragment_count);
 }
@@ -45,8 +45,8 @@ static void print_json(const ShvRunFileInfo *info, const ShvLedgerView *ledger)
     printf(", \"code_version\": ");
     shv_cli_print_json_text(info->code_version);
     printf(", \"frames\": %lld, \"events\": %lld, \"fragments\": %d, \"tets\": %d, \"nodes\": %d, \"threads\": %d",
-           (long long)info->frame_count, (long long)info->event_count, (int)info->fragment_count, (int)info->element_count,
-           (int)info->node_count, (int)info->threads);
+           (long long)info->frame_count, (long long)info->event_count, (int)info->fragment_count,
+           (int)info->element_count, (int)info->node_count, (int)info->threads);
     printf(", \"first_time\": ");
     shv_cli_print_json_number(info->first_time);
     printf(", \"last_time\": ");

@@ -8,10 +8,11 @@ enum { JSON };
 static void print_plan(const ShvPlan *plan)
 {
     for (int32_t i = 0; i < plan->part_count; i++)
-        printf("%-3s %-16s %12zu bytes  %s\n", plan->parts[i].on ? "on" : "off", plan->parts[i].name, plan->parts[i].bytes,
-               plan->parts[i].reason);
+        printf("%-3s %-16s %12zu bytes  %s\n", plan->parts[i].on ? "on" : "off", plan->parts[i].name,
+               plan->parts[i].bytes, plan->parts[i].reason);
     printf("    %-16s %12zu bytes before the first crack\n", "all", plan->bytes);
-    printf("\nfracture mode: step %.4g s, %.3g steps and about %.3g s of run time for each awake millisecond (measured now)\n",
+    printf("\nfracture mode: step %.4g s, %.3g steps and about %.3g s of run time for each awake millisecond (measured "
+           "now)\n",
            plan->step, plan->steps_per_millisecond, plan->steps_per_millisecond * plan->seconds_per_step);
     if (isfinite(plan->first_contact))
         printf("first contact at about %.4g s; ", plan->first_contact);
@@ -28,7 +29,8 @@ static void print_json(const ShvPlan *plan)
     for (int32_t i = 0; i < plan->part_count; i++) {
         printf("%s{\"name\": ", i ? ", " : "");
         shv_cli_print_json_text(plan->parts[i].name);
-        printf(", \"on\": %s, \"bytes\": %zu, \"reason\": ", plan->parts[i].on ? "true" : "false", plan->parts[i].bytes);
+        printf(", \"on\": %s, \"bytes\": %zu, \"reason\": ", plan->parts[i].on ? "true" : "false",
+               plan->parts[i].bytes);
         shv_cli_print_json_text(plan->parts[i].reason);
         printf("}");
     }
@@ -73,9 +75,10 @@ const ShvCommand shv_command_plan = {
     .name = "plan",
     .positional = "SCENE",
     .summary = "print what a scene needs: parts on or off, bytes, predicted steps and run time",
-    .details = "Prints every part of the program as on or off for this scene, why, and the bytes it takes before the first\n"
-               "crack; the time of the first contact, and the steps and run time of the shortest fracture phase after it,\n"
-               "from a few steps timed on this machine.",
+    .details =
+        "Prints every part of the program as on or off for this scene, why, and the bytes it takes before the first\n"
+        "crack; the time of the first contact, and the steps and run time of the shortest fracture phase after it,\n"
+        "from a few steps timed on this machine.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

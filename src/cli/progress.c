@@ -8,7 +8,8 @@
 ShvProgress shv_progress_start(double duration, bool quiet)
 {
     const double now = shv_now();
-    return (ShvProgress){.duration = duration, .quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1, .start = now, .shown = now};
+    return (ShvProgress){
+        .duration = duration, .quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1, .start = now, .shown = now};
 }
 
 static void show(ShvProgress *progress, double now)

@@ -8,7 +8,7 @@ typedef struct ShvProgress {
     const ShvSimulation *simulation; /* NULL until it is made */
     double duration;                 /* s, simulated */
     bool quiet, terminal;
-    double start, shown;             /* wall clock, s */
+    double start, shown; /* wall clock, s */
     int64_t shown_steps;
 } ShvProgress;
 

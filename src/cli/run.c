@@ -86,7 +86,10 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
 {
     const ShvLedgerView *ledger = &frame->ledger;
     printf("%s: t = %.6g s in %.2f s of run time; %s\n",
-           status == SHV_OK ? "finished" : status == SHV_INTERRUPTED ? "interrupted" : "failed", frame->time, wall, path);
+           status == SHV_OK            ? "finished"
+           : status == SHV_INTERRUPTED ? "interrupted"
+                                       : "failed",
+           frame->time, wall, path);
     printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d opened, %.4g m² opened\n",
            (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->opened,
            ledger->opened_area);
@@ -102,18 +105,21 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
         printf("  bars did %.1f %% of the work that bars and elastic forces did together; largest edge strain %.3g\n",
                100.0 * frame->bar_work_share, frame->edge_strain);
     if (frame->inserted > 0)
-        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; opened area × G: %.4g J\n",
-               -ledger->cohesive, ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
+        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; opened area × G: "
+               "%.4g J\n",
+               -ledger->cohesive,
+               ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
                ledger->fracture_energy_area);
     if (frame->worst_overshoot > 0.0)
         printf("  stress at insertion at most %.3f of the strength%s\n", frame->worst_overshoot,
-               frame->worst_overshoot > 1.1 ? ": more than 10 % above it; see docs/scene.md, fracture.check_every" : "");
+               frame->worst_overshoot > 1.1 ? ": more than 10 % above it; see docs/scene.md, fracture.check_every"
+                                            : "");
     print_costs(frame, wall);
 }
 
 /* What is gathered from frame to frame. */
 typedef struct History {
-    bool met;                                         /* a contact has done work or a fragment is awake */
+    bool met;                                            /* a contact has done work or a fragment is awake */
     double edge_strain_flight, edge_strain_after_impact; /* largest of recorded frames before and since */
     ShvCrackView crack;
 } History;
@@ -131,7 +137,8 @@ static double crack_angle(const ShvCrackView *crack)
     return asin(fmin(1.0, fabs(crack->normal[2]))) * 180.0 / 3.14159265358979323846;
 }
 
-static void print_json(const ShvFrameView *frame, const History *history, const char *path, double wall, ShvStatus status)
+static void print_json(const ShvFrameView *frame, const History *history, const char *path, double wall,
+                       ShvStatus status)
 {
     const ShvLedgerView *ledger = &frame->ledger;
     const struct {
@@ -166,9 +173,13 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"crack_angle", crack_angle(&history->crack)}};
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
-    printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, \"steps\": %lld",
-           status == SHV_OK ? "finished" : status == SHV_INTERRUPTED ? "interrupted" : "failed", (int)frame->alive_count,
-           (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened, (long long)frame->steps);
+    printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, "
+           "\"steps\": %lld",
+           status == SHV_OK            ? "finished"
+           : status == SHV_INTERRUPTED ? "interrupted"
+                                       : "failed",
+           (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened,
+           (long long)frame->steps);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
@@ -192,8 +203,8 @@ static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvPr
     return status;
 }
 
-static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, ShvSimulation *simulation, ShvProgress *progress,
-                        double start)
+static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, ShvSimulation *simulation,
+                        ShvProgress *progress, double start)
 {
     ShvError error;
     char path[4096];
@@ -254,9 +265,10 @@ const ShvCommand shv_command_run = {
     .name = "run",
     .positional = "SCENE",
     .summary = "run a scene and write its run file",
-    .details = "Runs a scene and writes a run file (HDF5): trajectories, fragments, ledger, events. An existing file is\n"
-               "replaced only with --force, and only once the new run has its first frame. Ctrl-C stops at a consistent\n"
-               "state and leaves a readable file.",
+    .details =
+        "Runs a scene and writes a run file (HDF5): trajectories, fragments, ledger, events. An existing file is\n"
+        "replaced only with --force, and only once the new run has its first frame. Ctrl-C stops at a consistent\n"
+        "state and leaves a readable file.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

@@ -2,7 +2,10 @@
 
 #include <stdlib.h>
 
-static bool interrupted(const ShvHybrid *hybrid) { return hybrid->stop && hybrid->stop(hybrid->stop_data); }
+static bool interrupted(const ShvHybrid *hybrid)
+{
+    return hybrid->stop && hybrid->stop(hybrid->stop_data);
+}
 
 static int by_time(const void *a, const void *b)
 {

@@ -6,7 +6,8 @@ ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvAwake *awake = &hybrid->awake;
     if (awake->flag_capacity < hybrid->fragments.capacity) {
-        uint8_t *flags = shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->flags, (size_t)hybrid->fragments.capacity, 1);
+        uint8_t *flags =
+            shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->flags, (size_t)hybrid->fragments.capacity, 1);
         if (!flags) return shv_fail_memory(error, "the list of awake fragments", (size_t)hybrid->fragments.capacity);
         awake->flags = flags;
         awake->flag_capacity = hybrid->fragments.capacity;

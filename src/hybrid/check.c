@@ -27,7 +27,10 @@ static ShvStatus nodal_stress(ShvHybrid *hybrid, ShvError *error)
 
 /* An impact loads a body from nothing to its strength within a few steps: until checks have shown how fast stress grows, each
    step is looked at. The memory of the rate decays by a tenth a check. */
-void shv_check_clock_start(ShvCheckClock *clock) { *clock = (ShvCheckClock){.due = 1, .rate = 1.0}; }
+void shv_check_clock_start(ShvCheckClock *clock)
+{
+    *clock = (ShvCheckClock){.due = 1, .rate = 1.0};
+}
 
 /* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. */
 static void set_clock(ShvHybrid *hybrid, double largest)
@@ -58,8 +61,11 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
         fragment->quiet = 0;
         if (fragment->cracked) continue;
         fragment->cracked = true;
-        const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_INSERTION, .fragment = index,
-                                    .obstacle = -1, .value = hybrid->overstress[k]};
+        const ShvEventView event = {.time = hybrid->state.time,
+                                    .kind = SHV_RUN_INSERTION,
+                                    .fragment = index,
+                                    .obstacle = -1,
+                                    .value = hybrid->overstress[k]};
         SHV_TRY(shv_hybrid_log(hybrid, &event, error));
     }
     return SHV_OK;
@@ -82,8 +88,8 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
 {
     const double start = shv_now();
     int32_t duplicated = 0;
-    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count, &duplicated,
-                                error));
+    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count,
+                                &duplicated, error));
     hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
     SHV_TRY(note_insertions(hybrid, count, error));
     SHV_TRY(take_in_copies(hybrid, duplicated, error));
@@ -97,7 +103,10 @@ static ShvStatus look_for_inversion(ShvHybrid *hybrid, ShvError *error)
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
     if (inverted <= hybrid->inverted) return SHV_OK;
     hybrid->inverted = inverted;
-    const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_INVERSION, .obstacle = -1, .value = first,
+    const ShvEventView event = {.time = hybrid->state.time,
+                                .kind = SHV_RUN_INVERSION,
+                                .obstacle = -1,
+                                .value = first,
                                 .fragment = hybrid->state.element_fragment[first]};
     return shv_hybrid_log(hybrid, &event, error);
 }
@@ -140,8 +149,8 @@ static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *er
         child->strength = shv_cohesive_weakest(&hybrid->cohesive, hybrid->fragments.elements + child->element_begin,
                                                child->element_count);
     }
-    const ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1,
-                                .value = parts};
+    const ShvEventView event = {
+        .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
     return shv_hybrid_log(hybrid, &event, error);
 }
 

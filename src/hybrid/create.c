@@ -9,10 +9,11 @@ static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
     hybrid->stable_step = shv_solid_stable_step(&hybrid->solid, &hybrid->stable_element);
     const double stable = hybrid->stable_step;
     if (hybrid->relaxed || isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
-    return shv_fail(error, SHV_BAD_INPUT,
-                    "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
-                    "give %g or less, or 'auto'",
-                    fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element, 0.9 * stable);
+    return shv_fail(
+        error, SHV_BAD_INPUT,
+        "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
+        "give %g or less, or 'auto'",
+        fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element, 0.9 * stable);
 }
 
 static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
@@ -51,10 +52,11 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     SHV_TRY(find_held(hybrid, error));
     for (int32_t i = 0; i < fragments->count; i++) {
         ShvFragment *fragment = &fragments->items[i];
-        fragment->strength = hybrid->model.can_break
-                                 ? shv_cohesive_weakest(&hybrid->cohesive, fragments->elements + fragment->element_begin,
-                                                        fragment->element_count)
-                                 : HUGE_VAL;
+        fragment->strength =
+            hybrid->model.can_break
+                ? shv_cohesive_weakest(&hybrid->cohesive, fragments->elements + fragment->element_begin,
+                                       fragment->element_count)
+                : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
         if (hybrid->held[fragment->object]) {
             fragment->mode = SHV_MODE_FRACTURE;

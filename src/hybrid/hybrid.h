@@ -27,19 +27,19 @@
 
 /* What follows from the choice of steps: how stress grows between checks decides when to look next. */
 typedef struct ShvCheckClock {
-    int32_t since;   /* steps since the last check */
-    int32_t due;     /* steps between the last check and the next */
-    double last;     /* largest criterion / strength at the last check */
-    double rate;     /* largest recent growth of it a step */
+    int32_t since; /* steps since the last check */
+    int32_t due;   /* steps between the last check and the next */
+    double last;   /* largest criterion / strength at the last check */
+    double rate;   /* largest recent growth of it a step */
 } ShvCheckClock;
 
 typedef struct ShvAwake {
-    uint8_t *flags;      /* per fragment index; capacity as the fragments' */
+    uint8_t *flags; /* per fragment index; capacity as the fragments' */
     int32_t flag_capacity;
-    int32_t *nodes;      /* nodes of awake fragments, fragment by fragment */
+    int32_t *nodes; /* nodes of awake fragments, fragment by fragment */
     int32_t node_count, node_capacity;
-    int32_t count;       /* awake fragments */
-    bool stale;          /* the lists must be rebuilt */
+    int32_t count; /* awake fragments */
+    bool stale;    /* the lists must be rebuilt */
 } ShvAwake;
 
 typedef struct ShvEventLog {
@@ -49,12 +49,12 @@ typedef struct ShvEventLog {
 
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
 typedef struct ShvGhost {
-    double *before;          /* 3 per node: v(n−1/2) */
-    double *displacement;    /* 3 per node, with bars only: they move nodes */
+    double *before;       /* 3 per node: v(n−1/2) */
+    double *displacement; /* 3 per node, with bars only: they move nodes */
     int64_t capacity;
-    ShvObstacle *obstacles;  /* as they were before the ghost step */
-    double kinetic;          /* J, of awake nodes: Σ ½ m v₋·v₊ */
-    double obstacle_exchange; /* J: the same of free obstacles, beyond what they have before the step */
+    ShvObstacle *obstacles;       /* as they were before the ghost step */
+    double kinetic;               /* J, of awake nodes: Σ ½ m v₋·v₊ */
+    double obstacle_exchange;     /* J: the same of free obstacles, beyond what they have before the step */
     double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
 } ShvGhost;
 
@@ -69,11 +69,11 @@ typedef struct ShvHybrid {
     ShvObstacles obstacles;
     ShvNodeContact contact;
     ShvImposed imposed;
-    bool relaxed;           /* fracture.stabiliser is bars: */
+    bool relaxed; /* fracture.stabiliser is bars: */
     ShvBars bars;
     ShvRelax relax;
     bool bars_stale;
-    uint8_t *fixed;         /* per node: components that conditions hold */
+    uint8_t *fixed; /* per node: components that conditions hold */
     int64_t fixed_capacity;
     double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
     ShvFragments fragments;
@@ -84,30 +84,30 @@ typedef struct ShvHybrid {
     bool split_pending;     /* nodes were duplicated since fragments were last labelled */
     ShvRigidContact *wakes; /* pending in the present interval, by time */
     int32_t wake_count, wake_next, wake_capacity;
-    double interval_end;    /* s; ≤ state.time: no interval is under way */
-    double obstacle_time;   /* s: moment to which free obstacles have been moved */
+    double interval_end;  /* s; ≤ state.time: no interval is under way */
+    double obstacle_time; /* s: moment to which free obstacles have been moved */
 
     double stable_step;     /* s: smallest exact element step of the whole model */
     int32_t stable_element; /* that sets it */
     double bulk_step;       /* s: stable step of the awake batches */
     double step;            /* s: last step taken */
     ShvCheckClock clock;
-    int32_t inverted;       /* most elements found inside out at once so far */
-    double *stress;         /* of the criterion, only with model.can_break */
-    double *nodal;          /* principal criterion only; 6 per node */
+    int32_t inverted; /* most elements found inside out at once so far */
+    double *stress;   /* of the criterion, only with model.can_break */
+    double *nodal;    /* principal criterion only; 6 per node */
     int64_t nodal_capacity;
     int32_t *candidates;
     double *overstress;
 
     ShvLedger ledger;
-    ShvLedgerView balance;  /* of the last observed moment */
+    ShvLedgerView balance;                /* of the last observed moment */
     double start_energy, start_potential; /* J */
     bool balance_started;
     int32_t since_observed; /* steps since the ledger was last looked at */
     double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */
     ShvGhost ghost;
     ShvEventLog log;
-    int32_t next_event;     /* of the scene's time line */
+    int32_t next_event; /* of the scene's time line */
     ShvCosts costs;
     bool (*stop)(void *data);
     void *stop_data;

@@ -204,7 +204,8 @@ static int32_t first_lost_element(const ShvHybrid *hybrid)
     for (int32_t e = 0; e < state->element_count; e++)
         for (int32_t a = 0; a < 4; a++) {
             const int64_t i = 3 * (int64_t)shv_state_node(state, e, a);
-            if (!shv_finite3(shv_load3(state->displacement + i)) || !shv_finite3(shv_load3(state->velocity + i))) return e;
+            if (!shv_finite3(shv_load3(state->displacement + i)) || !shv_finite3(shv_load3(state->velocity + i)))
+                return e;
         }
     return -1;
 }
@@ -215,21 +216,23 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
     const double courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
     const double bound = hybrid->scene->fracture.energy_bound * b->largest;
     if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential))
-        return shv_fail(error, SHV_DIVERGED,
-                        "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
-                        "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
-                        (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
+        return shv_fail(
+            error, SHV_DIVERGED,
+            "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
+            "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
+            (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
     const bool defect = fabs(b->cohesive_defect) > bound;
     if (fabs(b->residual) <= bound && !defect) return SHV_OK;
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
-    return shv_fail(error, SHV_DIVERGED,
-                    "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
-                    "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
-                    "fracture.safety, a finer mesh or a milder impact, or raise the bound",
-                    defect ? "the work of cohesive tractions is off the cohesive law" : "the energy balance is off",
-                    defect ? b->cohesive_defect : b->residual, bound, (long long)hybrid->state.step,
-                    hybrid->state.time, courant, (int)inverted, (int)first);
+    return shv_fail(
+        error, SHV_DIVERGED,
+        "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
+        "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
+        "fracture.safety, a finer mesh or a milder impact, or raise the bound",
+        defect ? "the work of cohesive tractions is off the cohesive law" : "the energy balance is off",
+        defect ? b->cohesive_defect : b->residual, bound, (long long)hybrid->state.step, hybrid->state.time, courant,
+        (int)inverted, (int)first);
 }
 
 ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
@@ -247,7 +250,8 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT)
-            (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, &balance, &hybrid->fragments.items[i]);
+            (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, &balance,
+                                                                           &hybrid->fragments.items[i]);
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, &hybrid->obstacles.items[i]);
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);

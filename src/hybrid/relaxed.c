@@ -45,12 +45,15 @@ static ShvStatus relax(ShvHybrid *hybrid, double step, ShvError *error)
     const ShvAwake *awake = &hybrid->awake;
     const ShvPbdDefinition *pbd = &hybrid->scene->pbd;
     const double pull = shv_norm(shv_load3(hybrid->gravity));
-    ShvRelaxStep settings = {.step = step, .stiffness = pbd->stiffness, .iterations = pbd->iterations,
-                             .rest_speed = 2.0 * step * pull, .fixed = hybrid->imposed.count > 0 ? hybrid->fixed : NULL};
+    ShvRelaxStep settings = {.step = step,
+                             .stiffness = pbd->stiffness,
+                             .iterations = pbd->iterations,
+                             .rest_speed = 2.0 * step * pull,
+                             .fixed = hybrid->imposed.count > 0 ? hybrid->fixed : NULL};
     memcpy(settings.gravity, hybrid->gravity, sizeof settings.gravity);
     shv_relax_predict(&hybrid->relax, &hybrid->state, awake->nodes, awake->node_count, step);
-    SHV_TRY(shv_relax_look(&hybrid->relax, &hybrid->state, &hybrid->obstacles, awake->nodes, awake->node_count, &settings,
-                           error));
+    SHV_TRY(shv_relax_look(&hybrid->relax, &hybrid->state, &hybrid->obstacles, awake->nodes, awake->node_count,
+                           &settings, error));
     return shv_relax_run(&hybrid->relax, &hybrid->bars, &hybrid->state, &hybrid->obstacles, awake->nodes,
                          awake->node_count, &settings, error);
 }

@@ -52,8 +52,8 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
         shv_cohesive_close(&hybrid->cohesive, state, kick, after, crack_friction);
         start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     }
-    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick, after,
-                                   hybrid->gravity, error));
+    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
+                                   after, hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
@@ -67,8 +67,7 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
 static double choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double longest =
-        isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
 }
 

@@ -108,10 +108,14 @@ static double change_gravity(ShvHybrid *hybrid, const double gravity[3])
 static double happen(ShvHybrid *hybrid, const ShvEventDefinition *event)
 {
     switch (event->kind) {
-    case SHV_EVENT_RELEASE: shv_imposed_release_condition(&hybrid->imposed, event->target); return 0.0;
-    case SHV_EVENT_GRAVITY: return change_gravity(hybrid, event->value);
+    case SHV_EVENT_RELEASE:
+        shv_imposed_release_condition(&hybrid->imposed, event->target);
+        return 0.0;
+    case SHV_EVENT_GRAVITY:
+        return change_gravity(hybrid, event->value);
     case SHV_EVENT_SET_VELOCITY:
-    case SHV_EVENT_IMPULSE: break;
+    case SHV_EVENT_IMPULSE:
+        break;
     }
     return event_on_fragments(hybrid, event) + event_on_obstacle(hybrid, event);
 }
@@ -124,7 +128,10 @@ ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error)
     while (shv_hybrid_next_event_time(hybrid) <= hybrid->state.time) {
         const ShvEventDefinition *event = &hybrid->scene->events[hybrid->next_event];
         hybrid->ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
-        const ShvEventView entry = {.time = hybrid->state.time, .kind = SHV_RUN_SCENE, .fragment = -1, .obstacle = -1,
+        const ShvEventView entry = {.time = hybrid->state.time,
+                                    .kind = SHV_RUN_SCENE,
+                                    .fragment = -1,
+                                    .obstacle = -1,
                                     .value = hybrid->next_event++};
         SHV_TRY(shv_hybrid_log(hybrid, &entry, error));
     }

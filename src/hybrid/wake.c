@@ -13,7 +13,8 @@ static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *cont
     const ShvObstacle *obstacle = &hybrid->obstacles.items[contact->obstacle];
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
     const double ratio = obstacle->motion == SHV_OBSTACLE_FREE ? fmax(1.0, obstacle->mass / fragment->mass) : 1.0;
-    return hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * contact->closing_speed * sqrt(ratio);
+    return hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * contact->closing_speed *
+           sqrt(ratio);
 }
 
 bool shv_hybrid_judge(void *data, const ShvRigidContact *contact)
@@ -52,7 +53,8 @@ static void rigid_momentum(const ShvFragment *fragment, double momentum[3], doub
     const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
     const ShvVec3 linear = shv_scale(fragment->velocity, fragment->mass);
     shv_store3(momentum, linear);
-    shv_store3(angular, shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_cross(fragment->position, linear)));
+    shv_store3(angular,
+               shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_cross(fragment->position, linear)));
 }
 
 static double rigid_kinetic(const ShvFragment *fragment)
@@ -73,8 +75,11 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->quiet = 0;
     hybrid->awake.stale = true;
     shv_check_clock_start(&hybrid->clock);
-    ShvEventView event = {.time = hybrid->state.time, .kind = SHV_RUN_WAKE, .fragment = contact->fragment,
-                          .obstacle = contact->obstacle, .value = contact->closing_speed};
+    ShvEventView event = {.time = hybrid->state.time,
+                          .kind = SHV_RUN_WAKE,
+                          .fragment = contact->fragment,
+                          .obstacle = contact->obstacle,
+                          .value = contact->closing_speed};
     ShvVec3 momentum, angular;
     shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_after);
     event.kinetic_before = nodes ? event.kinetic_after : rigid_kinetic(fragment);
@@ -111,8 +116,8 @@ static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, 
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
-/* A fragment may rest when nothing has broken for the scene's number of checks and for two transits of the bar wave, its
-   stress is below the wake level and what a rigid body cannot carry is small against the energy it woke with; or when the
+/* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave,
+   and what a rigid body cannot carry (which bounds its stress) is small against the energy it woke with; or when the
    longest window is over. */
 static bool is_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, double dropped)
 {
@@ -125,8 +130,7 @@ static bool is_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, doubl
     const bool checked = fragment->quiet >= fracture->quiet_checks;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return checked;
-    const bool low = !hybrid->model.can_break || hybrid->clock.last < hybrid->scene->rigid.wake_fraction;
-    return checked && low && age >= 2.0 * bar && dropped <= 0.05 * fragment->wake_energy * fragment->mass;
+    return checked && age >= 2.0 * bar && dropped <= 0.05 * fragment->wake_energy * fragment->mass;
 }
 
 /* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present moment. */
@@ -213,7 +217,8 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
     const double start = shv_now();
     SHV_TRY(shv_hybrid_relabel(hybrid, error));
     bool any = false;
-    for (int32_t i = 0; i < hybrid->fragments.count && !any; i++) any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
+    for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
+        any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
     if (!any) return SHV_OK;
     SHV_TRY(shv_hybrid_synchronise(hybrid, error));
     for (int32_t i = 0; i < hybrid->fragments.count; i++)

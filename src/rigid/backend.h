@@ -48,7 +48,8 @@ struct ShvRigidBackend {
     double friction_work; /* J, so far */
     /* A backend that moves nodes: bars hold them together, damping towards rigid motion; J, so far. */
     double bars_work, damping_work;
-    bool keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
+    bool
+        keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
                          the present moment, and need not scatter the record when it wakes */
 };

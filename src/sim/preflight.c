@@ -55,9 +55,10 @@ static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const
     preflight->courant = preflight->step / preflight->stable_step;
 }
 
-static void measure_cohesion(ShvPreflight *preflight, const ShvMaterial *material)
+/* `can_break`: fracture is on in this scene. */
+static void measure_cohesion(ShvPreflight *preflight, const ShvMaterial *material, bool can_break)
 {
-    preflight->breakable = material->breakable && isfinite(material->strength[SHV_NORMAL]);
+    preflight->breakable = can_break && shv_material_can_open(material);
     preflight->cohesive_zone = shv_material_cohesive_zone(material);
     preflight->snap_back = shv_material_snap_back(material);
     preflight->final_opening = shv_material_final_opening(material);
@@ -115,7 +116,7 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     measure_mesh(preflight, &hybrid->model, body);
     preflight->mass = preflight->volume * material->density;
     measure_step(preflight, hybrid, body);
-    measure_cohesion(preflight, material);
+    measure_cohesion(preflight, material, hybrid->model.can_break);
     measure_waves(preflight, material);
     preflight->overshoot_each_step = overshoot(simulation, object, preflight);
     return SHV_OK;

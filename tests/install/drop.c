@@ -28,7 +28,8 @@ int main(void)
     ShvSimulation *simulation = NULL;
     ShvError error = {SHV_OK, ""};
     ShvStatus status = shv_simulation_create(&simulation, &scene, NULL, &error);
-    while (status == SHV_OK && !shv_simulation_finished(simulation)) status = shv_simulation_advance(simulation, &error);
+    while (status == SHV_OK && !shv_simulation_finished(simulation))
+        status = shv_simulation_advance(simulation, &error);
     if (status != SHV_OK) return fprintf(stderr, "%s\n", error.message), 1;
     const double fallen = -shv_simulation_frame(simulation)->fragments[0].position[2];
     printf("shiver %s: fell %.9f m\n", shv_version(), fallen);

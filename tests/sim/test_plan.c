@@ -1,0 +1,141 @@
+#include "sim/stage.h"
+
+static void make_falling_cube(Stage *stage)
+{
+    stage_make(stage);
+    stage_box(stage, "cube", (const double[3]){0.02, 0.03, 0.04}, 0.01, 0.5);
+    stage_floor(stage);
+    stage->scene.duration = 1.0;
+}
+
+static ShvPreflight preflight_of(const Stage *stage)
+{
+    ShvSimulation *simulation = stage_start(stage);
+    ShvPreflight preflight;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_preflight(simulation, 0, &preflight, &error), error);
+    check_fails(shv_simulation_preflight(simulation, 1, &preflight, &error), SHV_BAD_INPUT, error, "object 1");
+    check_ok(shv_simulation_preflight(simulation, 0, &preflight, &error), error);
+    shv_simulation_destroy(simulation);
+    return preflight;
+}
+
+/* Against the formulas: c₀ = √(E/ρ), c_d, (π/8) E/(1−ν²) G/σ², 2EG/σ², δ = 2G/σ. */
+static void test_preflight(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_falling_cube(&stage);
+    const ShvPreflight p = preflight_of(&stage);
+    const double modulus = 50e6, density = 1200.0, nu = 0.2, energy = 0.5, strength = 50e3, pi = 3.14159265358979;
+    check_near(p.volume, 2.4e-5, 1e-18);
+    check_near(p.mass, density * 2.4e-5, 1e-14);
+    check_near(p.bar_speed, sqrt(modulus / density), 1e-10);
+    check_near(p.dilatational_speed, sqrt(modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)), 1e-10);
+    check_near(p.cohesive_zone, pi / 8.0 * modulus / (1.0 - nu * nu) * energy / (strength * strength), 1e-12);
+    check_near(p.snap_back, 2.0 * modulus * energy / (strength * strength), 1e-15);
+    check_near(p.final_opening, 2.0 * energy / strength, 1e-18);
+    check_near(p.opening_speed, 2.0 * strength / (density * p.bar_speed), 1e-14);
+    check_near(p.steps_to_open * p.step, p.final_opening / p.opening_speed, 1e-18);
+    check_near(p.courant, 0.9, 1e-12);
+    check_near(p.bar_transit, 0.04 / p.bar_speed, 1e-12);
+    check_near(p.extent[0], 0.02, 1e-15);
+    check_near(p.extent[2], 0.04, 1e-15);
+    assert_true(p.breakable);
+    assert_true(p.shortest_edge <= p.mean_edge && p.mean_edge <= p.longest_edge);
+}
+
+/* Twice the speed, half the step; four times the stiffness, half the step. */
+static void test_step_scales(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_falling_cube(&stage);
+    const double step = preflight_of(&stage).step;
+    stage.material.youngs_modulus *= 4.0;
+    check_near(preflight_of(&stage).step, 0.5 * step, 1e-12 * step);
+    stage.scene.fracture.time_step = 0.25 * step;
+    const ShvPreflight given = preflight_of(&stage);
+    assert_true(given.step == 0.25 * step);
+    check_near(given.courant, 0.45, 1e-12);
+}
+
+static ShvPlan plan_of(const Stage *stage)
+{
+    ShvSimulation *simulation = stage_start(stage);
+    ShvPlan plan;
+    ShvError error = {SHV_OK, ""};
+    const uint64_t hash = shv_simulation_hash(simulation);
+    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    /* What is timed on the way leaves no trace but in the scratch of forces: a planned run gives the same bits. */
+    stage_finish(simulation);
+    const uint64_t planned = shv_simulation_hash(simulation);
+    assert_true(planned != hash);
+    assert_true(planned == stage_hash(stage));
+    check_fails(shv_simulation_plan(simulation, &plan, &error), SHV_BAD_INPUT, error, "before the first frame");
+    shv_simulation_destroy(simulation);
+    return plan;
+}
+
+static const ShvPlanPart *part_of(const ShvPlan *plan, const char *name)
+{
+    for (int32_t i = 0; i < plan->part_count; i++)
+        if (strcmp(plan->parts[i].name, name) == 0) return &plan->parts[i];
+    fail_msg("no part is called %s", name);
+    return NULL;
+}
+
+/* The first contact is that of the bounding sphere: no later than the body's own, √(2 × 0.48/g), and before it by no more than
+   what the sphere sticks out. */
+static void test_plan(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_falling_cube(&stage);
+    stage.scene.duration = 0.4;
+    const ShvPlan plan = plan_of(&stage);
+    assert_true(plan.first_contact <= sqrt(2.0 * 0.48 / 9.81) && plan.first_contact >= sqrt(2.0 * 0.47 / 9.81));
+    assert_int_equal(plan.frames, 41);
+    assert_true(plan.seconds_per_step > 0.0);
+    check_near(plan.predicted_steps, plan.awake_time / plan.step, 1e-9 * plan.predicted_steps);
+    assert_true(part_of(&plan, "adjacency")->on && part_of(&plan, "adjacency")->bytes > 0);
+    assert_true(part_of(&plan, "obstacles")->on);
+    assert_false(part_of(&plan, "nodal stress")->on);
+    assert_false(part_of(&plan, "conditions")->on);
+}
+
+/* What cannot break has neither adjacency nor stress nor cohesive facets, and no bytes for them. */
+static void test_unbreakable(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        Stage stage;
+        make_falling_cube(&stage);
+        stage.scene.duration = 0.1;
+        if (i == 0) stage.scene.fracture.enabled = false;
+        if (i == 1) stage.material.breakable = false;
+        stage.scene.obstacle_count = 0;
+        const ShvPlan plan = plan_of(&stage);
+        const char *off[] = {"adjacency", "stress", "cohesive facets", "obstacles"};
+        for (size_t k = 0; k < sizeof off / sizeof off[0]; k++) {
+            const ShvPlanPart *part = part_of(&plan, off[k]);
+            assert_false(part->on);
+            assert_true(strlen(part->reason) > 0);
+            if (part->bytes > 0) fail_msg("%s is off and takes %zu bytes", off[k], part->bytes);
+        }
+        assert_true(isinf(plan.first_contact));
+        assert_true(plan.predicted_steps == 0.0);
+        assert_false(preflight_of(&stage).breakable);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_preflight),
+        cmocka_unit_test(test_step_scales),
+        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_unbreakable),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
