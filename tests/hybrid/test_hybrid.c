@@ -104,8 +104,8 @@ static void test_split(void **unused)
     assert_int_equal(nodes, hybrid.state.node_count);
     /* Copies of nodes share what the node had: in extended precision, as the sums themselves round. */
     long double of_nodes = 0.0L, of_elements = 0.0L;
-    for (int32_t i = 0; i < hybrid.state.node_count; i++) of_nodes += hybrid.state.mass[i];
-    for (int32_t e = 0; e < hybrid.state.element_count; e++) of_elements += hybrid.state.element_mass[e];
+    for (int32_t i = 0; i < hybrid.state.node_count; i++) of_nodes += (long double)hybrid.state.mass[i];
+    for (int32_t e = 0; e < hybrid.state.element_count; e++) of_elements += (long double)hybrid.state.element_mass[e];
     check_near((double)(of_nodes - of_elements), 0.0, 1e-14 * (double)of_elements);
     /* Everything awake is listed once. */
     assert_int_equal(hybrid.awake.node_count, hybrid.state.node_count);
