@@ -102,8 +102,9 @@ static void print_object_json(const ShvPreflight *p)
     printf("}");
 }
 
-static ShvStatus print_all(const ShvSimulation *simulation, bool json, ShvError *error)
+static ShvStatus print_all(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error)
 {
+    const bool json = arguments->values[JSON] != NULL;
     if (json) printf("[");
     for (int32_t i = 0; i < shv_simulation_object_count(simulation); i++) {
         ShvPreflight preflight;
@@ -121,17 +122,7 @@ static ShvStatus print_all(const ShvSimulation *simulation, bool json, ShvError 
 
 static int run(const ShvArguments *arguments)
 {
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
-    ShvError error;
-    ShvSimulation *simulation = NULL;
-    ShvSimulationOptions options = shv_simulation_options_default();
-    options.folder = shv_scene_folder(scene);
-    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
-    if (status == SHV_OK) status = print_all(simulation, arguments->values[JSON] != NULL, &error);
-    shv_simulation_destroy(simulation);
-    shv_scene_destroy(scene);
-    return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    return shv_cli_inspect(arguments, print_all);
 }
 
 const ShvCommand shv_command_check = {

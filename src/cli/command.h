@@ -44,6 +44,9 @@ int shv_program(int argc, char **argv);
 
 /* Loads a scene with the overrides; all errors and warnings go to stderr. NULL after an error. */
 ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
+/* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
+typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
+int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
 /* Prints "shiver: message" and returns the exit status that belongs to the status. */
 int shv_cli_failed(ShvStatus status, const ShvError *error);
 /* One JSON string with quotes and escapes. */

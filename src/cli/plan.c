@@ -51,24 +51,17 @@ static void print_json(const ShvPlan *plan)
     printf("}\n");
 }
 
+static ShvStatus print_any(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error)
+{
+    ShvPlan plan;
+    const ShvStatus status = shv_simulation_plan(simulation, &plan, error);
+    if (status == SHV_OK) (arguments->values[JSON] ? print_json : print_plan)(&plan);
+    return status;
+}
+
 static int run(const ShvArguments *arguments)
 {
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
-    ShvError error;
-    ShvSimulation *simulation = NULL;
-    ShvSimulationOptions options = shv_simulation_options_default();
-    options.folder = shv_scene_folder(scene);
-    ShvPlan plan;
-    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
-    if (status == SHV_OK) status = shv_simulation_plan(simulation, &plan, &error);
-    if (status == SHV_OK && arguments->values[JSON])
-        print_json(&plan);
-    else if (status == SHV_OK)
-        print_plan(&plan);
-    shv_simulation_destroy(simulation);
-    shv_scene_destroy(scene);
-    return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    return shv_cli_inspect(arguments, print_any);
 }
 
 const ShvCommand shv_command_plan = {
