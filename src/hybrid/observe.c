@@ -28,17 +28,21 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
 
 /* What the impulses of the ghost step add to ½ (V₋·M·V₊ − V₋·M·V₋) of free obstacles, whose works, too, are counted up to
    their first halves. */
-static double obstacle_exchange(const ShvHybrid *hybrid)
+static void exchange_with_obstacles(ShvHybrid *hybrid)
 {
-    double exchange = 0.0;
+    ShvGhost *ghost = &hybrid->ghost;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
-        const ShvObstacle *before = &hybrid->ghost.obstacles[i], *after = &hybrid->obstacles.items[i];
+        const ShvObstacle *before = &ghost->obstacles[i], *after = &hybrid->obstacles.items[i];
         if (before->motion != SHV_OBSTACLE_FREE) continue;
         const ShvVec3 spin = shv_obstacle_angular_momentum(before);
-        exchange += 0.5 * before->mass * shv_dot(before->velocity, shv_sub(after->velocity, before->velocity)) +
-                    0.5 * shv_dot(spin, shv_sub(after->angular_velocity, before->angular_velocity));
+        const ShvVec3 impulse = shv_scale(shv_sub(after->velocity, before->velocity), before->mass);
+        const ShvVec3 turn = shv_sub(shv_obstacle_angular_momentum(after), spin);
+        ghost->obstacle_exchange += 0.5 * shv_dot(before->velocity, impulse) +
+                                    0.5 * shv_dot(spin, shv_sub(after->angular_velocity, before->angular_velocity));
+        ghost->obstacle_momentum = shv_madd(ghost->obstacle_momentum, 0.5, impulse);
+        ghost->obstacle_angular =
+            shv_madd(ghost->obstacle_angular, 0.5, shv_add(turn, shv_cross(before->position, impulse)));
     }
-    return exchange;
 }
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
