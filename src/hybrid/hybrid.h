@@ -54,7 +54,8 @@ typedef struct ShvGhost {
     int64_t capacity;
     ShvObstacle *obstacles;       /* as they were before the ghost step */
     double kinetic;               /* J, of awake nodes: Σ ½ m v₋·v₊ */
-    double obstacle_exchange;     /* J: the same of free obstacles, beyond what they have before the step */
+    double obstacle_exchange;     /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
+    ShvVec3 obstacle_momentum, obstacle_angular; /* kg m/s, kg m²/s: likewise, so that sums are those of one moment */
     double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
 } ShvGhost;
 
