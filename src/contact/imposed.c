@@ -152,9 +152,11 @@ bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
 
 bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time)
 {
-    for (int32_t i = 0; i < imposed->count; i++)
-        if (shv_imposed_in_force(&imposed->items[i], time) && strcmp(imposed->items[i].definition->object, object) == 0)
-            return true;
+    for (int32_t i = 0; i < imposed->count; i++) {
+        const ShvImposedCondition *condition = &imposed->items[i];
+        const bool over = condition->released || time >= condition->definition->end;
+        if (!over && strcmp(condition->definition->object, object) == 0) return true;
+    }
     return false;
 }
 

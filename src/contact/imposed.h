@@ -51,7 +51,7 @@ void shv_imposed_release(ShvImposed *imposed);
 bool shv_imposed_release_condition(ShvImposed *imposed, const char *name);
 /* Whether a condition acts at a time: started, not ended, not released. */
 bool shv_imposed_in_force(const ShvImposedCondition *condition, double time);
-/* Whether any condition on an object is in force at a time. */
+/* Whether any condition on an object is in force at a time or still to come. */
 bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time);
 
 /* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;

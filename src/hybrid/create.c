@@ -29,27 +29,9 @@ static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-/* Whether a condition holds some of the object's nodes from the start: such objects are never in free flight. */
-static bool has_condition(const ShvSceneDefinition *scene, const char *object)
-{
-    for (int32_t i = 0; i < scene->condition_count; i++)
-        if (strcmp(scene->conditions[i].object, object) == 0) return true;
-    return false;
-}
-
-static ShvStatus find_held(ShvHybrid *hybrid, ShvError *error)
-{
-    hybrid->held = shv_allocate(hybrid->memory, SHV_PART_GENERAL, (size_t)hybrid->model.object_count, sizeof(bool));
-    if (!hybrid->held) return shv_fail_memory(error, "held objects", (size_t)hybrid->model.object_count);
-    for (int32_t i = 0; i < hybrid->model.object_count; i++)
-        hybrid->held[i] = has_condition(hybrid->scene, hybrid->model.objects[i].name);
-    return SHV_OK;
-}
-
 static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
 {
     ShvFragments *fragments = &hybrid->fragments;
-    SHV_TRY(find_held(hybrid, error));
     for (int32_t i = 0; i < fragments->count; i++) {
         ShvFragment *fragment = &fragments->items[i];
         fragment->strength =
@@ -58,7 +40,7 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
                                        fragment->element_count)
                 : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
-        if (hybrid->held[fragment->object]) {
+        if (shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
             fragment->mode = SHV_MODE_FRACTURE;
         } else {
             shv_fragment_fit(fragment, fragments, &hybrid->state);
@@ -128,7 +110,6 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_release(hybrid->ghost.before);
     shv_release(hybrid->ghost.displacement);
     shv_release(hybrid->ghost.obstacles);
-    shv_release(hybrid->held);
     shv_release(hybrid->log.items);
     memset(hybrid, 0, sizeof *hybrid);
 }

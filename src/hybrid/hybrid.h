@@ -52,11 +52,12 @@ typedef struct ShvGhost {
     double *before;       /* 3 per node: v(n−1/2) */
     double *displacement; /* 3 per node, with bars only: they move nodes */
     int64_t capacity;
-    ShvObstacle *obstacles;       /* as they were before the ghost step */
-    double kinetic;               /* J, of awake nodes: Σ ½ m v₋·v₊ */
-    double obstacle_exchange;     /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
+    ShvObstacle *obstacles; /* as they were before the ghost step */
+    double kinetic;         /* J, of awake nodes: Σ ½ m v₋·v₊ */
+    double
+        obstacle_exchange; /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
     ShvVec3 obstacle_momentum, obstacle_angular; /* kg m/s, kg m²/s: likewise, so that sums are those of one moment */
-    double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
+    double first[SHV_WORK_COUNT];                /* J: first halves of the works of the step to come */
 } ShvGhost;
 
 typedef struct ShvHybrid {
@@ -81,7 +82,6 @@ typedef struct ShvHybrid {
     ShvRigidBackend *backend;
 
     ShvAwake awake;
-    bool *held;             /* per object: conditions act on it, it never flies */
     bool split_pending;     /* nodes were duplicated since fragments were last labelled */
     ShvRigidContact *wakes; /* pending in the present interval, by time */
     int32_t wake_count, wake_next, wake_capacity;

@@ -136,7 +136,8 @@ static bool is_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, doubl
 /* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present moment. */
 static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
-    return fragment->mode == SHV_MODE_FRACTURE && !hybrid->held[fragment->object] && is_quiet(hybrid, fragment, 0.0);
+    if (fragment->mode != SHV_MODE_FRACTURE || !is_quiet(hybrid, fragment, 0.0)) return false;
+    return !shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time);
 }
 
 /* What a fragment carries in the terms of the ledger, after synchronising: kinetic energy ½ m v₋·v₊ with
