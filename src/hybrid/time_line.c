@@ -8,13 +8,6 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid)
     return any ? hybrid->scene->events[hybrid->next_event].time : HUGE_VAL;
 }
 
-static double kinetic_energy(const ShvFragment *fragment)
-{
-    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
-           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
-}
-
 static bool of_object(const ShvHybrid *hybrid, const ShvFragment *fragment, const char *name)
 {
     return fragment->mode != SHV_MODE_DEAD && strcmp(hybrid->model.objects[fragment->object].name, name) == 0;
@@ -32,10 +25,10 @@ static double mass_of_object(const ShvHybrid *hybrid, const char *name)
    those of the present moment and awake nodes are synchronised: both their velocities change alike. */
 static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
 {
-    const double before = kinetic_energy(fragment);
+    const double before = shv_fragment_kinetic(fragment);
     fragment->velocity = shv_add(fragment->velocity, linear);
     fragment->angular_velocity = shv_add(fragment->angular_velocity, angular);
-    if (fragment->mode != SHV_MODE_FRACTURE) return kinetic_energy(fragment) - before;
+    if (fragment->mode != SHV_MODE_FRACTURE) return shv_fragment_kinetic(fragment) - before;
     double given = 0.0;
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];

@@ -57,13 +57,6 @@ static void rigid_momentum(const ShvFragment *fragment, double momentum[3], doub
                shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_cross(fragment->position, linear)));
 }
 
-static double rigid_kinetic(const ShvFragment *fragment)
-{
-    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
-           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
-}
-
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
@@ -82,7 +75,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
                           .value = contact->closing_speed};
     ShvVec3 momentum, angular;
     shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event.kinetic_after);
-    event.kinetic_before = nodes ? event.kinetic_after : rigid_kinetic(fragment);
+    event.kinetic_before = nodes ? event.kinetic_after : shv_fragment_kinetic(fragment);
     rigid_momentum(fragment, event.momentum_before, event.angular_before);
     /* Nodes that flew on their own may be deformed: their elastic energy counts again from here. */
     if (nodes) event.strain_after = strain_energy(hybrid, fragment);
@@ -177,7 +170,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     shv_fragment_fit(fragment, fragments, &hybrid->state);
     shv_fragment_momentum(fragment, fragments, &hybrid->state, &momentum, &angular, &kinetic);
     carried_energy(hybrid, fragment, &event.kinetic_before, &event.strain_before);
-    event.kinetic_after = hybrid->backend->keeps_nodes ? kinetic : rigid_kinetic(fragment);
+    event.kinetic_after = hybrid->backend->keeps_nodes ? kinetic : shv_fragment_kinetic(fragment);
     event.value = event.kinetic_before + event.strain_before - event.kinetic_after;
     double released = 0.0;
     if (hybrid->model.can_break) released = shv_cohesive_recoverable_of(&hybrid->cohesive, &hybrid->state, index);

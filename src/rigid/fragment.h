@@ -79,5 +79,7 @@ void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *frag
                            ShvVec3 *momentum, ShvVec3 *angular_momentum, double *kinetic);
 /* Inertia about the centre in world axes. */
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment);
+/* Kinetic energy of the rigid motion, J. */
+double shv_fragment_kinetic(const ShvFragment *fragment);
 
 #endif
