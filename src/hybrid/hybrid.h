@@ -101,6 +101,7 @@ typedef struct ShvHybrid {
     double *overstress;
 
     ShvLedger ledger;
+    ShvCohesiveEnergy cohesive_energy;    /* of the last observed moment */
     ShvLedgerView balance;                /* of the last observed moment */
     double start_energy, start_potential; /* J */
     bool balance_started;
@@ -141,6 +142,9 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
+/* Parts that both kicks share: cohesive tractions and closing faces; works of cohesion and conditions. */
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
+void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
 /* relaxed.c: the same kick with bars, which also moves the nodes to the next moment; set-up; and the largest |length/rest − 1|
    over all edges. */
 ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);

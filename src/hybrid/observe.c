@@ -163,10 +163,11 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     balance->event = work[SHV_WORK_EVENT];
 }
 
-static void add_cohesive(const ShvHybrid *hybrid, ShvLedgerView *balance)
+static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     if (!hybrid->model.can_break) return;
     const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
+    hybrid->cohesive_energy = energy;
     balance->cohesive_recoverable = energy.recoverable;
     balance->fracture_dissipation = energy.dissipated;
     balance->inserted_area = energy.inserted_area;

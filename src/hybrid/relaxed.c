@@ -58,17 +58,6 @@ static ShvStatus relax(ShvHybrid *hybrid, double step, ShvError *error)
                          awake->node_count, &settings, error);
 }
 
-static void book(ShvHybrid *hybrid, double after)
-{
-    const ShvImposed *imposed = &hybrid->imposed;
-    ShvLedger *ledger = &hybrid->ledger;
-    if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
-    shv_relax_book(&hybrid->relax, ledger);
-    shv_ledger_book(ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work, 0.5 * hybrid->relax.obstacle_work);
-    shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
-    shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
-}
-
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
     ShvState *state = &hybrid->state;
@@ -79,13 +68,13 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(mark_fixed(hybrid, error));
     SHV_TRY(shv_relax_begin(&hybrid->relax, state, awake->nodes, awake->node_count, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
-    if (hybrid->model.can_break) {
-        shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
-        shv_cohesive_close(&hybrid->cohesive, state, kick, after, 0.0);
-    }
+    shv_hybrid_pull_and_close(hybrid, kick, after);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     SHV_TRY(relax(hybrid, after, error));
-    book(hybrid, after);
+    shv_hybrid_book_forces(hybrid, after);
+    shv_relax_book(&hybrid->relax, &hybrid->ledger);
+    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work,
+                    0.5 * hybrid->relax.obstacle_work);
     shv_costs_add(&hybrid->costs, SHV_COST_BARS, start);
     return SHV_OK;
 }

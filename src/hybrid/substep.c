@@ -22,16 +22,28 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-static void book(ShvHybrid *hybrid, double after)
+void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
 {
     const ShvImposed *imposed = &hybrid->imposed;
     ShvLedger *ledger = &hybrid->ledger;
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
-    shv_node_contact_book(&hybrid->contact, &hybrid->state);
-    shv_node_contact_book_ledger(&hybrid->contact, ledger);
-    shv_ledger_book(ledger, SHV_WORK_CONTACT, hybrid->contact.obstacle_work[0], hybrid->contact.obstacle_work[1]);
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
+}
+
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
+{
+    if (!hybrid->model.can_break) return;
+    shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, after);
+    shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after, crack_friction);
+}
+
+static void book_contact(ShvHybrid *hybrid)
+{
+    ShvNodeContact *contact = &hybrid->contact;
+    shv_node_contact_book(contact, &hybrid->state);
+    shv_node_contact_book_ledger(contact, &hybrid->ledger);
+    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
 }
 
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
@@ -47,11 +59,8 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
-    if (hybrid->model.can_break) {
-        shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
-        shv_cohesive_close(&hybrid->cohesive, state, kick, after, crack_friction);
-        start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
-    }
+    shv_hybrid_pull_and_close(hybrid, kick, after);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
                                    after, hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
@@ -59,7 +68,8 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
     shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
-    book(hybrid, after);
+    shv_hybrid_book_forces(hybrid, after);
+    book_contact(hybrid);
     return SHV_OK;
 }
 

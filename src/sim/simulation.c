@@ -171,12 +171,9 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     const double turnover = hybrid->bars_turnover + hybrid->elastic_turnover;
     simulation->frame.edge_strain = positions ? shv_hybrid_edge_strain(hybrid) : (double)NAN;
     simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
-    if (hybrid->model.can_break) {
-        const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
-        simulation->frame.inserted = energy.inserted;
-        simulation->frame.opened = energy.opened;
-        simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
-    }
+    simulation->frame.inserted = hybrid->cohesive_energy.inserted;
+    simulation->frame.opened = hybrid->cohesive_energy.opened;
+    simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
     return observed;
 }
 
