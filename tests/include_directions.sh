@@ -13,8 +13,8 @@ allowed()
     cohesive) echo base mesh model cohesive ;;
     shape) echo base mesh model shape ;;
     pbd) echo base mesh model solid cohesive shape rigid pbd ;;
-    contact) echo base mesh model solid cohesive shape contact ;;
-    rigid) echo base mesh model solid cohesive shape rigid ;;
+    contact) echo base mesh model solid cohesive shape bullet_bridge contact ;;
+    rigid) echo base mesh model solid cohesive shape bullet_bridge rigid ;;
     hybrid) echo base mesh model solid cohesive shape pbd contact rigid hybrid ;;
     sim) echo base mesh model solid cohesive shape pbd contact rigid hybrid sim ;;
     scene) echo base scene ;;
