@@ -1,6 +1,7 @@
 #include "hybrid/hybrid.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static bool interrupted(const ShvHybrid *hybrid)
 {
@@ -26,6 +27,17 @@ static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
+/* Flight of the present interval, of all that has not flown in it yet. */
+static ShvStatus fly(ShvHybrid *hybrid, ShvError *error)
+{
+    const double now = hybrid->state.time, start = shv_now();
+    SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
+                                                shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);
+    qsort(hybrid->wakes, (size_t)hybrid->wake_count, sizeof(ShvRigidContact), by_time);
+    return SHV_OK;
+}
+
 /* Rigid interval from the present moment: at most a rigid step, a whole number of which make up what is left until `until`,
    ending no later than the next event of the time line. All flight of the interval happens here. */
 static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error)
@@ -38,13 +50,27 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     SHV_TRY(reserve_wakes(hybrid, error));
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
-    const double start = shv_now();
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
-    SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
-                                                shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
-    shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);
-    qsort(hybrid->wakes, (size_t)hybrid->wake_count, sizeof(ShvRigidContact), by_time);
-    return SHV_OK;
+    return fly(hybrid, error);
+}
+
+/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it. */
+static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
+{
+    const int32_t awake = hybrid->awake.count;
+    SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
+    if (hybrid->awake.count == awake) return SHV_OK;
+    hybrid->wake_count -= hybrid->wake_next;
+    memmove(hybrid->wakes, hybrid->wakes + hybrid->wake_next, (size_t)hybrid->wake_count * sizeof *hybrid->wakes);
+    hybrid->wake_next = 0;
+    SHV_TRY(reserve_wakes(hybrid, error));
+    return fly(hybrid, error);
+}
+
+/* Whether fragments are asked, within an interval, if they may rest. */
+static bool rest_is_due(const ShvHybrid *hybrid)
+{
+    return hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a moment. */
@@ -68,8 +94,6 @@ static double next_wake_time(const ShvHybrid *hybrid)
 static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
     if (next_wake_time(hybrid) > hybrid->state.time) return SHV_OK;
-    /* Copies of nodes stand in the lists of awake nodes alone until their fragments are labelled anew. */
-    SHV_TRY(shv_hybrid_relabel(hybrid, error));
     while (next_wake_time(hybrid) <= hybrid->state.time)
         SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
     return shv_awake_refresh(hybrid, error);
@@ -110,9 +134,13 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             jump(hybrid);
         } else {
             SHV_TRY(creep(hybrid, error));
-            if (++*taken == steps) return SHV_OK;
+            ++*taken;
         }
-        if (hybrid->interval_end <= hybrid->state.time) SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
+        if (hybrid->interval_end <= hybrid->state.time)
+            SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
+        else if (rest_is_due(hybrid))
+            SHV_TRY(rest_early(hybrid, error));
+        if (steps > 0 && *taken == steps) break;
     }
     return SHV_OK;
 }

@@ -71,17 +71,33 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
     return SHV_OK;
 }
 
-/* Copies belong to awake fragments; until the next labelling they stand at the end of the list. */
-static ShvStatus take_in_copies(ShvHybrid *hybrid, int32_t duplicated, ShvError *error)
+/* Components of one awake fragment; its children carry on with its record. */
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
-    if (duplicated == 0) return SHV_OK;
-    hybrid->split_pending = true;
-    SHV_TRY(shv_awake_reserve(hybrid, error));
-    for (int32_t node = hybrid->state.node_count - duplicated; node < hybrid->state.node_count; node++)
-        hybrid->awake.nodes[hybrid->awake.node_count++] = node;
-    shv_node_contact_invalidate(&hybrid->contact);
-    hybrid->bars_stale = true;
-    return SHV_OK;
+    int32_t parts = 0;
+    const int32_t first_child = hybrid->fragments.count;
+    SHV_TRY(shv_fragments_split(&hybrid->fragments, &hybrid->model, &hybrid->state, index, &parts, error));
+    if (parts < 2) return SHV_OK;
+    for (int32_t i = first_child; i < hybrid->fragments.count; i++) {
+        ShvFragment *child = &hybrid->fragments.items[i];
+        child->strength = shv_cohesive_weakest(&hybrid->cohesive, hybrid->fragments.elements + child->element_begin,
+                                               child->element_count);
+    }
+    const ShvEventView event = {
+        .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+/* What has come apart is labelled at once, so that the present count of fragments does not depend on who looks when: only
+   fragments in which facets have just been inserted. Their nodes, copies included, are listed anew. */
+static ShvStatus relabel(ShvHybrid *hybrid, ShvError *error)
+{
+    const int32_t count = hybrid->fragments.count;
+    for (int32_t i = 0; i < count; i++)
+        if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion == hybrid->state.time)
+            SHV_TRY(relabel_fragment(hybrid, i, error));
+    hybrid->awake.stale = true;
+    return shv_awake_refresh(hybrid, error);
 }
 
 static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
@@ -92,7 +108,7 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
                                 &duplicated, error));
     hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
     SHV_TRY(note_insertions(hybrid, count, error));
-    SHV_TRY(take_in_copies(hybrid, duplicated, error));
+    if (duplicated > 0) SHV_TRY(relabel(hybrid, error));
     shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     return SHV_OK;
 }
@@ -113,8 +129,10 @@ static ShvStatus look_for_inversion(ShvHybrid *hybrid, ShvError *error)
 
 static void count_quiet(ShvHybrid *hybrid)
 {
+    hybrid->quiet_looks++;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (hybrid->awake.flags[i]) hybrid->fragments.items[i].quiet++;
+        if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion <= hybrid->state.time)
+            hybrid->fragments.items[i].quiet++;
 }
 
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
@@ -135,32 +153,4 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
     set_clock(hybrid, largest);
     shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     return count > 0 ? insert(hybrid, count, error) : SHV_OK;
-}
-
-/* Components of one awake fragment; its children carry on with its record. */
-static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *error)
-{
-    int32_t parts = 0;
-    const int32_t first_child = hybrid->fragments.count;
-    SHV_TRY(shv_fragments_split(&hybrid->fragments, &hybrid->model, &hybrid->state, index, &parts, error));
-    if (parts < 2) return SHV_OK;
-    for (int32_t i = first_child; i < hybrid->fragments.count; i++) {
-        ShvFragment *child = &hybrid->fragments.items[i];
-        child->strength = shv_cohesive_weakest(&hybrid->cohesive, hybrid->fragments.elements + child->element_begin,
-                                               child->element_count);
-    }
-    const ShvEventView event = {
-        .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
-    return shv_hybrid_log(hybrid, &event, error);
-}
-
-ShvStatus shv_hybrid_relabel(ShvHybrid *hybrid, ShvError *error)
-{
-    if (!hybrid->split_pending) return SHV_OK;
-    const int32_t count = hybrid->fragments.count;
-    for (int32_t i = 0; i < count; i++)
-        if (hybrid->awake.flags[i]) SHV_TRY(relabel_fragment(hybrid, i, error));
-    hybrid->split_pending = false;
-    hybrid->awake.stale = true;
-    return shv_awake_refresh(hybrid, error);
 }

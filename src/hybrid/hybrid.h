@@ -82,10 +82,10 @@ typedef struct ShvHybrid {
     ShvRigidBackend *backend;
 
     ShvAwake awake;
-    bool split_pending;     /* nodes were duplicated since fragments were last labelled */
     ShvRigidContact *wakes; /* pending in the present interval, by time */
     int32_t wake_count, wake_next, wake_capacity;
     double interval_end;  /* s; ≤ state.time: no interval is under way */
+    int32_t quiet_looks;  /* checks since fragments were last asked whether they may rest */
     double obstacle_time; /* s: moment to which free obstacles have been moved */
 
     double stable_step;     /* s: smallest exact element step of the whole model */
@@ -150,12 +150,10 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
 ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error);
 double shv_hybrid_edge_strain(const ShvHybrid *hybrid);
-/* check.c: stress, criterion, insertion, splits, when due. */
+/* check.c: stress, criterion, insertion, when due; what has come apart is labelled at once. */
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
 /* The clock of a body that has just woken. */
 void shv_check_clock_start(ShvCheckClock *clock);
-/* Labels what has come apart since the last call (check.c). */
-ShvStatus shv_hybrid_relabel(ShvHybrid *hybrid, ShvError *error);
 /* time_line.c: scene events that are due. */
 ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
 double shv_hybrid_next_event_time(const ShvHybrid *hybrid);

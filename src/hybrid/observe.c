@@ -255,7 +255,6 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
 
 ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
 {
-    SHV_TRY(shv_hybrid_relabel(hybrid, error));
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);

@@ -64,7 +64,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     const bool nodes = hybrid->backend->keeps_nodes;
     if (!nodes) shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
     fragment->mode = SHV_MODE_FRACTURE;
-    fragment->last_insertion = hybrid->state.time;
+    fragment->last_insertion = fmax(hybrid->state.time, contact->expected);
     fragment->quiet = 0;
     hybrid->awake.stale = true;
     shv_check_clock_start(&hybrid->clock);
@@ -207,9 +207,9 @@ static ShvStatus settle_works(ShvHybrid *hybrid, ShvError *error)
 
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
 {
+    hybrid->quiet_looks = 0;
     if (hybrid->awake.count == 0) return SHV_OK;
     const double start = shv_now();
-    SHV_TRY(shv_hybrid_relabel(hybrid, error));
     bool any = false;
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);

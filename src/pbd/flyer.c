@@ -35,6 +35,7 @@ ShvStatus shv_flyer_create(ShvFlyer **flyer, const ShvRigidWorld *world, int32_t
     ShvFlyer *made = *flyer = shv_allocate(memory, SHV_PART_RIGID, 1, sizeof *made);
     if (made) {
         made->fragment = fragment;
+        made->time = world->state->time;
         made->seen_velocity = world->fragments->items[fragment].velocity;
         made->seen_spin = world->fragments->items[fragment].angular_velocity;
         made->touched = shv_allocate(memory, SHV_PART_RIGID, obstacles, 1);

@@ -8,6 +8,8 @@
 
 typedef struct ShvFlyer {
     int32_t fragment;
+    double time;                      /* s: of its nodes */
+    bool moves;                       /* in the step at work: it is not at its end yet */
     ShvVec3 seen_velocity, seen_spin; /* written to the record: events of the time line change them */
     uint8_t *touched;                 /* per obstacle: in the last step */
     int32_t *fastest;                 /* per obstacle: touch of this step that closes fastest, −1: none */

@@ -9,12 +9,12 @@ typedef struct Pbd {
     ShvRelax relax;
     ShvFlyer **flyers; /* by increasing fragment */
     int32_t count, capacity;
-    bool stale;     /* fragments came or went since the lists below were made */
-    uint8_t *flags; /* per fragment index: in flight */
+    bool stale;     /* those that move are not those of the lists below */
+    uint8_t *flags; /* per fragment index: in flight and moving */
     int32_t flag_room;
-    int32_t *nodes; /* of all flyers, one after another */
+    int32_t *nodes; /* of all that move, one after another */
     int32_t node_count, node_room;
-    int32_t *owner; /* per node of the state: index of its flyer, for nodes in flight */
+    int32_t *owner; /* per node of the state: index of its flyer, for nodes that move */
     int32_t owner_room;
 } Pbd;
 
@@ -82,7 +82,6 @@ static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error
     for (int32_t i = pbd->count; i > place; i--) pbd->flyers[i] = pbd->flyers[i - 1];
     pbd->flyers[place] = flyer;
     pbd->count++;
-    pbd->flags[fragment] = 1;
     pbd->stale = true;
     return SHV_OK;
 }
@@ -99,19 +98,35 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
     pbd->stale = true;
 }
 
-/* Lists of nodes and the bars of what is in flight. */
+/* Those that an earlier call has moved to the end of the step already stay where they are. */
+static void choose_moving(Pbd *pbd, double time, double step)
+{
+    for (int32_t i = 0; i < pbd->count; i++) {
+        ShvFlyer *flyer = pbd->flyers[i];
+        const bool moves = flyer->time < time + 0.5 * step;
+        if (moves != flyer->moves) pbd->stale = true;
+        flyer->moves = moves;
+    }
+}
+
+/* Lists of nodes and the bars of what moves. */
 static ShvStatus refresh(Pbd *pbd, ShvError *error)
 {
     if (!pbd->stale) return SHV_OK;
     const ShvRigidWorld *world = &pbd->backend.world;
     int64_t count = 0;
-    for (int32_t i = 0; i < pbd->count; i++) count += world->fragments->items[pbd->flyers[i]->fragment].node_count;
     SHV_TRY(reserve_flags(pbd, error));
+    for (int32_t i = 0; i < pbd->count; i++) {
+        const ShvFlyer *flyer = pbd->flyers[i];
+        pbd->flags[flyer->fragment] = flyer->moves;
+        if (flyer->moves) count += world->fragments->items[flyer->fragment].node_count;
+    }
     SHV_TRY(reserve_int(pbd, &pbd->nodes, &pbd->node_room, count, error));
     SHV_TRY(reserve_int(pbd, &pbd->owner, &pbd->owner_room, world->state->node_count, error));
     SHV_TRY(shv_bars_update(&pbd->bars, world->state, pbd->flags, error));
     pbd->node_count = 0;
     for (int32_t i = 0; i < pbd->count; i++) {
+        if (!pbd->flyers[i]->moves) continue;
         const ShvFragment *fragment = &world->fragments->items[pbd->flyers[i]->fragment];
         for (int32_t k = 0; k < fragment->node_count; k++) {
             const int32_t node = world->fragments->nodes[fragment->node_begin + k];
@@ -140,6 +155,7 @@ static ShvStatus predict_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error
     const ShvRigidWorld *world = &pbd->backend.world;
     for (int32_t i = 0; i < pbd->count; i++) {
         double taken;
+        if (!pbd->flyers[i]->moves) continue;
         SHV_TRY(shv_flyer_predict(pbd->flyers[i], world, pbd->settings, &pbd->relax, step, &taken, error));
         pbd->backend.damping_work -= taken;
     }
@@ -159,9 +175,20 @@ static void find_fastest(Pbd *pbd, bool pushed)
     }
 }
 
+/* The whole step of a fragment that wakes goes to fracture mode, in which the gap is yet to close: when that will be, by
+   how deep the prediction goes. */
+static double closing_time(const Pbd *pbd, const ShvRelaxTouch *touch, double time, double step)
+{
+    const int64_t i = 3 * (int64_t)touch->node;
+    const ShvVec3 predicted =
+        shv_add(shv_load3(pbd->backend.world.state->reference + i), shv_load3(pbd->relax.predicted + i));
+    const double depth = shv_dot(shv_sub(touch->point, predicted), touch->normal);
+    return time + fmin(step, fmax(0.0, step - depth / touch->closing_speed));
+}
+
 /* Whether a contact of one flyer wakes it. */
-static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, ShvWakeJudge judge, void *judge_data,
-                     ShvRigidContact *contact)
+static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, double step, ShvWakeJudge judge,
+                     void *judge_data, ShvRigidContact *contact)
 {
     for (int32_t o = 0; o < pbd->relax.obstacle_count && judge; o++) {
         if (flyer->fastest[o] < 0) continue;
@@ -170,6 +197,7 @@ static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, ShvWake
         *contact = (ShvRigidContact){.fragment = flyer->fragment,
                                      .obstacle = o,
                                      .time = time,
+                                     .expected = closing_time(pbd, touch, time, step),
                                      .point = touch->point,
                                      .normal = touch->normal,
                                      .closing_speed = touch->closing_speed,
@@ -179,15 +207,15 @@ static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, ShvWake
     return false;
 }
 
-static void judge_all(Pbd *pbd, double time, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
-                      int32_t *wake_count)
+static void judge_all(Pbd *pbd, double time, double step, ShvWakeJudge judge, void *judge_data,
+                      ShvRigidContact *wakes, int32_t *wake_count)
 {
     find_fastest(pbd, false);
     int32_t kept = 0;
     for (int32_t i = 0; i < pbd->count; i++) {
         ShvFlyer *flyer = pbd->flyers[i];
         ShvRigidContact contact;
-        if (!wakes_up(pbd, flyer, time, judge, judge_data, &contact)) {
+        if (!flyer->moves || !wakes_up(pbd, flyer, time, step, judge, judge_data, &contact)) {
             pbd->flyers[kept++] = flyer;
             continue;
         }
@@ -204,7 +232,8 @@ static void judge_all(Pbd *pbd, double time, ShvWakeJudge judge, void *judge_dat
 static ShvStatus move_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
 {
     const ShvRigidWorld *world = &pbd->backend.world;
-    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_turn(pbd->flyers[i], world);
+    for (int32_t i = 0; i < pbd->count; i++)
+        if (pbd->flyers[i]->moves) shv_flyer_turn(pbd->flyers[i], world);
     SHV_TRY(shv_relax_begin(&pbd->relax, world->state, pbd->nodes, pbd->node_count, error));
     const ShvVec3 kick = shv_scale(shv_load3(step->gravity), 0.5 * step->step);
     for (int32_t i = 0; i < pbd->node_count; i++)
@@ -213,7 +242,7 @@ static ShvStatus move_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
                          error);
 }
 
-static void book(Pbd *pbd)
+static void book(Pbd *pbd, double end)
 {
     const ShvRelaxWork *work = &pbd->relax.work;
     pbd->backend.bars_work += work->bars[0] + work->bars[1];
@@ -221,6 +250,8 @@ static void book(Pbd *pbd)
     pbd->backend.friction_work += work->friction[0] + work->friction[1];
     find_fastest(pbd, true);
     for (int32_t i = 0; i < pbd->count; i++) {
+        if (!pbd->flyers[i]->moves) continue;
+        pbd->flyers[i]->time = end;
         shv_flyer_write(pbd->flyers[i], &pbd->backend.world);
         shv_flyer_note_touches(pbd->flyers[i], &pbd->backend.world, &pbd->relax);
     }
@@ -233,14 +264,16 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     Pbd *pbd = (Pbd *)backend;
     if (!(step > 0.0) || pbd->count == 0) return SHV_OK;
     const ShvRelaxStep settings = step_of(pbd, step, gravity);
+    choose_moving(pbd, time, step);
     SHV_TRY(refresh(pbd, error));
+    if (pbd->node_count == 0) return SHV_OK;
     SHV_TRY(shv_relax_begin(&pbd->relax, backend->world.state, pbd->nodes, pbd->node_count, error));
     SHV_TRY(predict_all(pbd, &settings, error));
-    judge_all(pbd, time, judge, judge_data, wakes, wake_count);
+    judge_all(pbd, time, step, judge, judge_data, wakes, wake_count);
     SHV_TRY(refresh(pbd, error));
-    if (pbd->count == 0) return SHV_OK;
+    if (pbd->node_count == 0) return SHV_OK;
     SHV_TRY(move_all(pbd, &settings, error));
-    book(pbd);
+    book(pbd, time + step);
     return SHV_OK;
 }
 

@@ -137,7 +137,7 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     for (int32_t i = 0; i < analytic->count; i++) {
         ShvFlightBody *body = analytic->bodies[i];
         bool woke = false;
-        if (status == SHV_OK) {
+        if (status == SHV_OK && body->time < time + 0.5 * step) {
             ShvFlightStep own = step_of(analytic, body);
             own.time = time;
             own.step = step;
@@ -147,6 +147,7 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
             ShvRigidContact contact;
             status = advance_body(analytic, own, &woke, &contact, error);
             if (woke) wakes[(*wake_count)++] = contact;
+            if (status == SHV_OK) body->time = time + step;
         }
         if (woke)
             shv_flight_body_destroy(body);

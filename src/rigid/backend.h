@@ -10,6 +10,7 @@ typedef struct ShvRigidContact {
     int32_t fragment;      /* index */
     int32_t obstacle;      /* index */
     double time;           /* s: when it closes */
+    double expected;       /* s: when it will have closed, where that is known to be later than `time`; else 0 */
     ShvVec3 point, normal; /* world; the normal points from the obstacle to the fragment */
     double closing_speed;  /* m/s along the normal, ≥ 0, before any response */
     bool fresh;            /* not touching at the previous step */
@@ -32,7 +33,8 @@ typedef struct ShvRigidFunctions {
     /* A fragment enters flight with the pose and velocities in its record, or leaves it. */
     ShvStatus (*add)(ShvRigidBackend *backend, int32_t fragment, ShvError *error);
     void (*remove)(ShvRigidBackend *backend, int32_t fragment);
-    /* Moves everything in flight by `step`. A contact that `judge` accepts stops its fragment at the contact's time: the
+    /* Moves everything in flight from `time` on by `step`; what an earlier call has moved there already (because others
+       came to rest meanwhile) stays. A contact that `judge` accepts stops its fragment at the contact's time: the
        fragment keeps the pose and velocity of that moment (before response), leaves flight, and its contact is appended to
        `wakes` (room for one a fragment in flight). All other contacts are answered by impulses with the pair's
        restitution and friction. */

@@ -39,6 +39,7 @@ ShvStatus shv_flight_body_create(ShvFlightBody **body, const ShvRigidWorld *worl
     *body = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof **body);
     if (!*body) return shv_fail_memory(error, "a fragment in flight", sizeof **body);
     (*body)->fragment = fragment;
+    (*body)->time = world->state->time;
     const ShvStatus status = fill(*body, world, error);
     if (status == SHV_OK) return SHV_OK;
     shv_flight_body_destroy(*body);

@@ -7,6 +7,7 @@
 
 typedef struct ShvFlightBody {
     int32_t fragment;
+    double time; /* s: of its record */
     ShvFreeRotation rotation;
     ShvVec3 angular_momentum; /* kg m²/s about the centre, world: the state of rotation */
     ShvQuat seen_orientation; /* what angular_momentum was derived from or written to: */

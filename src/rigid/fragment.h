@@ -25,7 +25,7 @@ typedef struct ShvFragment {
     ShvVec3 position;                   /* centre of mass, m */
     ShvQuat orientation;                /* reference axes → world */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
-    double last_insertion;              /* s: time of the last facet inserted in it (or of its waking) */
+    double last_insertion; /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
     double strength;                    /* Pa: weakest facet; infinity: nothing can break */
     int32_t quiet;                      /* checks in a row without insertion; children inherit */
     bool cracked;                       /* a facet of it has been inserted; children inherit */

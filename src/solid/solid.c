@@ -59,6 +59,17 @@ static void fill_batches(ShvSolid *solid)
     memset(solid->batch_active, 1, (size_t)solid->batch_count);
 }
 
+static void fill_steps(ShvSolid *solid)
+{
+    for (int32_t batch = 0; batch < solid->batch_count; batch++) {
+        const int32_t begin = batch * SHV_LANES;
+        solid->batch_safe[batch] = HUGE_VAL;
+        solid->batch_exact[batch] = nan("");
+        for (int32_t e = begin; e < begin + SHV_LANES && e < solid->model->mesh.element_count; e++)
+            solid->batch_safe[batch] = fmin(solid->batch_safe[batch], shv_solid_safe_step(solid, e));
+    }
+}
+
 static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
 {
     const size_t batches = (size_t)solid->batch_count, lanes = SHV_LANES * batches;
@@ -67,10 +78,15 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     solid->volumes = shv_allocate(memory, SHV_PART_STATE, lanes, sizeof *solid->volumes);
     solid->batch_material = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_material);
     solid->batch_active = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_active);
-    if (!solid->gradients || !solid->volumes || !solid->batch_material || !solid->batch_active)
-        return shv_fail_memory(error, "the constants of elements", 10 * lanes * sizeof *solid->gradients + 3 * batches);
+    solid->batch_safe = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_safe);
+    solid->batch_exact = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_exact);
+    if (!solid->gradients || !solid->volumes || !solid->batch_material || !solid->batch_active || !solid->batch_safe ||
+        !solid->batch_exact)
+        return shv_fail_memory(error, "the constants of elements",
+                               10 * lanes * sizeof *solid->gradients + 19 * batches);
     SHV_TRY(fill_gradients(solid, error));
     fill_batches(solid);
+    fill_steps(solid);
     return shv_solid_colour(solid, state, error);
 }
 
@@ -88,6 +104,8 @@ void shv_solid_release(ShvSolid *solid)
     shv_release(solid->volumes);
     shv_release(solid->batch_material);
     shv_release(solid->batch_active);
+    shv_release(solid->batch_safe);
+    shv_release(solid->batch_exact);
     shv_release(solid->colour_start);
     shv_release(solid->chunk_order);
     *solid = (ShvSolid){0};

@@ -20,6 +20,8 @@ typedef struct ShvSolid {
     int32_t *colour_start; /* colour_count + 1, into chunk_order */
     int32_t *chunk_order;  /* chunks sorted by colour */
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
+    double *batch_safe;    /* batch_count: smallest safe step, s */
+    double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
 } ShvSolid;
 
 ShvStatus shv_solid_create(ShvSolid *solid, const ShvModel *model, const ShvState *state, ShvError *error);

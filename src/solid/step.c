@@ -113,39 +113,46 @@ double shv_solid_exact_step(const ShvSolid *solid, int32_t element)
     return sqrt(material->density / largest_eigenvalue(a));
 }
 
-typedef struct Smallest {
-    double step;
-    int32_t element;
-} Smallest;
-
-/* The element of the smaller step; the lower one of two equals, so that the order of looking does not matter. */
-static Smallest smaller(Smallest a, Smallest b)
+/* Smallest exact step of a batch, and the first element that has it. */
+static double exact_of_batch(const ShvSolid *solid, int32_t batch, int32_t *element)
 {
-    if (a.step != b.step) return a.step < b.step ? a : b;
-    return a.element < b.element ? a : b;
+    double best = HUGE_VAL;
+    for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < solid->model->mesh.element_count; e++) {
+        if (shv_solid_safe_step(solid, e) > best) continue; /* the safe step is the smaller one */
+        const double step = shv_solid_exact_step(solid, e);
+        if (!(step < best)) continue;
+        best = step;
+        *element = e;
+    }
+    return best;
 }
 
-/* Elements whose safe step is no smaller than the best exact one cannot set it: most need no eigenvalue. */
-static Smallest search_batch(const ShvSolid *solid, int32_t batch, Smallest best)
+/* Batches whose safe step is no smaller than the best exact one cannot set it: most need no eigenvalue, and what was found
+   once is kept. */
+static double search_batch(const ShvSolid *solid, int32_t batch, double best)
 {
-    for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < solid->model->mesh.element_count; e++)
-        if (shv_solid_safe_step(solid, e) <= best.step)
-            best = smaller(best, (Smallest){shv_solid_exact_step(solid, e), e});
-    return best;
+    if (!solid->batch_active[batch] || solid->batch_safe[batch] > best) return best;
+    int32_t element;
+    if (isnan(solid->batch_exact[batch])) solid->batch_exact[batch] = exact_of_batch(solid, batch, &element);
+    return fmin(best, solid->batch_exact[batch]);
+}
+
+static int32_t first_element_with(const ShvSolid *solid, double step)
+{
+    int32_t element = -1;
+    for (int32_t batch = 0; batch < solid->batch_count; batch++)
+        if (solid->batch_active[batch] && solid->batch_exact[batch] == step) {
+            exact_of_batch(solid, batch, &element);
+            break;
+        }
+    return element;
 }
 
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
 {
-    Smallest best = {(double)INFINITY, INT32_MAX};
-#pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1)
-    {
-        Smallest own = {(double)INFINITY, INT32_MAX};
-#pragma omp for schedule(static)
-        for (int32_t batch = 0; batch < solid->batch_count; batch++)
-            if (solid->batch_active[batch]) own = search_batch(solid, batch, own);
-#pragma omp critical(shv_solid_smallest_step)
-        best = smaller(best, own);
-    }
-    if (element) *element = best.element == INT32_MAX ? -1 : best.element;
-    return best.step;
+    double best = HUGE_VAL;
+#pragma omp parallel for schedule(static) reduction(min : best) num_threads(solid->model->threads) if (solid->model->threads > 1)
+    for (int32_t batch = 0; batch < solid->batch_count; batch++) best = search_batch(solid, batch, best);
+    if (element) *element = first_element_with(solid, best);
+    return best;
 }

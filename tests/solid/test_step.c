@@ -203,7 +203,7 @@ static void failed_allocations_release_everything(void **unused)
         }
         assert_int_equal(shv_memory_bytes(block.memory, SHV_PART_COUNT), bytes);
     }
-    assert_int_equal(failures, 9);
+    assert_int_equal(failures, 11);
     block_release(&block);
 }
 
