@@ -172,7 +172,9 @@ ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
 typedef struct ShvCrackView {
     int32_t facets;   /* 0: nothing was inserted, the rest is NaN */
     double origin[3]; /* centroid of the first facet inserted, m, in the reference mesh */
-    double normal[3]; /* unit normal of the plane through them (area weighted least squares of their centroids) */
+    /* unit normal of the plane through them: least squares of their centroids, weighted by area × damage; NaN while nothing
+       has been damaged */
+    double normal[3];
 } ShvCrackView;
 ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *crack, ShvError *error);
 /* Threads that the solver uses. */

@@ -47,26 +47,33 @@ static void spread(const ShvHybrid *hybrid, Reach *reach)
     }
 }
 
+/* What a facet counts in the fit: a tough material opens a haze of facets by hair's breadths around the crack. */
+static double weight(const ShvCohesive *cohesive, int32_t k)
+{
+    return cohesive->area[k] * shv_cohesive_facet_damage(cohesive, k);
+}
+
 /* Normal of the plane that fits the reached facets best: the direction in which their centroids spread least. */
 static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach)
 {
     const ShvCohesive *cohesive = &hybrid->cohesive;
-    double area = 0.0;
+    double sum = 0.0;
     ShvVec3 mean = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < cohesive->count; k++) {
         if (!reach->facet[k]) continue;
-        area += cohesive->area[k];
-        mean = shv_madd(mean, cohesive->area[k], centroid(&hybrid->model, cohesive->facet[k]));
+        sum += weight(cohesive, k);
+        mean = shv_madd(mean, weight(cohesive, k), centroid(&hybrid->model, cohesive->facet[k]));
     }
-    mean = shv_scale(mean, 1.0 / area);
+    mean = shv_scale(mean, 1.0 / sum);
     ShvMat3 spread_out = {{{0.0}}};
     for (int32_t k = 0; k < cohesive->count; k++) {
         if (!reach->facet[k]) continue;
         const ShvVec3 d = shv_sub(centroid(&hybrid->model, cohesive->facet[k]), mean);
         const double v[3] = {d.x, d.y, d.z};
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) spread_out.m[i][j] += cohesive->area[k] * v[i] * v[j];
+            for (int j = 0; j < 3; j++) spread_out.m[i][j] += weight(cohesive, k) * v[i] * v[j];
     }
+    if (!(sum > 0.0)) return shv_vec3((double)NAN, (double)NAN, (double)NAN);
     double values[3];
     ShvMat3 vectors;
     shv_symmetric_eigen(&spread_out, values, &vectors);
