@@ -17,7 +17,7 @@
 #ifndef SHV_COHESIVE_COHESIVE_H
 #define SHV_COHESIVE_COHESIVE_H
 
-#include "cohesive/law.h"
+#include "cohesive/pair.h"
 #include "model/ledger.h"
 #include "model/state.h"
 
@@ -29,18 +29,19 @@ typedef enum ShvCohesivePhase {
 
 /* A pair of node copies of one facet in the present step. */
 typedef struct ShvCohesivePoint {
-    int32_t point;         /* 3 × cohesive facet + corner */
     int32_t first, second; /* nodes; equal: not split, or the facet sleeps */
-    bool carrying;         /* the facet has not failed */
     double weight;         /* area/3, m² */
     double peak;           /* largest traction it may still show, Pa */
-    double stored;         /* recoverable energy at n − 1/2, J */
     double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
-    ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
-    ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
-    ShvVec3 pull, push;    /* cohesive and closing force on the first node, N */
-    ShvVec3 change;        /* of pull, in the present sweep, N */
     ShvVec3 settled;       /* rate of opening that the pull answers, m/s; not finite: none yet */
+    ShvVec3 pull;          /* cohesive force on the first node, N */
+    ShvVec3 change;        /* of pull, in the present sweep, N */
+    ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
+    ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
+    ShvVec3 push;          /* closing force on the first node, N */
+    double stored;         /* recoverable energy at n − 1/2, J */
+    int32_t point;         /* 3 × cohesive facet + corner */
+    bool carrying;         /* the facet has not failed */
 } ShvCohesivePoint;
 
 typedef struct ShvCohesive {
@@ -65,9 +66,11 @@ typedef struct ShvCohesive {
     int32_t *live;            /* cohesive facets, increasing */
     ShvCohesivePoint *points; /* 3 per live facet */
     int32_t active_count, pair_count;
-    int32_t *unsorted; /* points that may pull, in order of facets */
-    int32_t *active;   /* the same, cluster by cluster */
-    int32_t *pairs;    /* points whose node is split */
+    int32_t *unsorted;           /* points that may pull, in order of facets */
+    int32_t *active;             /* the same, cluster by cluster */
+    int32_t *pairs;              /* points whose node is split */
+    ShvPair *laws;               /* as `active`: what the pull of the step asks again and again */
+    double pull_kick, pull_step; /* what `laws` were made for; 0: nothing yet */
     int32_t cluster_count;
     int32_t *cluster;     /* cluster_count + 1, into `active`: points between copies of one node of the mesh */
     int32_t *origin_fill; /* mesh.node_count; zero between steps */
@@ -76,7 +79,8 @@ typedef struct ShvCohesive {
     /* work space of insertion and criterion */
     int32_t *corner_label, *corner_queue, *corner_copy; /* largest number of corners at a node */
     double *element_bound, *facet_value;                /* element_count, interior_count */
-    double *node_value;                                 /* node_capacity; principal criterion only */
+    double
+        *node_value; /* 2 × node_capacity, principal criterion only: largest principal stress or a bound, lower bound */
 } ShvCohesive;
 
 ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, const ShvFractureDefinition *settings,

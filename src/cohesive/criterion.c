@@ -62,42 +62,99 @@ static double traction_value(const ShvCohesive *cohesive, const ShvState *state,
     return shv_facet_overstress(material, strength, shv_facet_traction(stress, elements[0], elements[1], normal));
 }
 
-static double principal_value(const ShvCohesive *cohesive, const ShvState *state, int32_t facet)
+static bool judged(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, const uint8_t *awake)
+{
+    return cohesive->facet_cohesive[facet] < 0 && !isinf(cohesive->facet_strength[facet]) &&
+           awake_elements(state, cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet, awake);
+}
+
+/* Least of the values of a facet's nodes against its strength; of each node's two values the one at `offset`. */
+static double principal_value(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, int offset)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
     const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet]];
     double least = (double)INFINITY;
-    for (int i = 0; i < 3; i++) least = fmin(least, cohesive->node_value[shv_state_node(state, element, corners[i])]);
+    for (int i = 0; i < 3; i++) {
+        const int64_t node = shv_state_node(state, element, corners[i]);
+        least = shv_smaller(least, cohesive->node_value[2 * node + offset]);
+    }
     return least > 0.0 ? least / cohesive->facet_strength[facet] : 0.0;
 }
 
-static void principal_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal)
+/* All elements of a node are in one fragment: groups that are not joined have copies of their own. */
+static bool awake_node(const ShvState *state, int32_t node, const uint8_t *awake)
+{
+    return !awake || awake[state->element_fragment[state->corners[state->corner_start[node]] / 4]];
+}
+
+/* The largest principal stress lies between mean + |deviator|/√6 and mean + √(2/3) |deviator|; a margin covers round-off. */
+static void bound_principal(const double *voigt, double bounds[2])
+{
+    const double mean = (voigt[0] + voigt[1] + voigt[2]) / 3.0;
+    const double d[3] = {voigt[0] - mean, voigt[1] - mean, voigt[2] - mean};
+    const double normal = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double shear = voigt[3] * voigt[3] + voigt[4] * voigt[4] + voigt[5] * voigt[5];
+    const double part = sqrt((normal + 2.0 * shear) / 6.0), margin = 1e-12 * (fabs(mean) + part);
+    bounds[0] = mean + 2.0 * part + margin;
+    bounds[1] = mean + part - margin;
+}
+
+static void bound_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal, const uint8_t *awake)
 {
     const int32_t threads = cohesive->model->threads;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int32_t i = 0; i < state->node_count; i++)
-        cohesive->node_value[i] = shv_largest_principal(nodal + 6 * (int64_t)i);
+        if (awake_node(state, i, awake)) bound_principal(nodal + 6 * (int64_t)i, cohesive->node_value + 2 * (int64_t)i);
+}
+
+/* The stress below which a node decides nothing: facets that need it are neither candidates nor the largest. */
+static double idle_stress(const ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    const int32_t threads = cohesive->model->threads;
+    double largest = 0.0, weakest = (double)INFINITY;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max                          \
+                                                                                          : largest)                   \
+    reduction(min                                                                                                      \
+              : weakest)
+    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
+        if (!judged(cohesive, state, facet, awake)) continue;
+        largest = shv_larger(largest, principal_value(cohesive, state, facet, 1));
+        weakest = shv_smaller(weakest, cohesive->facet_strength[facet]);
+    }
+    return fmin(largest, cohesive->settings->threshold) * weakest;
+}
+
+/* Eigenvalues of the nodes that matter; the others keep their bounds. */
+static void principal_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal,
+                            const uint8_t *awake)
+{
+    const int32_t threads = cohesive->model->threads;
+    bound_nodes(cohesive, state, nodal, awake);
+    const double idle = idle_stress(cohesive, state, awake);
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int32_t i = 0; i < state->node_count; i++) {
+        double *value = cohesive->node_value + 2 * (int64_t)i;
+        if (awake_node(state, i, awake) && !(*value < idle)) *value = shv_largest_principal(nodal + 6 * (int64_t)i);
+    }
 }
 
 /* Values of all facets; returns the largest. A facet is left out only when it can neither be a candidate nor the largest,
    so the result does not depend on what each thread has seen. */
 static double evaluate(const ShvCohesive *cohesive, const ShvState *state, const double *stress, const uint8_t *awake)
 {
-    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     const bool principal = cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL;
     const double threshold = cohesive->settings->threshold;
     const int32_t threads = cohesive->model->threads;
     double largest = 0.0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max : largest)
-    for (int32_t facet = 0; facet < adjacency->interior_count; facet++) {
+    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
         double value = left_out;
-        if (cohesive->facet_cohesive[facet] < 0 && !isinf(cohesive->facet_strength[facet]) &&
-            awake_elements(state, adjacency->facet_elements + 2 * (int64_t)facet, awake))
-            value = principal ? principal_value(cohesive, state, facet)
+        if (judged(cohesive, state, facet, awake))
+            value = principal ? principal_value(cohesive, state, facet, 0)
                               : traction_value(cohesive, state, stress, facet, fmin(largest, threshold));
         cohesive->facet_value[facet] = value;
-        largest = fmax(largest, value);
+        largest = shv_larger(largest, value);
     }
     return largest;
 }
@@ -143,7 +200,7 @@ double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, con
                                const uint8_t *awake, int32_t *candidates, double *overstress, int32_t *count)
 {
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL)
-        principal_nodes(cohesive, state, nodal);
+        principal_nodes(cohesive, state, nodal, awake);
     else
         bound_elements(cohesive, stress);
     const double largest = evaluate(cohesive, state, stress, awake);

@@ -2,7 +2,6 @@
 
 #include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
-#include "cohesive/pair.h"
 
 /* Below this many facets, starting threads costs more than they save. */
 enum { FEWEST_PARALLEL_FACETS = 256 };
@@ -53,26 +52,62 @@ static double worn_recoverable(const ShvCohesive *cohesive, int32_t cluster, dou
     return sum;
 }
 
-/* Softens a cluster until it stores no more than `allowed`: all points by the same share of what is left of their law. The end
-   of the bracket that keeps the bound is taken, so that the bound holds however little the law is understood. */
-static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed)
+/* The share of what is left by which every largest opening grows at least `ratio` times itself. */
+static double growing_share(const ShvCohesive *cohesive, int32_t cluster, double ratio)
 {
-    double low = 0.0, high = 1.0;
-    for (int i = 0; i < 40; i++) {
-        const double middle = 0.5 * (low + high);
-        if (worn_recoverable(cohesive, cluster, middle, false) <= allowed)
-            high = middle;
-        else
-            low = middle;
+    double share = 0.0;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const int32_t point = cohesive->points[cohesive->active[i]].point;
+        const double largest[2] = {cohesive->history[point].normal, cohesive->history[point].shear};
+        for (int k = 0; k < 2; k++) {
+            const double left = cohesive->law[point / 3].final_opening[k] - largest[k];
+            if (left > 0.0 && isfinite(left)) share = shv_larger(share, ratio * largest[k] / left);
+        }
+    }
+    return share;
+}
+
+/* Softens a cluster until it stores no more than `allowed`: all points by the same share of what is left of their law. The end
+   of the bracket that keeps the bound is taken, so that the bound holds however little the law is understood. Stiffness
+   falls faster than the inverse of the largest opening: that gives the first guess; the inverse of what is stored is then
+   nearly a line (Illinois steps), unless points are softened by very different degrees (geometric steps). Besides,
+   a thousandth may go of the excess or of what may stay, whichever is less: neither is to be seen in the energies. */
+static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed, double kept)
+{
+    const double spare = 1e-3 * shv_smaller(kept - allowed, allowed) + 1e-12 * allowed;
+    const double aim = 1.0 / (allowed - 0.5 * spare);
+    double low = 0.0, high = 1.0, at_low = 1.0 / kept - aim, at_high = (double)INFINITY, least = 0.0;
+    double share = growing_share(cohesive, cluster, kept / allowed - 1.0);
+    int side = 0; /* end that moved last */
+    for (int i = 0; i < 100 && allowed - least > spare && high - low > 1e-15 * high; i++) {
+        if (!(share > low && share < high) || i % 4 == 3) share = low > 0.0 ? sqrt(low * high) : 1e-3 * high;
+        const double stored = worn_recoverable(cohesive, cluster, share, false);
+        if (stored <= allowed) {
+            if (side > 0) at_low *= 0.5;
+            side = 1;
+            high = share;
+            at_high = 1.0 / stored - aim;
+            least = stored;
+        } else {
+            if (side < 0) at_high *= 0.5;
+            side = -1;
+            low = share;
+            at_low = 1.0 / stored - aim;
+        }
+        share = low - (high - low) * (at_low / (at_high - at_low));
     }
     worn_recoverable(cohesive, cluster, high, true);
 }
+
+/* A cluster that was limited (limit_given) has given all it stored, but for round-off: to keep nothing it would have to let go
+   for good, and lose its work of separation. It may keep this share of what it exchanged. */
+static const double spared_share = 1e-9;
 
 /* Moves the histories of a cluster along the last step, in the frame its tractions had. Sweeps that have not settled leave
    a difference between the work of the tractions and the law; a cluster never keeps more than it had and was given. */
 static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t cluster)
 {
-    double allowed = 0.0, kept = 0.0;
+    double allowed = 0.0, kept = 0.0, exchanged = 0.0;
     bool moved = false;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1] && !moved; i++) {
         const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
@@ -92,10 +127,13 @@ static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t clust
         *history = next;
         cohesive->opening[point->point] = at;
         if (grown) cohesive->peak[point->point] = shv_law_peak(law, next);
-        allowed += point->stored + shv_dot(point->pull, shv_sub(to, point->from));
+        const double work = shv_dot(point->pull, shv_sub(to, point->from));
+        allowed += point->stored + work;
+        exchanged += point->stored + fabs(work);
         kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
     }
-    if (kept > shv_larger(allowed, 0.0)) wear(cohesive, cluster, shv_larger(allowed, 0.0));
+    allowed = shv_larger(allowed, spared_share * exchanged);
+    if (kept > allowed) wear(cohesive, cluster, allowed, kept);
 }
 
 /* ---- begin ---- */
@@ -224,6 +262,7 @@ static void collect(ShvCohesive *cohesive, const ShvState *state)
         }
     }
     cohesive->live_count = live;
+    cohesive->pull_kick = cohesive->pull_step = 0.0;
     sort_clusters(cohesive, state);
 }
 
@@ -241,36 +280,58 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
 
 /* ---- pull ---- */
 
+static int32_t block_end(const ShvCohesive *cohesive, int32_t start, int32_t end)
+{
+    const ShvCohesivePoint *first = &cohesive->points[cohesive->active[start]];
+    int32_t stop = start + 1;
+    while (stop < end && same_pair(first, &cohesive->points[cohesive->active[stop]])) stop++;
+    return stop;
+}
+
 /* Points of one pair of nodes, as in a plane crack, move together: each with its share of the nodes' masses in proportion
    to what it may pull. As the shares sum to the masses, that takes no less energy than each would by itself, and where the
    points are alike it is exact at once. */
-static void share_masses(ShvCohesive *cohesive, const ShvState *state, const int32_t *points, int32_t count)
+static void share_masses(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end)
 {
     double sum = 0.0;
-    for (int32_t i = 0; i < count; i++) sum += cohesive->points[points[i]].weight * cohesive->points[points[i]].peak;
-    const ShvCohesivePoint *pair = &cohesive->points[points[0]];
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        sum += point->weight * point->peak;
+    }
+    const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[start]];
     const double whole = 1.0 / state->mass[pair->first] + 1.0 / state->mass[pair->second];
-    for (int32_t i = 0; i < count; i++) {
-        ShvCohesivePoint *point = &cohesive->points[points[i]];
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
         point->response = whole * (sum / (point->weight * point->peak));
+    }
+}
+
+static void prepare_cluster(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end, double kick,
+                            double step)
+{
+    for (int32_t block = start, stop; block < end; block = stop) {
+        stop = block_end(cohesive, block, end);
+        share_masses(cohesive, state, block, stop);
+    }
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        cohesive->laws[i] =
+            shv_pair_make(&cohesive->law[point->point / 3], cohesive->history[point->point], point->normal, point->from,
+                          point->opening, 0.5 * step * kick * point->response * point->weight);
     }
 }
 
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, neighbours that have hardly moved since the point was last looked at need no
    new look. */
-static double want(const ShvCohesive *cohesive, const ShvState *state, ShvCohesivePoint *point, double kick,
-                   double step)
+static double want(const ShvState *state, const ShvPair *law, ShvCohesivePoint *point, double kick, double step)
 {
     const ShvVec3 rate = opening_rate(state, point), news = shv_sub(rate, point->settled);
     const double peak = point->weight * point->peak, slight = news_share * peak * kick * point->response;
     point->change = shv_vec3(0.0, 0.0, 0.0);
     if (shv_dot(news, news) <= slight * slight) return 0.0;
     const ShvVec3 without = shv_madd(rate, kick * point->response, point->pull);
-    const ShvPairStep pair = {point->from, point->opening, shv_madd(point->opening, 0.5 * step, without),
-                              0.5 * step * kick * point->response * point->weight};
-    const ShvVec3 traction =
-        shv_pair_traction(&cohesive->law[point->point / 3], cohesive->history[point->point], point->normal, &pair);
+    const ShvVec3 traction = shv_pair_traction(law, shv_madd(point->opening, 0.5 * step, without));
     point->change = shv_sub(shv_scale(traction, point->weight), point->pull);
     return shv_norm(point->change) / peak;
 }
@@ -284,14 +345,6 @@ static void move(ShvState *state, ShvCohesivePoint *point, double kick, ShvVec3 
     shv_add_to3(state->force + 3 * (int64_t)point->second, shv_scale(change, -1.0));
 }
 
-static int32_t block_end(const ShvCohesive *cohesive, int32_t start, int32_t end)
-{
-    const ShvCohesivePoint *first = &cohesive->points[cohesive->active[start]];
-    int32_t stop = start + 1;
-    while (stop < end && same_pair(first, &cohesive->points[cohesive->active[stop]])) stop++;
-    return stop;
-}
-
 /* Blocks one after another, each with the others' forces as they are. */
 static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
 {
@@ -300,7 +353,8 @@ static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32
         stop = block_end(cohesive, block, end);
         double change = 0.0;
         for (int32_t i = block; i < stop; i++)
-            change = shv_larger(change, want(cohesive, state, &cohesive->points[cohesive->active[i]], kick, step));
+            change =
+                shv_larger(change, want(state, &cohesive->laws[i], &cohesive->points[cohesive->active[i]], kick, step));
         if (!(change > 0.0)) continue;
         for (int32_t i = block; i < stop; i++) {
             ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
@@ -348,13 +402,11 @@ static void limit_given(ShvCohesive *cohesive, ShvState *state, int32_t start, i
     }
 }
 
-static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step)
+static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step,
+                            bool again)
 {
     const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
-    for (int32_t block = start, stop; block < end; block = stop) {
-        stop = block_end(cohesive, block, end);
-        share_masses(cohesive, state, cohesive->active + block, stop - block);
-    }
+    if (!again) prepare_cluster(cohesive, state, start, end, kick, step);
     int32_t sweeps = 1;
     while (sweep(cohesive, state, start, end, kick, step) > settled_share && sweeps < MOST_SWEEPS) sweeps++;
     limit_given(cohesive, state, start, end, kick, step);
@@ -366,9 +418,12 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
     cohesive->sweeps = 0;
     if (!(step > 0.0 && kick > 0.0)) return;
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
+    const bool again = cohesive->pull_kick == kick && cohesive->pull_step == step;
     int64_t sweeps = 0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count)) reduction(+ : sweeps)
-    for (int32_t c = 0; c < count; c++) sweeps += pull_cluster(cohesive, state, c, kick, step);
+    for (int32_t c = 0; c < count; c++) sweeps += pull_cluster(cohesive, state, c, kick, step, again);
+    cohesive->pull_kick = kick;
+    cohesive->pull_step = step;
     cohesive->sweeps = sweeps;
 }
 

@@ -1,6 +1,6 @@
 #include "cohesive/pair.h"
 
-/* One scalar equation, its sign at the ends of a bracket known. */
+/* Traction on the envelope of one component, its sign at the ends of a bracket known. */
 typedef struct Equation {
     const ShvLaw *law;
     ShvHistory history;
@@ -8,6 +8,7 @@ typedef struct Equation {
     double other;    /* opening of the component that is held */
     double from;     /* opening at the start of the step */
     double stored;   /* work of the linear branch still to come before the envelope, J/m² */
+    double left;     /* from the largest opening to the final one where the envelope falls in a line, m; otherwise 0 */
     double stiffest; /* shear: largest ratio of traction to the sum of both openings */
     double damped;   /* work of the damping on the way there, J/m² */
     double compliance;
@@ -41,42 +42,21 @@ static double solve(const Equation *equation, double (*f)(const Equation *, doub
     return high;
 }
 
-/* ---- normal component ---- */
-
-static double normal_chord(const Equation *e, double to)
+/* PPR with an exponent of 2 falls in a line from the largest opening to the final one. */
+static double line_left(const ShvLaw *law, ShvHistory history, int component)
 {
-    const double length = to - e->branch.limit;
-    const double mean = length > 0.0 ? shv_law_normal_mean(e->law, e->history, e->other, e->branch.limit, to) : 0.0;
-    const double path = to - e->from;
-    return path > 0.0 ? (e->stored + mean * length) / path : e->branch.peak;
+    if (law->kind != SHV_PPR || law->shape[component] != 2.0) return 0.0;
+    const double largest = component == SHV_NORMAL ? history.normal : history.shear;
+    return shv_larger(law->final_opening[component] - largest, 0.0);
 }
 
-static double normal_balance(const Equation *e, double to)
+static double line_work(const Equation *e, double length)
 {
-    return to - e->free + e->compliance * normal_chord(e, to);
+    return length < e->left ? e->branch.peak * length * (1.0 - 0.5 * (length / e->left))
+                            : 0.5 * e->branch.peak * e->left;
 }
 
-static double normal_envelope(Equation *e)
-{
-    const double limit = e->branch.limit, from = shv_larger(e->from, 0.0);
-    if (limit > 0.0) e->stored = 0.5 * e->branch.peak * (limit - from) * ((limit + from) / limit) + e->damped;
-    const double low = normal_balance(e, limit), high = normal_balance(e, e->free);
-    if (!(low < 0.0)) return normal_chord(e, limit); /* by round-off still at the limit */
-    return normal_chord(e, solve(e, normal_balance, limit, e->free, low, high, 2e-16 * e->free));
-}
-
-/* From an opening that is closed already: no work before zero. */
-static double normal_from_closed(Equation *e, double stiffness)
-{
-    if (!(e->free > 0.0)) return 0.0;
-    if (stiffness > 0.0) {
-        const double a = 1.0 + 0.5 * e->compliance * stiffness, b = e->free + e->from, p = e->free * e->from;
-        const double root = sqrt(b * b - 4.0 * a * p);
-        const double to = b > 0.0 ? (b + root) / (2.0 * a) : 2.0 * p / (b - root);
-        if (to <= e->branch.limit) return 0.5 * stiffness * to * (to / (to - e->from));
-    }
-    return normal_envelope(e);
-}
+/* ---- springs ---- */
 
 /* Share of the backward rule, q²/(9 + q²): hardly any while the step resolves the spring (q = (ω step)²/2), nearly all where it
    does not. Between, the trapezoidal rule alone is stable, and costs no energy. An infinite stiffness asks for all of it. */
@@ -86,98 +66,154 @@ static double backward_share(double compliance, double stiffness)
     return q < 1e100 ? q * q / (9.0 + q * q) : 1.0;
 }
 
-/* How the chord's opening `to` changes, and its traction with it, per damping traction: to −= yield × damping. */
-static double damping_yield(double compliance, double stiffness)
+/* `yield`: how the chord's opening `to` changes, and its traction with it, per damping traction, to −= yield × damping.
+   `excess`: what the backward rule would add to the chord's traction, η k (3/2 (to − from) − (now − from)) at the opening it
+   leads to, per what stands in the brackets. */
+static ShvPairSpring make_spring(ShvLawBranch branch, double compliance)
 {
-    return compliance / (1.0 + 0.5 * compliance * stiffness);
+    ShvPairSpring spring = {.branch = branch, .stiffness = (double)INFINITY};
+    if (!(branch.limit > 0.0)) return spring;
+    spring.stiffness = branch.peak / branch.limit;
+    const double pull = backward_share(compliance, spring.stiffness) * spring.stiffness;
+    spring.yield = compliance / (1.0 + 0.5 * compliance * spring.stiffness);
+    spring.excess = pull / (1.0 + 1.5 * pull * spring.yield);
+    return spring;
 }
 
-/* What the backward rule would add to the chord's traction, η k (3/2 (to − from) − (now − from)) at the opening it leads to. */
-static ShvVec3 backward_excess(double compliance, double stiffness, const ShvPairStep *step, ShvVec3 chord)
+/* Share of the backward rule's excess that is added to the traction of the chord: the largest that takes no energy out of the
+   spring, i.e. damping·(to − from) ≥ 0, and changes the traction by no more than k/2 × `room`, the way left on the
+   spring. Both fade to nothing where the rule changes, so that the traction is continuous in what the neighbours do,
+   and sweeps over them can settle. `square`: of the excess; `path`: excess·(to − from). */
+static double damping_share(const ShvPairSpring *spring, double size, double square, double path, double room)
 {
-    const double pull = backward_share(compliance, stiffness) * stiffness;
-    const ShvVec3 path = shv_sub(chord, step->from), drift = shv_sub(step->now, step->from);
-    return shv_scale(shv_madd(shv_scale(drift, -1.0), 1.5, path),
-                     pull / (1.0 + 1.5 * pull * damping_yield(compliance, stiffness)));
+    if (!(square > 0.0 && path > 0.0 && room > 0.0)) return 0.0;
+    return shv_smaller(shv_smaller(path / (spring->yield * square), 0.5 * spring->stiffness * room / size), 1.0);
 }
 
-/* Damping to add to the traction of the chord, which leads to `chord`: the largest share of the backward rule's that takes no
-   energy out of the spring, i.e. damping·(to − from) ≥ 0, and changes the traction by no more than k/2 × `room`, the way
-   left on the spring. Both fade to nothing where the rule changes, so that the traction is continuous in what the
-   neighbours do, and sweeps over them can settle. */
-static ShvVec3 damping(double compliance, double stiffness, const ShvPairStep *step, ShvVec3 chord, double room)
+/* ---- normal component ---- */
+
+static double normal_chord(const Equation *e, double to)
 {
-    const ShvVec3 whole = backward_excess(compliance, stiffness, step, chord);
-    const double size = shv_dot(whole, whole), path = shv_dot(whole, shv_sub(chord, step->from));
-    if (!(size > 0.0 && path > 0.0 && room > 0.0)) return shv_vec3(0.0, 0.0, 0.0);
-    const double yield = damping_yield(compliance, stiffness);
-    const double share = shv_smaller(path / (yield * size), 0.5 * stiffness * room / sqrt(size));
-    return shv_scale(whole, shv_smaller(share, 1.0));
+    const double length = to - e->branch.limit, path = to - e->from;
+    if (!(path > 0.0)) return e->branch.peak;
+    if (!(length > 0.0)) return e->stored / path;
+    const double work = e->left > 0.0 ? line_work(e, length)
+                                      : length * shv_law_normal_mean(e->law, e->history, e->other, e->branch.limit, to);
+    return (e->stored + work) / path;
 }
 
-static double normal_from_open(Equation *e, double stiffness, double now)
+static double normal_balance(const Equation *e, double to)
 {
-    const double half = 0.5 * e->compliance * stiffness, from = e->from;
-    const double to = (e->free - half * from) / (1.0 + half);
+    return to - e->free + e->compliance * normal_chord(e, to);
+}
+
+/* Larger root of a x² + b x + c with a > 0 ≥ c. */
+static double larger_root(double a, double b, double c)
+{
+    const double root = sqrt(shv_larger(b * b - 4.0 * a * c, 0.0));
+    return b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
+}
+
+/* Where the envelope is a line, and less steep than inertia, the balance times the path is one quadratic up to the final
+   opening and another beyond. `steepness`: half of compliance × slope, < 1. */
+static double normal_line(const Equation *e, double steepness)
+{
+    const double limit = e->branch.limit, free = e->free - limit, before = limit - e->from;
+    const double pull = e->compliance * e->branch.peak, stored = e->compliance * e->stored;
+    double length = larger_root(1.0 - steepness, before - free + pull, stored - free * before);
+    if (length > e->left) length = larger_root(1.0, before - free, stored + 0.5 * pull * e->left - free * before);
+    return normal_chord(e, limit + length);
+}
+
+static double normal_envelope(const ShvPair *pair, double free, double damped)
+{
+    const double limit = pair->spring[SHV_NORMAL].branch.limit, from = shv_larger(pair->from, 0.0);
+    Equation e = {.law = pair->law,
+                  .history = pair->history,
+                  .branch = pair->spring[SHV_NORMAL].branch,
+                  .other = pair->slip,
+                  .from = pair->from,
+                  .left = line_left(pair->law, pair->history, SHV_NORMAL),
+                  .compliance = pair->compliance,
+                  .free = free};
+    if (limit > 0.0) e.stored = 0.5 * e.branch.peak * (limit - from) * ((limit + from) / limit) + damped;
+    const double low = normal_balance(&e, limit);
+    if (!(low < 0.0)) return normal_chord(&e, limit); /* by round-off still at the limit */
+    const double steepness = e.left > 0.0 ? 0.5 * e.compliance * (e.branch.peak / e.left) : 1.0;
+    if (steepness < 1.0) return normal_line(&e, steepness);
+    return normal_chord(&e, solve(&e, normal_balance, limit, free, low, normal_balance(&e, free), 2e-16 * free));
+}
+
+/* From an opening that is closed already: no work before zero. */
+static double normal_from_closed(const ShvPair *pair, double free)
+{
+    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
+    if (!(free > 0.0)) return 0.0;
+    if (spring->stiffness > 0.0) {
+        const double a = 1.0 + 0.5 * pair->compliance * spring->stiffness, b = free + pair->from, p = free * pair->from;
+        const double root = sqrt(b * b - 4.0 * a * p);
+        const double to = b > 0.0 ? (b + root) / (2.0 * a) : 2.0 * p / (b - root);
+        if (to <= spring->branch.limit) return 0.5 * spring->stiffness * to * (to / (to - pair->from));
+    }
+    return normal_envelope(pair, free, 0.0);
+}
+
+static double normal_from_open(const ShvPair *pair, double free)
+{
+    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
+    const double stiffness = spring->stiffness, half = 0.5 * pair->compliance * stiffness, from = pair->from;
+    const double to = (free - half * from) / (1.0 + half);
     if (to >= 0.0) {
-        const ShvPairStep line = {.from = {from, 0.0, 0.0}, .now = {now, 0.0, 0.0}};
-        const double room = to > from ? e->branch.limit - from : to;
-        const double damped = damping(e->compliance, stiffness, &line, shv_vec3(to, 0.0, 0.0), room).x;
-        const double end = to - damping_yield(e->compliance, stiffness) * damped;
-        if (end <= e->branch.limit) return shv_larger(0.5 * stiffness * (end + from) + damped, 0.0);
-        e->damped = shv_larger(damped * (e->branch.limit - from), 0.0);
-        return normal_envelope(e);
+        const double whole = spring->excess * (1.5 * (to - from) - pair->drift);
+        const double room = to > from ? spring->branch.limit - from : to;
+        const double damped = whole * damping_share(spring, fabs(whole), whole * whole, whole * (to - from), room);
+        const double end = to - spring->yield * damped;
+        if (to <= from || end <= spring->branch.limit) return shv_larger(0.5 * stiffness * (end + from) + damped, 0.0);
+        return normal_envelope(pair, free, shv_larger(damped * (spring->branch.limit - from), 0.0));
     }
     /* closes: all that is stored comes back over the path */
-    const double stored = 0.5 * stiffness * from * from, gap = from - e->free;
-    const double root = sqrt(gap * gap + 4.0 * e->compliance * stored);
-    const double path = gap > 0.0 ? 0.5 * (gap + root) : 2.0 * e->compliance * stored / (root - gap);
+    const double stored = 0.5 * stiffness * from * from, gap = from - free;
+    const double root = sqrt(gap * gap + 4.0 * pair->compliance * stored);
+    const double path = gap > 0.0 ? 0.5 * (gap + root) : 2.0 * pair->compliance * stored / (root - gap);
     return path > 0.0 ? stored / path : 0.0;
 }
 
-double shv_pair_normal(const ShvLaw *law, ShvHistory history, double shear, double from, double now, double free,
-                       double compliance)
+static double normal_traction(const ShvPair *pair, double free)
 {
-    const ShvLawBranch branch = shv_law_normal_branch(law, history, shear);
-    Equation e = {.law = law,
-                  .history = history,
-                  .branch = branch,
-                  .other = shear,
-                  .from = from,
-                  .compliance = compliance,
-                  .free = free};
+    const ShvLawBranch branch = pair->spring[SHV_NORMAL].branch;
     if (branch.limit == 0.0) {
         if (!(free > 0.0)) return 0.0;
-        return from >= 0.0 && free <= compliance * branch.peak ? free / compliance : normal_envelope(&e);
+        const bool held = pair->from >= 0.0 && free <= pair->compliance * branch.peak;
+        return held ? free / pair->compliance : normal_envelope(pair, free, 0.0);
     }
-    const double stiffness = branch.peak / branch.limit;
-    return from < 0.0 ? normal_from_closed(&e, stiffness) : normal_from_open(&e, stiffness, now);
+    return pair->from < 0.0 ? normal_from_closed(pair, free) : normal_from_open(pair, free);
 }
 
 /* ---- shear component ---- */
 
 /* Discrete gradient of an energy E of |s|: (E(to) − E(from))/(|to|² − |from|²) × (to + from). With to + from = θ × sum
    and to = free − compliance × traction: θ (1 + compliance × factor) = 1. */
-static double shear_factor(const Equation *e, double theta, double *radius)
+static double shear_factor(const Equation *e, double theta)
 {
-    *radius = shv_norm(shv_sub(shv_scale(e->sum, theta), e->start));
-    const double limit = e->branch.limit, length = *radius - limit;
+    const double radius = shv_norm(shv_sub(shv_scale(e->sum, theta), e->start));
+    const double limit = e->branch.limit, length = radius - limit;
     if (!(length > 0.0)) return limit > 0.0 ? e->stiffest : 0.0;
-    const double mean = shv_law_shear_mean(e->law, e->history, e->other, limit, *radius);
-    return (e->stored + mean * length) / ((*radius - e->from) * (*radius + e->from));
+    const double work =
+        e->left > 0.0 ? line_work(e, length) : length * shv_law_shear_mean(e->law, e->history, e->other, limit, radius);
+    return (e->stored + work) / ((radius - e->from) * (radius + e->from));
 }
 
 /* Sign chosen so that it rises from the spring's θ to 1. */
 static double shear_balance(const Equation *e, double theta)
 {
-    double radius;
-    return theta * (1.0 + e->compliance * shear_factor(e, theta, &radius)) - 1.0;
+    return theta * (1.0 + e->compliance * shear_factor(e, theta)) - 1.0;
 }
 
 static ShvVec3 shear_envelope(Equation *e, double spring_theta)
 {
     const double limit = e->branch.limit;
-    double radius, low = -1.0 + e->compliance * e->branch.peak / shv_norm(e->sum);
+    double low = -1.0 + e->compliance * e->branch.peak / shv_norm(e->sum);
+    e->left = line_left(e->law, e->history, SHV_SHEAR);
     if (limit > 0.0) {
         e->stored = 0.5 * e->branch.peak * (limit - e->from) * ((limit + e->from) / limit) + e->damped;
         e->stiffest = 0.5 * e->branch.peak / limit;
@@ -185,50 +221,86 @@ static ShvVec3 shear_envelope(Equation *e, double spring_theta)
         spring_theta = 1.0 / (1.0 + e->compliance * e->stiffest);
         low = shear_balance(e, spring_theta);
     }
+    /* the balance, a number near 1 less 1, is not known better than 4e-16 */
     const double theta =
-        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0), 0.0) : spring_theta;
-    return shv_scale(e->sum, shear_factor(e, theta, &radius) * theta);
+        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0), 4e-16) : spring_theta;
+    return shv_scale(e->sum, shear_factor(e, theta) * theta);
 }
 
-ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, const ShvPairStep *step)
+/* The normal opening held at `to`; all vectors in the plane. */
+static ShvVec3 shear_traction(const ShvPair *pair, const ShvPairSpring *spring, ShvHistory history, double to,
+                              ShvVec3 free)
 {
-    const ShvLawBranch branch = shv_law_shear_branch(law, history, normal);
-    const ShvVec3 sum = shv_add(step->free, step->from);
-    const double limit = branch.limit, compliance = step->compliance;
-    Equation e = {.law = law,
-                  .history = history,
-                  .branch = branch,
-                  .other = normal,
-                  .compliance = compliance,
-                  .from = shv_smaller(shv_norm(step->from), limit),
-                  .start = step->from,
-                  .sum = sum};
-    if (!(branch.peak > 0.0)) {
+    const ShvVec3 sum = shv_add(free, pair->start);
+    const double limit = spring->branch.limit, peak = spring->branch.peak, compliance = pair->compliance;
+    const double from = shv_smaller(pair->slip, limit);
+    double theta = 0.0, damped_work = 0.0;
+    if (!(peak > 0.0)) {
         if (limit > 0.0 || shv_norm(sum) == 0.0) return shv_vec3(0.0, 0.0, 0.0);
-        return shear_envelope(&e, 0.0);
+    } else if (limit == 0.0) {
+        if (shv_norm(sum) <= compliance * peak) return shv_scale(sum, 1.0 / compliance);
+    } else {
+        theta = 1.0 / (1.0 + 0.5 * compliance * spring->stiffness);
+        const ShvVec3 chord = shv_sub(shv_scale(sum, theta), pair->start), path = shv_sub(chord, pair->start);
+        const ShvVec3 whole = shv_scale(shv_madd(shv_scale(pair->sideways, -1.0), 1.5, path), spring->excess);
+        const double square = shv_dot(whole, whole);
+        const double share = damping_share(spring, sqrt(square), square, shv_dot(whole, path), limit - from);
+        const ShvVec3 damped = shv_scale(whole, share), end = shv_madd(chord, -spring->yield, damped);
+        if (shv_norm(end) <= limit) return shv_madd(damped, 0.5 * spring->stiffness, shv_add(end, pair->start));
+        damped_work = shv_norm(damped) * (limit - from);
     }
-    if (limit == 0.0) {
-        if (shv_norm(sum) <= compliance * branch.peak) return shv_scale(sum, 1.0 / compliance);
-        return shear_envelope(&e, 0.0);
-    }
-    const double stiffness = branch.peak / limit, theta = 1.0 / (1.0 + 0.5 * compliance * stiffness);
-    const ShvVec3 to = shv_sub(shv_scale(sum, theta), step->from);
-    const ShvVec3 damped = damping(compliance, stiffness, step, to, limit - e.from);
-    const ShvVec3 end = shv_madd(to, -damping_yield(compliance, stiffness), damped);
-    if (shv_norm(end) <= limit) return shv_madd(damped, 0.5 * stiffness, shv_add(end, step->from));
-    e.damped = shv_norm(damped) * (limit - e.from);
+    Equation e = {.law = pair->law,
+                  .history = history,
+                  .branch = spring->branch,
+                  .other = to,
+                  .compliance = compliance,
+                  .from = from,
+                  .damped = damped_work,
+                  .start = pair->start,
+                  .sum = sum};
     return shear_envelope(&e, theta);
 }
 
-ShvVec3 shv_pair_traction(const ShvLaw *law, ShvHistory history, ShvVec3 normal, const ShvPairStep *step)
+/* ---- both ---- */
+
+/* In PPR a normal opening below its largest leaves the spring of shear as it is, once the slip at the start is counted. */
+static double still_below(const ShvLaw *law, ShvHistory history, double slip)
 {
-    const double from = shv_dot(step->from, normal), now = shv_dot(step->now, normal);
-    const double open = shv_dot(step->free, normal), compliance = step->compliance;
-    const ShvPairStep plane = {shv_madd(step->from, -from, normal), shv_madd(step->now, -now, normal),
-                               shv_madd(step->free, -open, normal), compliance};
-    const double slip = shv_norm(plane.from);
-    const double tension = shv_pair_normal(law, history, slip, from, now, open, compliance);
-    const double to = shv_larger(open - compliance * tension, 0.0);
-    const ShvHistory grown = shv_law_grow(law, history, to, slip);
-    return shv_madd(shv_pair_shear(law, grown, to, &plane), tension, normal);
+    if (law->kind != SHV_PPR) return -1.0;
+    return shv_law_grow(law, history, history.normal, slip).shear == history.shear ? history.normal : -1.0;
+}
+
+ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
+                      double compliance)
+{
+    ShvPair pair = {.law = law, .history = history, .compliance = compliance, .normal = normal};
+    const double at = shv_dot(now, normal);
+    pair.from = shv_dot(from, normal);
+    pair.drift = at - pair.from;
+    pair.start = shv_madd(from, -pair.from, normal);
+    pair.sideways = shv_sub(shv_madd(now, -at, normal), pair.start);
+    pair.slip = shv_norm(pair.start);
+    pair.still = still_below(law, history, pair.slip);
+    pair.spring[SHV_NORMAL] = make_spring(shv_law_normal_branch(law, history, pair.slip), compliance);
+    /* beyond its spring by round-off only; a path to the envelope that is negative by round-off would have no traction */
+    pair.from = shv_smaller(pair.from, pair.spring[SHV_NORMAL].branch.limit);
+    if (pair.still >= 0.0)
+        pair.spring[SHV_SHEAR] = make_spring(shv_law_shear_branch(law, history, history.normal), compliance);
+    return pair;
+}
+
+ShvVec3 shv_pair_traction(const ShvPair *pair, ShvVec3 free)
+{
+    const double open = shv_dot(free, pair->normal), tension = normal_traction(pair, open);
+    const double to = shv_larger(open - pair->compliance * tension, 0.0);
+    const ShvVec3 plane = shv_madd(free, -open, pair->normal);
+    ShvVec3 shear;
+    if (to <= pair->still) {
+        shear = shear_traction(pair, &pair->spring[SHV_SHEAR], pair->history, to, plane);
+    } else {
+        const ShvHistory grown = shv_law_grow(pair->law, pair->history, to, pair->slip);
+        const ShvPairSpring spring = make_spring(shv_law_shear_branch(pair->law, grown, to), pair->compliance);
+        shear = shear_traction(pair, &spring, grown, to, plane);
+    }
+    return shv_madd(shear, tension, pair->normal);
 }

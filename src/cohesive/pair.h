@@ -18,20 +18,32 @@
 #include "base/vector.h"
 #include "cohesive/law.h"
 
-/* Openings of one step, second copy against the first: at the last half step, now, and at the next half step without
-   traction; compliance: m/Pa, > 0. */
-typedef struct ShvPairStep {
-    ShvVec3 from, now, free;
-    double compliance;
-} ShvPairStep;
+/* One component below its largest opening, and what follows from that for one step. */
+typedef struct ShvPairSpring {
+    ShvLawBranch branch;
+    double stiffness;     /* Pa/m; infinite where nothing has opened yet */
+    double yield, excess; /* of the damping (pair.c) */
+} ShvPairSpring;
 
-/* Normal traction, the slip held at that of `from`. The opening may be negative. */
-double shv_pair_normal(const ShvLaw *law, ShvHistory history, double shear, double from, double now, double free,
-                       double compliance);
-/* Shear traction, the normal opening held; vectors in the plane. */
-ShvVec3 shv_pair_shear(const ShvLaw *law, ShvHistory history, double normal, const ShvPairStep *step);
-/* Both, first the normal and then the shear component, the path of shv_law_advance. `normal`: unit vector from the
-   first face to the second. The traction acts on the first copy, and with the opposite sign on the second. */
-ShvVec3 shv_pair_traction(const ShvLaw *law, ShvHistory history, ShvVec3 normal, const ShvPairStep *step);
+/* All that a pair's traction depends on besides what its neighbours do, so that sweeps over neighbours do not find it again
+   and again. */
+typedef struct ShvPair {
+    const ShvLaw *law;
+    ShvHistory history;
+    double compliance;  /* m/Pa, > 0 */
+    double from, drift; /* normal opening at n − 1/2, and how much it has grown until n; may be negative */
+    double slip;        /* |start| */
+    double still;       /* as long as the normal opening stays below, the history does not move before shear does */
+    ShvVec3 normal;     /* unit, from the first face to the second */
+    ShvVec3 start, sideways; /* in the plane: opening at n − 1/2, and its change until n */
+    ShvPairSpring spring[2];
+} ShvPair;
+
+/* Openings second copy against the first, at the last half step and now. */
+ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
+                      double compliance);
+/* The traction, first its normal and then its shear component, the path of shv_law_advance; `free`: opening at the next
+   half step without it. It acts on the first copy, and with the opposite sign on the second. */
+ShvVec3 shv_pair_traction(const ShvPair *pair, ShvVec3 free);
 
 #endif

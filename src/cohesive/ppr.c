@@ -4,6 +4,12 @@
 
 #include "base/deterministic.h"
 
+/* The usual exponents without a call. */
+static double power(double x, double a)
+{
+    return a == 2.0 ? x * x : a == 1.0 ? x : shv_power(x, a);
+}
+
 /* Δ/δ cut at 1; an opening of any size passes a final opening of zero. */
 static double share(double opening, double final_opening)
 {
@@ -22,15 +28,14 @@ static double left_by_other(const ShvLaw *law, int component, double other)
     const int across = 1 - component;
     const double gap = shv_larger(law->energy[across] - law->energy[component], 0.0);
     const double rest = 1.0 - share(other, law->final_opening[across]);
-    return shv_larger((larger(law) * shv_power(rest, law->shape[across]) - gap) / law->energy[component], 0.0);
+    return shv_larger((larger(law) * power(rest, law->shape[across]) - gap) / law->energy[component], 0.0);
 }
 
 static double envelope(const ShvLaw *law, int component, double opening, double other)
 {
     if (law->energy[component] == 0.0) return 0.0;
     const double rest = 1.0 - share(opening, law->final_opening[component]);
-    return law->strength[component] * shv_power(rest, law->shape[component] - 1.0) *
-           left_by_other(law, component, other);
+    return law->strength[component] * power(rest, law->shape[component] - 1.0) * left_by_other(law, component, other);
 }
 
 static double largest(ShvHistory history, int component)
@@ -42,8 +47,8 @@ double shv_ppr_potential(const ShvLaw *law, double normal, double shear)
 {
     const double phi_n = law->energy[SHV_NORMAL], phi_t = law->energy[SHV_SHEAR];
     const double gamma_n = phi_n < phi_t ? 1.0 : -phi_n, gamma_t = phi_n < phi_t ? -phi_t : 1.0;
-    const double u = shv_power(1.0 - share(normal, law->final_opening[SHV_NORMAL]), law->shape[SHV_NORMAL]);
-    const double v = shv_power(1.0 - share(shear, law->final_opening[SHV_SHEAR]), law->shape[SHV_SHEAR]);
+    const double u = power(1.0 - share(normal, law->final_opening[SHV_NORMAL]), law->shape[SHV_NORMAL]);
+    const double v = power(1.0 - share(shear, law->final_opening[SHV_SHEAR]), law->shape[SHV_SHEAR]);
     return shv_smaller(phi_n, phi_t) +
            (gamma_n * u + shv_larger(phi_n - phi_t, 0.0)) * (gamma_t * v + shv_larger(phi_t - phi_n, 0.0));
 }
@@ -58,9 +63,9 @@ ShvLawBranch shv_ppr_branch(const ShvLaw *law, ShvHistory history, int component
    rule; its relative error is of the order of (width/u)^4 ≤ 1e-16. */
 static double mean_power(double u0, double u1, double width, double a)
 {
-    if (width > 1e-4 * u0) return (shv_power(u0, a) - shv_power(u1, a)) / width;
+    if (width > 1e-4 * u0) return (power(u0, a) - power(u1, a)) / width;
     const double middle = 0.5 * (u0 + u1);
-    return a * (shv_power(u0, a - 1.0) + 4.0 * shv_power(middle, a - 1.0) + shv_power(u1, a - 1.0)) / 6.0;
+    return a * (power(u0, a - 1.0) + 4.0 * power(middle, a - 1.0) + power(u1, a - 1.0)) / 6.0;
 }
 
 double shv_ppr_mean(const ShvLaw *law, ShvHistory history, int component, double from, double to)

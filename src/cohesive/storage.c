@@ -14,7 +14,8 @@
     X(ShvCohesivePoint, points, 3)                                                                                     \
     X(int32_t, unsorted, 3)                                                                                            \
     X(int32_t, active, 3)                                                                                              \
-    X(int32_t, pairs, 3)
+    X(int32_t, pairs, 3)                                                                                               \
+    X(ShvPair, laws, 3)
 
 static size_t facet_bytes(void)
 {
@@ -48,8 +49,9 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
-        const size_t size = sizeof *cohesive->node_value, bytes = (size_t)nodes * size;
-        double *value = shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, (size_t)nodes, size);
+        const size_t size = sizeof *cohesive->node_value, bytes = 2 * (size_t)nodes * size;
+        double *value =
+            shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, 2 * (size_t)nodes, size);
         if (!value) return shv_fail_memory(error, "principal stresses of nodes", bytes);
         cohesive->node_value = value;
     }

@@ -40,22 +40,44 @@ static ShvStatus refresh_bars(ShvHybrid *hybrid, ShvError *error)
     return shv_bars_update(&hybrid->bars, &hybrid->state, hybrid->awake.flags, error);
 }
 
-static ShvStatus relax(ShvHybrid *hybrid, double step, ShvError *error)
+static ShvRelaxStep settings_of(const ShvHybrid *hybrid, double step)
 {
-    const ShvAwake *awake = &hybrid->awake;
     const ShvPbdDefinition *pbd = &hybrid->scene->pbd;
-    const double pull = shv_norm(shv_load3(hybrid->gravity));
     ShvRelaxStep settings = {.step = step,
                              .stiffness = pbd->stiffness,
                              .iterations = pbd->iterations,
-                             .rest_speed = 2.0 * step * pull,
+                             .rest_speed = 2.0 * step * shv_norm(shv_load3(hybrid->gravity)),
                              .fixed = hybrid->imposed.count > 0 ? hybrid->fixed : NULL};
     memcpy(settings.gravity, hybrid->gravity, sizeof settings.gravity);
-    shv_relax_predict(&hybrid->relax, &hybrid->state, awake->nodes, awake->node_count, step);
-    SHV_TRY(shv_relax_look(&hybrid->relax, &hybrid->state, &hybrid->obstacles, awake->nodes, awake->node_count,
-                           &settings, error));
+    return settings;
+}
+
+static ShvStatus relax(ShvHybrid *hybrid, const ShvRelaxStep *step, ShvError *error)
+{
+    const ShvAwake *awake = &hybrid->awake;
+    shv_relax_predict(&hybrid->relax, &hybrid->state, awake->nodes, awake->node_count, step->step);
+    SHV_TRY(shv_relax_look(&hybrid->relax, &hybrid->state, &hybrid->obstacles, awake->nodes, awake->node_count, step,
+                           error));
     return shv_relax_run(&hybrid->relax, &hybrid->bars, &hybrid->state, &hybrid->obstacles, awake->nodes,
-                         awake->node_count, &settings, error);
+                         awake->node_count, step, error);
+}
+
+/* What went wrong with a step too long for the bars can only be judged by its Courant number. */
+static ShvStatus relax_or_explain(ShvHybrid *hybrid, const ShvRelaxStep *step, ShvError *error)
+{
+    const ShvStatus status = relax(hybrid, step, error);
+    if (status != SHV_DIVERGED) return status;
+    return shv_fail_within(
+        error, status, "step %lld, t = %.9g s, Courant number %.3g (fracture.time_step over the stable step %.3g s)",
+        (long long)hybrid->state.step, hybrid->state.time, step->step / hybrid->bulk_step, hybrid->bulk_step);
+}
+
+/* What bars changed, the law must answer: its work is that of the openings that really come. */
+static void pull_again(ShvHybrid *hybrid, double kick, const ShvRelaxStep *step)
+{
+    if (!hybrid->model.can_break || hybrid->cohesive.count == 0) return;
+    shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, step->step);
+    shv_relax_follow(&hybrid->relax, &hybrid->state, hybrid->awake.nodes, hybrid->awake.node_count, step);
 }
 
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error)
@@ -70,7 +92,9 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_hybrid_pull_and_close(hybrid, kick, after);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
-    SHV_TRY(relax(hybrid, after, error));
+    const ShvRelaxStep step = settings_of(hybrid, after);
+    SHV_TRY(relax_or_explain(hybrid, &step, error));
+    pull_again(hybrid, kick, &step);
     shv_hybrid_book_forces(hybrid, after);
     shv_relax_book(&hybrid->relax, &hybrid->ledger);
     shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work,

@@ -28,22 +28,32 @@ static inline ShvBarShape shv_bar_shape(const ShvWide a[4], const ShvWide b[4], 
     return shape;
 }
 
-/* Moves the ends a (displacement u) and b (displacement v): Δu = −w_a f e, Δv = w_b f e with
-   f = k (length − rest)/(length (w_a + w_b)). */
+/* f = k (length − rest)/(length (w_a + w_b)); 0 between two pinned nodes and where a length is 0. */
+static inline ShvWide shv_bar_factor(ShvWide stiffness, ShvWide rest, ShvWide weights, const ShvBarShape *shape)
+{
+    const ShvWide zero = shv_wide_zero();
+    const ShvWide divisor = shv_wide_mul(shv_wide_mul(shape->length, shv_wide_add(shape->length, rest)), weights);
+    const ShvWideMask sound = shv_wide_less(zero, shv_wide_min(divisor, rest));
+    return shv_wide_select(sound, shv_wide_div(shv_wide_mul(stiffness, shape->excess), divisor), zero);
+}
+
+/* Moves the ends: Δu = −w_a f e, Δv = w_b f e. */
+static inline void shv_bar_move(ShvWide f, const ShvBarShape *shape, ShvWide a, ShvWide b, ShvWide u[4], ShvWide v[4])
+{
+    const ShvWide first = shv_wide_mul(a, f), second = shv_wide_mul(b, f);
+    for (int c = 0; c < 3; c++) {
+        u[c] = shv_wide_fnma(first, shape->edge[c], u[c]);
+        v[c] = shv_wide_fma(second, shape->edge[c], v[c]);
+    }
+}
+
+/* Relaxes bars between the ends a (displacement u) and b (displacement v). */
 static inline void shv_bar_relax(ShvWide stiffness, ShvWide rest, const ShvWide a[4], const ShvWide b[4], ShvWide u[4],
                                  ShvWide v[4])
 {
     const ShvBarShape shape = shv_bar_shape(a, b, u, v);
-    const ShvWide zero = shv_wide_zero();
-    const ShvWide divisor =
-        shv_wide_mul(shv_wide_mul(shape.length, shv_wide_add(shape.length, rest)), shv_wide_add(a[3], b[3]));
-    const ShvWideMask sound = shv_wide_less(zero, shv_wide_min(divisor, rest));
-    const ShvWide f = shv_wide_select(sound, shv_wide_div(shv_wide_mul(stiffness, shape.excess), divisor), zero);
-    const ShvWide first = shv_wide_mul(a[3], f), second = shv_wide_mul(b[3], f);
-    for (int c = 0; c < 3; c++) {
-        u[c] = shv_wide_fnma(first, shape.edge[c], u[c]);
-        v[c] = shv_wide_fma(second, shape.edge[c], v[c]);
-    }
+    const ShvWide f = shv_bar_factor(stiffness, rest, shv_wide_add(a[3], b[3]), &shape);
+    shv_bar_move(f, &shape, a[3], b[3], u, v);
 }
 
 static inline void shv_bar_batch(ShvWide stiffness, const int32_t *ends, const double *rest, const double *anchors,

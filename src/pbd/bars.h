@@ -69,6 +69,10 @@ ShvStatus shv_bars_update(ShvBars *bars, const ShvState *state, const uint8_t *f
    displacement and a number that is lost; both aligned to 32 bytes. Bars between two pinned nodes, of zero current length
    or of zero rest length are skipped. */
 void shv_bars_sweep(const ShvBars *bars, double stiffness, const double *anchors, double *shifts);
+/* The same bits; besides, what holds pinned nodes against their bars is added to their `reactions`, 3 a node, as impulse × step,
+   kg m. */
+void shv_bars_sweep_held(const ShvBars *bars, double stiffness, const double *anchors, double *shifts,
+                         double *reactions);
 /* Largest |length/rest − 1| over all bars; 0 without bars. */
 double shv_bars_largest_strain(const ShvBars *bars, const double *anchors, const double *shifts);
 

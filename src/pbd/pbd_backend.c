@@ -196,6 +196,8 @@ static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, double 
         if (!(touch->closing_speed > 0.0)) continue;
         *contact = (ShvRigidContact){.fragment = flyer->fragment,
                                      .obstacle = o,
+                                     .other = -1,
+                                     .other_mass = pbd->backend.world.obstacles->items[o].mass,
                                      .time = time,
                                      .expected = closing_time(pbd, touch, time, step),
                                      .point = touch->point,
@@ -207,8 +209,8 @@ static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, double 
     return false;
 }
 
-static void judge_all(Pbd *pbd, double time, double step, ShvWakeJudge judge, void *judge_data,
-                      ShvRigidContact *wakes, int32_t *wake_count)
+static void judge_all(Pbd *pbd, double time, double step, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
+                      int32_t *wake_count)
 {
     find_fastest(pbd, false);
     int32_t kept = 0;

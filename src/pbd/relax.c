@@ -1,6 +1,7 @@
 #include "pbd/relax.h"
 
 #include "pbd/response.h"
+#include "pbd/slips.h"
 
 enum { BLOCK = 2048 }; /* nodes whose works are summed one after another, whatever the threads */
 
@@ -8,7 +9,8 @@ enum { BLOCK = 2048 }; /* nodes whose works are summed one after another, whatev
 
 ShvStatus shv_relax_create(ShvRelax *relax, const ShvModel *model, const ShvObstacles *obstacles, ShvError *error)
 {
-    *relax = (ShvRelax){.memory = model->memory, .threads = model->threads, .obstacle_count = obstacles->count};
+    *relax = (ShvRelax){
+        .memory = model->memory, .threads = model->threads, .obstacle_count = obstacles->count, .slip_time = -HUGE_VAL};
     const size_t count = (size_t)obstacles->count;
     relax->later = shv_allocate(relax->memory, SHV_PART_BARS, count, sizeof *relax->later);
     relax->unmoved = shv_allocate(relax->memory, SHV_PART_BARS, 2 * count, sizeof *relax->unmoved);
@@ -24,6 +26,11 @@ void shv_relax_release(ShvRelax *relax)
     shv_release(relax->shifts);
     shv_release(relax->predicted);
     shv_release(relax->before);
+    shv_release(relax->force);
+    shv_release(relax->slips.items);
+    shv_release(relax->past.items);
+    shv_release(relax->ended);
+    shv_release(relax->reactions);
     shv_release(relax->clear);
     shv_release(relax->first_touch);
     shv_release(relax->touched);
@@ -42,12 +49,15 @@ static ShvStatus grow(ShvRelax *relax, int64_t room, ShvError *error)
 #define GROW(name, components)                                                                                         \
     grown =                                                                                                            \
         shv_reallocate(relax->memory, SHV_PART_BARS, relax->name, (components) * (size_t)room, sizeof *relax->name);   \
-    if (!grown) return shv_fail_memory(error, "the relaxation", (size_t)room * 133);                                   \
+    if (!grown) return shv_fail_memory(error, "the relaxation", (size_t)room * 205);                                   \
     relax->name = grown;
     GROW(anchors, 4)
     GROW(shifts, 4)
     GROW(predicted, 3)
     GROW(before, 3)
+    GROW(force, 3)
+    GROW(ended, 3)
+    GROW(reactions, 3)
     GROW(clear, 1)
     GROW(first_touch, 1)
     GROW(touched, 1)
@@ -87,9 +97,11 @@ ShvStatus shv_relax_begin(ShvRelax *relax, const ShvState *state, const int32_t 
 {
     SHV_TRY(reserve(relax, state, count, error));
     adopt_copies(relax, state);
+    shv_slips_begin(relax, state);
     for (int32_t i = 0; i < count; i++) {
         const int64_t k = 3 * (int64_t)nodes[i];
         shv_store3(relax->before + k, shv_load3(state->velocity + k));
+        shv_store3(relax->force + k, shv_load3(state->force + k));
     }
     return SHV_OK;
 }
@@ -114,20 +126,32 @@ static void gather(ShvRelax *relax, const ShvState *state, const int32_t *nodes,
         shv_store3(relax->shifts + 4 * node, shv_load3(relax->predicted + 3 * node));
         const bool moves = state->mass[node] > 0.0 && !(step->fixed && step->fixed[node] == 7);
         relax->anchors[4 * node + 3] = moves ? 1.0 / state->mass[node] : 0.0;
+        if (step->fixed) shv_store3(relax->reactions + 3 * node, shv_vec3(0.0, 0.0, 0.0));
     }
 }
 
 /* ---- sweeps ---- */
 
-/* Imposed components have the last word in every sweep. */
-static void hold_fixed(ShvRelax *relax, const int32_t *nodes, int32_t count, const ShvRelaxStep *step)
+/* Imposed components have the last word in every sweep: what bars did to them is undone. */
+static void hold_fixed(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count,
+                       const ShvRelaxStep *step)
 {
-    if (!step->fixed) return;
     for (int32_t i = 0; i < count; i++) {
         const int64_t node = nodes[i];
-        for (int c = 0; c < 3 && step->fixed[node]; c++)
-            if (step->fixed[node] & (1 << c)) relax->shifts[4 * node + c] = relax->predicted[3 * node + c];
+        for (int c = 0; c < 3 && step->fixed[node]; c++) {
+            if (!(step->fixed[node] & (1 << c))) continue;
+            double *shift = relax->shifts + 4 * node + c;
+            relax->reactions[3 * node + c] += state->mass[node] * (relax->predicted[3 * node + c] - *shift);
+            *shift = relax->predicted[3 * node + c];
+        }
     }
+}
+
+static void sweep(ShvRelax *relax, const ShvBars *bars, const ShvState *state, const int32_t *nodes, int32_t count,
+                  const ShvRelaxStep *step)
+{
+    shv_bars_sweep_held(bars, step->stiffness, relax->anchors, relax->shifts, step->fixed ? relax->reactions : NULL);
+    if (step->fixed) hold_fixed(relax, state, nodes, count, step);
 }
 
 static ShvStatus check_finite(ShvRelax *relax, const int32_t *nodes, int32_t count, ShvError *error)
@@ -200,6 +224,10 @@ static void node_work(const ShvRelax *relax, const ShvState *state, int64_t node
     const ShvVec3 impulse = shv_scale(moved, inverse);
     add_work(work->bars, impulse, before, after);
     if (step->synchronous) add_synchronous(work->bars, step, impulse, moved);
+    if (!step->fixed || !step->fixed[node]) return;
+    const ShvVec3 reaction = shv_scale(shv_load3(relax->reactions + 3 * node), inverse);
+    add_work(work->bars, shv_scale(reaction, -1.0), before, after);
+    add_work(work->constraint, reaction, before, after);
 }
 
 static void sum_works(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count,
@@ -208,18 +236,22 @@ static void sum_works(ShvRelax *relax, const ShvState *state, const int32_t *nod
     const int32_t blocks = count / BLOCK + 1;
 #pragma omp parallel for num_threads(relax->threads) if (relax->threads > 1)
     for (int32_t block = 0; block < blocks; block++) {
-        ShvRelaxWork work = {{0.0}, {0.0}, {0.0}};
+        ShvRelaxWork work = {{0.0}, {0.0}, {0.0}, {0.0}};
         const int32_t end = block + 1 < blocks ? (block + 1) * BLOCK : count;
         for (int32_t i = block * BLOCK; i < end; i++) node_work(relax, state, nodes[i], step, &work);
         relax->works[block] = work;
     }
-    relax->work = (ShvRelaxWork){{0.0}, {0.0}, {0.0}};
+    relax->work = (ShvRelaxWork){{0.0}, {0.0}, {0.0}, {0.0}};
     for (int32_t block = 0; block < blocks; block++)
         for (int half = 0; half < 2; half++) {
             relax->work.bars[half] += relax->works[block].bars[half];
             relax->work.contact[half] += relax->works[block].contact[half];
             relax->work.friction[half] += relax->works[block].friction[half];
+            relax->work.constraint[half] += relax->works[block].constraint[half];
         }
+    if (step->synchronous) return;
+    relax->work.contact[0] += relax->past.work;
+    relax->work.contact[1] += relax->slips.work;
 }
 
 /* ---- the step ---- */
@@ -229,16 +261,46 @@ ShvStatus shv_relax_run(ShvRelax *relax, const ShvBars *bars, ShvState *state, S
 {
     gather(relax, state, nodes, count, step);
     for (int32_t iteration = 0; iteration < step->iterations; iteration++) {
-        shv_bars_sweep(bars, step->stiffness, relax->anchors, relax->shifts);
-        hold_fixed(relax, nodes, count, step);
+        sweep(relax, bars, state, nodes, count, step);
         SHV_TRY(shv_response_project(relax, state, nodes, count, step, error));
     }
     SHV_TRY(check_finite(relax, nodes, count, error));
+    SHV_TRY(shv_slips_start(relax, state, step, error));
     move_nodes(relax, state, nodes, count, step);
     shv_response_apply(relax, state, obstacles, step);
+    shv_slips_finish(relax, state, step);
+    for (int32_t i = 0; i < count; i++) {
+        const int64_t k = 3 * (int64_t)nodes[i];
+        shv_store3(relax->ended + k, shv_load3(state->velocity + k));
+    }
     sum_works(relax, state, nodes, count, step);
     shv_response_finish(relax, nodes, count);
     return SHV_OK;
+}
+
+/* Imposed components of a node get their velocities back; the work of that. */
+static void hold_again(const ShvRelax *relax, ShvState *state, int64_t node, uint8_t fixed, double work[2])
+{
+    double *velocity = state->velocity + 3 * node, impulse[3] = {0.0, 0.0, 0.0};
+    for (int c = 0; c < 3; c++) {
+        if (!(fixed & (1 << c))) continue;
+        impulse[c] = state->mass[node] * (relax->ended[3 * node + c] - velocity[c]);
+        velocity[c] = relax->ended[3 * node + c];
+    }
+    add_work(work, shv_load3(impulse), shv_load3(relax->before + 3 * node), shv_load3(velocity));
+}
+
+void shv_relax_follow(ShvRelax *relax, ShvState *state, const int32_t *nodes, int32_t count, const ShvRelaxStep *step)
+{
+    double held[2] = {0.0, 0.0};
+    for (int32_t i = 0; i < count; i++) {
+        const int64_t node = nodes[i];
+        if (step->fixed && step->fixed[node]) hold_again(relax, state, node, step->fixed[node], held);
+        const ShvVec3 change = shv_sub(shv_load3(state->velocity + 3 * node), shv_load3(relax->ended + 3 * node));
+        shv_add_to3(state->displacement + 3 * node, shv_scale(change, step->step));
+    }
+    sum_works(relax, state, nodes, count, step);
+    for (int half = 0; half < 2; half++) relax->work.constraint[half] += held[half];
 }
 
 double shv_relax_largest_strain(const ShvRelax *relax, const ShvBars *bars)
@@ -252,4 +314,5 @@ void shv_relax_book(const ShvRelax *relax, ShvLedger *ledger)
     shv_ledger_book(ledger, SHV_WORK_BARS, work->bars[0], work->bars[1]);
     shv_ledger_book(ledger, SHV_WORK_CONTACT, work->contact[0], work->contact[1]);
     shv_ledger_book(ledger, SHV_WORK_FRICTION, work->friction[0], work->friction[1]);
+    shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, work->constraint[0], work->constraint[1]);
 }

@@ -22,9 +22,10 @@
 #include "pbd/bars.h"
 #include "shape/obstacle.h"
 
-/* Works of impulses on nodes, J, in halves: with the velocities before the kick, and with those after everything. */
+/* Works of impulses on nodes, J, in halves: with the velocities before the kick, and with those after everything. Bars act on
+   both their ends; at an imposed component, `constraint` is the work of what holds it against them. */
 typedef struct ShvRelaxWork {
-    double bars[2], contact[2], friction[2];
+    double bars[2], contact[2], friction[2], constraint[2];
 } ShvRelaxWork;
 
 /* A node that met an obstacle in this step. */
@@ -41,6 +42,19 @@ typedef struct ShvRelaxTouch {
     ShvVec3 impulse;       /* the same as a vector */
     ShvVec3 friction;      /* N·s on the node */
 } ShvRelaxTouch;
+
+/* A node that a contact moved otherwise than by its velocity: to a surface in the middle of a step, or with a velocity of return.
+   Forces work along that way, too, which the velocities do not tell. */
+typedef struct ShvRelaxSlip {
+    int32_t node;
+    ShvVec3 way; /* m: displacement in the step − dt × velocity after it */
+} ShvRelaxSlip;
+
+typedef struct ShvRelaxSlips {
+    ShvRelaxSlip *items;
+    int32_t count, room;
+    double work; /* J: half of − force × way, with the forces of this moment */
+} ShvRelaxSlips;
 
 typedef struct ShvRelaxStep {
     double step;        /* dt, s */
@@ -63,12 +77,18 @@ typedef struct ShvRelax {
     double *anchors, *shifts; /* quads, as in bars.h */
     double *predicted;        /* 3 per node: displacement */
     double *before;           /* 3 per node: velocity before the kick */
+    double *ended;            /* 3 per node: velocity at the end of the run */
+    double *reactions;        /* 3 per node, kg m: held imposed components against their bars; only with `fixed` */
     double *clear;            /* per node: least gap to any obstacle at the predicted position; may be too small */
     int32_t *first_touch;     /* per node: its touches of this step; −1: none */
     uint8_t *touched;         /* per node: in the last step */
     int32_t known_nodes;
     ShvRelaxTouch *touches; /* of this step, those with a push of 0 did not happen */
     int32_t touch_count, touch_room;
+    double *force;       /* 3 per node: of the present moment, N, without gravity */
+    ShvRelaxSlips slips; /* of this step */
+    ShvRelaxSlips past;  /* of the step before */
+    double slip_time;    /* s: when this step began */
     int32_t obstacle_count;
     ShvObstacle *later;  /* the obstacles at the end of the step, with its mean velocity */
     ShvVec3 *unmoved;    /* 2 per obstacle: velocity and angular velocity of `later` before any impulse */
@@ -87,7 +107,8 @@ void shv_relax_release(ShvRelax *relax);
 
 /* The pieces of a step, in this order, each for the same listed nodes (all nodes of the bars' elements, each once). */
 
-/* Room for the state's nodes; remembers velocities as those before the kick. */
+/* Room for the state's nodes; remembers velocities as those before the kick, and forces: elastic ones, whose potential the energy
+   has. Called again at the same moment it starts the same step anew. */
 ShvStatus shv_relax_begin(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 /* Predicted displacements u + dt v. A caller may write `predicted` itself instead. */
 void shv_relax_predict(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count, double step);
@@ -99,6 +120,11 @@ ShvStatus shv_relax_look(ShvRelax *relax, const ShvState *state, const ShvObstac
    from the list; their touches then did not happen. On failure state and obstacles are unchanged. */
 ShvStatus shv_relax_run(ShvRelax *relax, const ShvBars *bars, ShvState *state, ShvObstacles *obstacles,
                         const int32_t *nodes, int32_t count, const ShvRelaxStep *step, ShvError *error);
+
+/* To be called when someone (cohesive tractions, which must answer what bars did to openings) has changed velocities since the
+   run: nodes move by dt × the change, imposed components get theirs back, and works are those with the velocities of now.
+   `before`, as shv_relax_begin left it, is still that of the velocities before the kick. */
+void shv_relax_follow(ShvRelax *relax, ShvState *state, const int32_t *nodes, int32_t count, const ShvRelaxStep *step);
 
 /* Of the bars at the displacements the last step ended with, as long as nobody else has moved the nodes. */
 double shv_relax_largest_strain(const ShvRelax *relax, const ShvBars *bars);

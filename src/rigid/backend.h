@@ -8,12 +8,15 @@
 
 typedef struct ShvRigidContact {
     int32_t fragment;      /* index */
-    int32_t obstacle;      /* index */
+    int32_t obstacle;      /* index; −1: the other side is a fragment, */
+    int32_t other;         /* whose index this is; −1: it is an obstacle */
     double time;           /* s: when it closes */
     double expected;       /* s: when it will have closed, where that is known to be later than `time`; else 0 */
-    ShvVec3 point, normal; /* world; the normal points from the obstacle to the fragment */
+    ShvVec3 point, normal; /* world; the normal points from the other side to the fragment */
     double closing_speed;  /* m/s along the normal, ≥ 0, before any response */
     bool fresh;            /* not touching at the previous step */
+    double other_mass;     /* kg of the other side with all that it touches; infinity: something holds that */
+    double load;           /* N: Σ of the contact forces on the fragment, mean of the last steps; 0 where not kept */
 } ShvRigidContact;
 
 /* Whether a contact wakes its fragment. */
@@ -46,14 +49,16 @@ typedef struct ShvRigidFunctions {
 struct ShvRigidBackend {
     const ShvRigidFunctions *functions;
     ShvRigidWorld world;
-    double contact_work;  /* J on fragments and free obstacles by answered contacts, so far */
-    double friction_work; /* J, so far */
+    double fragment_friction, fragment_restitution; /* between two fragments, where they see each other */
+    double contact_work;                            /* J on fragments and free obstacles by answered contacts, so far */
+    double friction_work;                           /* J, so far */
     /* A backend that moves nodes: bars hold them together, damping towards rigid motion; J, so far. */
     double bars_work, damping_work;
     bool
         keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
                          the present moment, and need not scatter the record when it wakes */
+    bool moves_obstacles; /* free obstacles are moved by `advance`; nobody else must */
 };
 
 /* Exact ballistic motion and free rotation (L constant, energy to round-off) between impacts; nodes of the fragments' surfaces
@@ -63,5 +68,15 @@ struct ShvRigidBackend {
    Velocities in a fragment's record may be changed between steps. Free obstacles are given their new motion such that
    advancing them over the whole step afterwards leads them where they belong. */
 ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error);
+
+/* Bullet: fragments as convex hulls that meet obstacles and each other, free obstacles among them, with Bullet's broadphase,
+   GJK and sequential impulses. Between contacts the flight is exact: a parabola, and free rotation whose angular momentum is
+   the state. A pair that closes faster than gravity gains in a step meets at its own time of impact and rebounds there with
+   the pair's restitution (the obstacles' own; between two of them the larger, friction the geometric mean; between
+   fragments the backend's); slower contacts are held. `judge` is asked once a step for each side of every pair that
+   touches, before any impulse; a fragment that wakes is gone for its partners at once. What rests on supports that do not
+   move is put to sleep. Overlaps that a pair has when one of the two comes are let be, and shrink with the pair's parting.
+   Free obstacles of triangles count as their convex hull; two obstacles meet only if one is free. */
+ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error);
 
 #endif

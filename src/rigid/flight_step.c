@@ -136,6 +136,8 @@ static bool wakes(const ShvFlightStep *step, int32_t count, ShvRigidContact *con
         if (!(closing > no_speed(step))) continue;
         *contact = (ShvRigidContact){.fragment = step->body->fragment,
                                      .obstacle = touch->obstacle,
+                                     .other = -1,
+                                     .other_mass = touch->other->mass,
                                      .time = step->time + step->now,
                                      .point = touch->point,
                                      .normal = touch->normal,

@@ -13,12 +13,18 @@ enum { GRID_BITS = 25, NO_POINT = -1, NO_FACE = 255 };
    sums err by less than 2²⁸. */
 #define DOUBTFUL 268435456.0
 
+/* Cells: rounding to the grid puts points of one plane up to this far apart from the plane of three of them. Points no higher
+   than this over a face are left outside; of points that differ less in height, the one farther along the face is taken, for
+   it is a corner of what lies in that plane. So a turned box keeps its eight corners and no more. */
+#define LEVEL 2.0
+
 typedef struct Face {
     uint8_t corners[3], neighbours[3]; /* neighbour i lies across the edge from corner i to the next */
     bool alive, visible;
     int32_t outside;  /* list of the points that see this face and are kept by it */
     int32_t farthest; /* of them */
-    double height;    /* of the farthest, in cells */
+    double height;    /* of the highest, in cells */
+    double reach;     /* squared distance of the farthest from the first corner, in cells */
     double normal[3], offset, size;
 } Face;
 
@@ -30,6 +36,8 @@ typedef struct Builder {
     int32_t vertex_count;
     Face faces[SHV_HULL_FACES + 1];
     int32_t face_end;
+    uint8_t free_faces[SHV_HULL_FACES + 1];
+    int32_t free_count;
 } Builder;
 
 static void subtract(const double *a, const double *b, double out[3])
@@ -98,9 +106,7 @@ static uint8_t new_vertex(Builder *builder, int32_t point)
 
 static uint8_t new_face(Builder *builder, uint8_t a, uint8_t b, uint8_t c)
 {
-    int32_t slot = 0;
-    while (slot < builder->face_end && builder->faces[slot].alive) slot++;
-    if (slot == builder->face_end) builder->face_end++;
+    const int32_t slot = builder->free_count > 0 ? builder->free_faces[--builder->free_count] : builder->face_end++;
     Face *face = &builder->faces[slot];
     *face = (Face){.corners = {a, b, c}, .alive = true, .outside = NO_POINT, .farthest = NO_POINT};
     for (int i = 0; i < 3; i++) builder->uses[face->corners[i]]++;
@@ -108,10 +114,31 @@ static uint8_t new_face(Builder *builder, uint8_t a, uint8_t b, uint8_t c)
     return (uint8_t)slot;
 }
 
-/* Gives a point to the face of `faces` that it stands highest over; it is dropped when it sees none. */
+static double squared_distance(const double *a, const double *b)
+{
+    double d[3];
+    subtract(a, b, d);
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+static void take(const Builder *builder, Face *face, int32_t point, double highest)
+{
+    builder->next[point] = face->outside;
+    face->outside = point;
+    if (highest < face->height - LEVEL) return;
+    const double *corner = builder->grid + 3 * (int64_t)builder->vertices[face->corners[0]];
+    const double reach = squared_distance(builder->grid + 3 * (int64_t)point, corner);
+    if (highest > face->height + LEVEL || reach > face->reach) {
+        face->farthest = point;
+        face->reach = reach;
+    }
+    if (highest > face->height) face->height = highest;
+}
+
+/* Gives a point to the face of `faces` that it stands highest over; it is dropped when it stands over none. */
 static void give(Builder *builder, int32_t point, const uint8_t *faces, int32_t count)
 {
-    double highest = 0.0;
+    double highest = LEVEL;
     Face *owner = NULL;
     for (int32_t i = 0; i < count; i++) {
         Face *face = &builder->faces[faces[i]];
@@ -120,12 +147,7 @@ static void give(Builder *builder, int32_t point, const uint8_t *faces, int32_t 
         highest = h;
         owner = face;
     }
-    if (!owner) return;
-    builder->next[point] = owner->outside;
-    owner->outside = point;
-    if (highest <= owner->height) return;
-    owner->height = highest;
-    owner->farthest = point;
+    if (owner) take(builder, owner, point, highest);
 }
 
 /* Marks the faces that see a point, from one that does, and lists them. */
@@ -175,6 +197,7 @@ static int32_t remove_visible(Builder *builder, const uint8_t *visible, int32_t 
             p = next;
         }
         face->alive = face->visible = false;
+        builder->free_faces[builder->free_count++] = visible[k];
         for (int i = 0; i < 3; i++)
             if (--builder->uses[face->corners[i]] == 0) builder->vertex_count--;
     }
@@ -240,55 +263,57 @@ static void add_point(Builder *builder, uint8_t seen)
     }
 }
 
-static double squared_length(const double a[3])
+/* Of points, the one of largest measure; of those within `level` of it, the one farthest from the origin. */
+typedef struct Choice {
+    int32_t point;
+    double measure, reach, level;
+} Choice;
+
+static void consider(Choice *choice, int32_t point, double measure, double reach)
 {
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    if (measure < choice->measure - choice->level) return;
+    if (measure > choice->measure + choice->level || reach > choice->reach) {
+        choice->point = point;
+        choice->reach = reach;
+    }
+    if (measure > choice->measure) choice->measure = measure;
 }
 
 /* Four points that span a volume, or how many dimensions there are. */
 static ShvHullRank find_corners(const double *grid, int32_t count, int32_t corners[4])
 {
-    double farthest = 0.0, u[3] = {0}, v[3], n[3], normal[3] = {0};
-    corners[0] = 0;
-    for (int32_t p = 1; p < count; p++)
-        if (grid[3 * (int64_t)p] < grid[3 * (int64_t)corners[0]]) corners[0] = p;
-    const double *origin = grid + 3 * (int64_t)corners[0];
-    for (int32_t p = 0; p < count; p++) {
-        subtract(grid + 3 * (int64_t)p, origin, v);
-        if (squared_length(v) <= farthest) continue;
-        farthest = squared_length(v);
-        corners[1] = p;
-        memcpy(u, v, sizeof u);
-    }
-    if (farthest == 0.0) return SHV_HULL_POINT;
-    farthest = 0.0;
+    static const double middle[3] = {0x1p24, 0x1p24, 0x1p24};
+    Choice first = {.point = 0}, second = {.point = 0}, third = {.point = 0}, fourth = {.point = 0};
+    for (int32_t p = 0; p < count; p++) consider(&first, p, squared_distance(grid + 3 * (int64_t)p, middle), 0.0);
+    const double *origin = grid + 3 * (int64_t)first.point;
+    for (int32_t p = 0; p < count; p++) consider(&second, p, squared_distance(grid + 3 * (int64_t)p, origin), 0.0);
+    if (second.measure == 0.0) return SHV_HULL_POINT;
+    double u[3], v[3], n[3], normal[3];
+    subtract(grid + 3 * (int64_t)second.point, origin, u);
+    const double length = sqrt(second.measure);
+    third.level = fourth.level = LEVEL;
     for (int32_t p = 0; p < count; p++) {
         subtract(grid + 3 * (int64_t)p, origin, v);
         cross(u, v, n);
-        if (squared_length(n) <= farthest) continue;
-        farthest = squared_length(n);
-        corners[2] = p;
-        memcpy(normal, n, sizeof normal);
+        const double off = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / length;
+        consider(&third, p, off, squared_distance(grid + 3 * (int64_t)p, origin));
     }
-    if (farthest == 0.0) return SHV_HULL_LINE;
-    farthest = 0.0;
+    if (third.measure <= LEVEL) return SHV_HULL_LINE;
+    subtract(grid + 3 * (int64_t)third.point, origin, v);
+    cross(u, v, normal);
+    const double size = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (int32_t p = 0; p < count; p++) {
-        const double *x = grid + 3 * (int64_t)p;
-        subtract(x, origin, v);
-        double value = normal[0] * v[0] + normal[1] * v[1] + normal[2] * v[2];
-        const int side = exact_side(normal, origin, x);
-        value = side == 0 ? 0.0 : side * fmax(fabs(value), 1.0);
-        if (fabs(value) <= fabs(farthest)) continue;
-        farthest = value;
-        corners[3] = p;
+        subtract(grid + 3 * (int64_t)p, origin, v);
+        const double value = (normal[0] * v[0] + normal[1] * v[1] + normal[2] * v[2]) / size;
+        consider(&fourth, p, fabs(value), squared_distance(grid + 3 * (int64_t)p, origin));
     }
-    if (farthest == 0.0) return SHV_HULL_FLAT;
-    if (farthest > 0.0) {
-        /* the fourth point must lie below the face (0, 1, 2) */
-        const int32_t swapped = corners[1];
-        corners[1] = corners[2];
-        corners[2] = swapped;
-    }
+    if (fourth.measure <= LEVEL) return SHV_HULL_FLAT;
+    /* the fourth point must lie below the face (0, 1, 2) */
+    const bool above = exact_side(normal, origin, grid + 3 * (int64_t)fourth.point) > 0;
+    corners[0] = first.point;
+    corners[1] = above ? third.point : second.point;
+    corners[2] = above ? second.point : third.point;
+    corners[3] = fourth.point;
     return SHV_HULL_SOLID;
 }
 
@@ -339,10 +364,11 @@ static void round_to_grid(double *grid, const double *points, int32_t count)
     for (int i = 0; i < 3; i++) {
         double high = low[i] = points[i];
         for (int32_t p = 1; p < count; p++) {
-            low[i] = fmin(low[i], points[3 * (int64_t)p + i]);
-            high = fmax(high, points[3 * (int64_t)p + i]);
+            const double x = points[3 * (int64_t)p + i];
+            low[i] = x < low[i] ? x : low[i];
+            high = x > high ? x : high;
         }
-        extent = fmax(extent, high - low[i]);
+        extent = high - low[i] > extent ? high - low[i] : extent;
     }
     const double cells = extent > 0.0 ? (double)(1 << GRID_BITS) / extent : 0.0;
     for (int64_t p = 0; p < count; p++)
@@ -372,7 +398,11 @@ ShvStatus shv_hull_make(ShvHull *hull, ShvHullScratch *scratch, const double *po
     int32_t corners[4] = {0};
     hull->rank = find_corners(scratch->grid, count, corners);
     if (hull->rank != SHV_HULL_SOLID) return SHV_OK;
-    Builder builder = {.grid = scratch->grid, .next = scratch->next};
+    Builder builder;
+    builder.grid = scratch->grid;
+    builder.next = scratch->next;
+    builder.vertex_count = builder.face_end = builder.free_count = 0;
+    memset(builder.uses, 0, sizeof builder.uses);
     begin(&builder, corners, count);
     while (builder.vertex_count < most) {
         const uint8_t face = highest_face(&builder);
@@ -381,6 +411,63 @@ ShvStatus shv_hull_make(ShvHull *hull, ShvHullScratch *scratch, const double *po
     }
     write_hull(hull, &builder, points);
     return SHV_OK;
+}
+
+ShvStatus shv_polytope_make(ShvPolytope *polytope, ShvHullScratch *scratch, const double *points, int32_t count,
+                            ShvError *error)
+{
+    SHV_TRY(shv_hull_make(&polytope->hull, scratch, points, count, SHV_HULL_VERTICES, error));
+    double vertices[3 * SHV_HULL_VERTICES];
+    for (int32_t v = 0; v < polytope->hull.vertex_count; v++)
+        shv_store3(vertices + 3 * v, shv_load3(points + 3 * (int64_t)polytope->hull.points[v]));
+    memcpy(polytope->vertices, vertices, 3 * (size_t)polytope->hull.vertex_count * sizeof *vertices);
+    return SHV_OK;
+}
+
+static void find_box(const ShvPolytope *polytope, ShvPlanes *planes)
+{
+    for (int i = 0; i < 3; i++) {
+        double low = polytope->vertices[i], high = low;
+        for (int32_t v = 1; v < polytope->hull.vertex_count; v++) {
+            const double x = polytope->vertices[3 * v + i];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        planes->low[i] = low;
+        planes->high[i] = high;
+    }
+}
+
+void shv_polytope_planes(const ShvPolytope *polytope, ShvPlanes *planes)
+{
+    planes->count = 0;
+    find_box(polytope, planes);
+    double size = 0.0;
+    for (int i = 0; i < 3; i++) size = fmax(size, planes->high[i] - planes->low[i]);
+    for (int32_t f = 0; f < polytope->hull.face_count; f++) {
+        const uint8_t *face = polytope->hull.faces[f];
+        const ShvVec3 a = shv_load3(polytope->vertices + 3 * face[0]);
+        const ShvVec3 u = shv_sub(shv_load3(polytope->vertices + 3 * face[1]), a);
+        const ShvVec3 v = shv_sub(shv_load3(polytope->vertices + 3 * face[2]), a);
+        const ShvVec3 normal = shv_cross(u, v);
+        const double length = shv_norm(normal);
+        /* rounding to the grid moves a vertex by 2⁻²⁵ of the size: a triangle of less height than 2⁻¹² of it may be tilted
+           against its neighbours by more than the rest of the hull can tell */
+        const double longest = sqrt(fmax(shv_dot(u, u), shv_dot(v, v)));
+        if (length <= longest * size / 4096.0) continue;
+        double *plane = planes->planes[planes->count++];
+        shv_store3(plane, shv_scale(normal, 1.0 / length));
+        plane[3] = shv_dot(shv_load3(plane), a);
+    }
+}
+
+void shv_polytope_scale(ShvPolytope *polytope, ShvVec3 centre, double scale)
+{
+    for (int32_t v = 0; v < polytope->hull.vertex_count; v++) {
+        double *x = polytope->vertices + 3 * v;
+        shv_store3(x, shv_madd(centre, scale, shv_sub(shv_load3(x), centre)));
+    }
+    polytope->hull.volume *= scale * scale * scale;
 }
 
 void shv_hull_scratch_release(ShvHullScratch *scratch)

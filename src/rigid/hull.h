@@ -10,7 +10,7 @@
 
 enum { SHV_HULL_VERTICES = 64, SHV_HULL_FACES = 2 * SHV_HULL_VERTICES - 4 };
 
-/* Dimension of the set of points, seen with a resolution of 2⁻²⁵ of its largest extent. */
+/* Dimension of the set of points, seen with a resolution of 2⁻²⁴ of its largest extent. */
 typedef enum ShvHullRank { SHV_HULL_POINT, SHV_HULL_LINE, SHV_HULL_FLAT, SHV_HULL_SOLID } ShvHullRank;
 
 typedef struct ShvHull {
@@ -21,6 +21,19 @@ typedef struct ShvHull {
     double volume;                     /* m³ */
     bool reduced;                      /* some points were left outside to keep the number of vertices */
 } ShvHull;
+
+/* A hull with its own vertices. */
+typedef struct ShvPolytope {
+    ShvHull hull;
+    double vertices[3 * SHV_HULL_VERTICES]; /* m */
+} ShvPolytope;
+
+/* Half-spaces normal · x ≤ offset of the faces, unit normals, 4 numbers each; those of slivers are left out. */
+typedef struct ShvPlanes {
+    int32_t count;
+    double planes[SHV_HULL_FACES][4];
+    double low[3], high[3]; /* box around the body, m */
+} ShvPlanes;
 
 /* Scratch that grows with the largest set of points so far. Zeroed but for `memory` to begin with. */
 typedef struct ShvHullScratch {
@@ -34,6 +47,12 @@ typedef struct ShvHullScratch {
    of the points and their order. Points that span no volume are no failure: `rank` tells. Fails only without memory. */
 ShvStatus shv_hull_make(ShvHull *hull, ShvHullScratch *scratch, const double *points, int32_t count, int32_t most,
                         ShvError *error);
+/* The same with copies of the vertices. `points` may be those of the polytope itself. */
+ShvStatus shv_polytope_make(ShvPolytope *polytope, ShvHullScratch *scratch, const double *points, int32_t count,
+                            ShvError *error);
+void shv_polytope_planes(const ShvPolytope *polytope, ShvPlanes *planes);
+/* Moves the vertices: centre + scale (x − centre). */
+void shv_polytope_scale(ShvPolytope *polytope, ShvVec3 centre, double scale);
 void shv_hull_scratch_release(ShvHullScratch *scratch);
 
 #endif

@@ -201,6 +201,48 @@ static void principal_takes_the_weakest_corner(void **state)
     fixture_release(&f);
 }
 
+/* Nodes and facets that bounds leave out change nothing: against eigenvalues of all, below and above the threshold. */
+static void principal_matches_brute_force(void **state)
+{
+    (void)state;
+    for (int run = 0; run < 4; run++) {
+        Fixture f;
+        fixture_define(&f, 0.03, 0.02, 0.02, 0.004);
+        f.scene.fracture.criterion = SHV_CRITERION_PRINCIPAL;
+        f.material.weibull_modulus = run % 2 ? 6.0 : 0.0;
+        f.scene.threads = run == 3 ? 3 : 1;
+        fixture_build(&f);
+        const int32_t facets = f.model.adjacency.interior_count, nodes = f.state.node_count;
+        double *nodal = calloc(6 * (size_t)nodes, sizeof *nodal), *over = calloc((size_t)facets, sizeof *over);
+        double *principal = calloc((size_t)nodes, sizeof *principal), largest = 0.0;
+        int32_t *found = calloc((size_t)facets, sizeof *found), count, expected = 0;
+        for (int32_t i = 0; i < nodes; i++) {
+            double *s = nodal + 6 * (int64_t)i;
+            for (int c = 0; c < 6; c++)
+                s[c] = (run < 2 ? 5e6 : 80e6) * (shv_random_uniform(9, (uint64_t)(6 * i + c)) - (c < 3 ? 0.3 : 0.5));
+            principal[i] = shv_largest_principal(s);
+        }
+        const double got = shv_cohesive_candidates(&f.cohesive, &f.state, NULL, nodal, NULL, found, over, &count);
+        for (int32_t i = 0; i < facets; i++) {
+            const int32_t e = f.model.adjacency.facet_elements[2 * i];
+            const uint8_t *c = shv_face_corners[f.model.adjacency.facet_faces[2 * i]];
+            double least = HUGE_VAL;
+            for (int k = 0; k < 3; k++) least = fmin(least, principal[shv_state_node(&f.state, e, c[k])]);
+            const double value = fmax(least, 0.0) / f.cohesive.facet_strength[i];
+            largest = fmax(largest, value);
+            expected += value >= f.scene.fracture.threshold;
+        }
+        assert_true(got == largest);
+        assert_int_equal(count, expected);
+        assert_true(run < 2 ? count == 0 : count > 10 && over[0] == largest);
+        free(nodal);
+        free(principal);
+        free(found);
+        free(over);
+        fixture_release(&f);
+    }
+}
+
 /* Weibull: P(strength < s) = 1 − exp(−(s/s0)^m V/V0). */
 static void weibull_scatter(void **state)
 {
@@ -235,6 +277,7 @@ int main(void)
         cmocka_unit_test(uniform_tension_and_rotation),
         cmocka_unit_test(zero_and_infinite_strength),
         cmocka_unit_test(principal_takes_the_weakest_corner),
+        cmocka_unit_test(principal_matches_brute_force),
         cmocka_unit_test(weibull_scatter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -46,9 +46,9 @@ static ShvVec3 advance_from(Pair *pair, ShvVec3 normal, double last, double step
 {
     const double kick = 0.5 * (last + step);
     const ShvVec3 before = pair->rate, free_rate = shv_madd(before, kick, acceleration);
-    const ShvPairStep openings = {pair->from, pair->opening, shv_madd(pair->opening, 0.5 * step, free_rate),
-                                  0.5 * step * kick / reduced_mass};
-    const ShvVec3 traction = shv_pair_traction(pair->law, pair->history, normal, &openings);
+    const ShvPair made =
+        shv_pair_make(pair->law, pair->history, normal, pair->from, pair->opening, 0.5 * step * kick / reduced_mass);
+    const ShvVec3 traction = shv_pair_traction(&made, shv_madd(pair->opening, 0.5 * step, free_rate));
     pair->rate = shv_madd(free_rate, -kick / reduced_mass, traction);
     pair->work -= 0.5 * shv_dot(traction, shv_add(shv_scale(before, last), shv_scale(pair->rate, step)));
     const ShvVec3 to = shv_madd(pair->opening, 0.5 * step, pair->rate);
@@ -185,9 +185,37 @@ static void stiff_unloading_is_stable(void **state)
     assert_true(pair.history.normal == reached);
 }
 
+/* From exactly the largest opening back: the spring gives no more than it stores, whatever the step and however the last bit of
+   the opening falls. */
+static void turning_round_gives_back_what_was_stored(void **state)
+{
+    (void)state;
+    int turned = 0;
+    for (uint64_t run = 0; run < 20000; run++) {
+        const ShvLaw law = law_of(run % 4 ? SHV_PPR : SHV_CAMACHO_ORTIZ, 2.0 + (double)(run % 2));
+        const ShvVec3 normal = shv_unit(shv_vec3(shv_random_uniform(run, 0) - 0.5, shv_random_uniform(run, 1) - 0.5,
+                                                 shv_random_uniform(run, 2) - 0.5));
+        const double reached = law.final_opening[0] * pow(10.0, -8.0 * shv_random_uniform(run, 3));
+        const ShvVec3 from = shv_scale(normal, reached);
+        const ShvHistory history = shv_law_grow(&law, (ShvHistory){0}, split(from, normal).normal, 0.0);
+        const double stiffness = shv_law_normal_branch(&law, history, 0.0).peak / history.normal;
+        const double compliance = pow(10.0, 6.0 * shv_random_uniform(run, 4) - 3.0) / stiffness;
+        const ShvVec3 now = shv_scale(from, 1.0 + 0.5 * (shv_random_uniform(run, 5) - 0.5));
+        const ShvPair pair = shv_pair_make(&law, history, normal, from, now, compliance);
+        const ShvVec3 free = shv_scale(from, 1.0 + compliance * stiffness * shv_random_uniform(run, 6));
+        const ShvVec3 traction = shv_pair_traction(&pair, free);
+        const ShvVec3 path = shv_sub(shv_madd(free, -compliance, traction), from);
+        const double stored = shv_law_recoverable(&law, history, reached, 0.0);
+        assert_true(shv_dot(traction, path) >= -stored * (1.0 + 1e-9));
+        turned += shv_dot(path, normal) < 0.0;
+    }
+    assert_true(turned > 10000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turning_round_gives_back_what_was_stored),
         cmocka_unit_test(opening_takes_the_fracture_energy),
         cmocka_unit_test(energy_never_grows),
         cmocka_unit_test(a_new_pair_is_held),

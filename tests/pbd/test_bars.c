@@ -149,8 +149,9 @@ static void every_edge_or_tet_is_there_once(void **state)
 
 /* ---- what a sweep does ---- */
 
-/* The same sweep bar after bar, from lengths, and what each projection does to momentum and angular momentum. */
-static void sweep_plainly(const Mesh *mesh, double stiffness, double *shifts, double *lost)
+/* The same sweep bar after bar, from lengths, and what each projection does to momentum and angular momentum, or to the
+   reactions of pinned nodes. */
+static void sweep_plainly(const Mesh *mesh, double stiffness, double *shifts, double *lost, double *reactions)
 {
     const ShvBars *bars = &mesh->bars;
     for (int32_t i = 0; i < bars->chunk_count; i++) {
@@ -168,10 +169,14 @@ static void sweep_plainly(const Mesh *mesh, double stiffness, double *shifts, do
                     const double rest =
                         shv_norm(shv_sub(shv_load3(mesh->anchors + 4 * n), shv_load3(mesh->anchors + 4 * m)));
                     const ShvVec3 edge = shv_sub(x, y);
+                    if (!(wn + wm > 0.0)) continue;
                     const double c = stiffness * (shv_norm(edge) - rest) / (shv_norm(edge) * (wn + wm));
                     const ShvVec3 first = shv_scale(edge, -wn * c), second = shv_scale(edge, wm * c);
                     shv_add_to3(shifts + 4 * n, first);
                     shv_add_to3(shifts + 4 * m, second);
+                    if (wn == 0.0) shv_add_to3(reactions + 3 * n, shv_scale(edge, c));
+                    if (wm == 0.0) shv_add_to3(reactions + 3 * m, shv_scale(edge, -c));
+                    if (wn == 0.0 || wm == 0.0) continue;
                     const ShvVec3 momentum = shv_add(shv_scale(first, 1.0 / wn), shv_scale(second, 1.0 / wm));
                     const ShvVec3 angular =
                         shv_add(shv_cross(x, shv_scale(first, 1.0 / wn)), shv_cross(y, shv_scale(second, 1.0 / wm)));
@@ -199,13 +204,50 @@ static void a_sweep_is_gauss_seidel_and_keeps_momentum(void **state)
         double *plain = malloc(size), lost = 0.0;
         memcpy(plain, mesh.shifts, size);
         const ShvVec3 before = moment_of(&mesh, plain);
-        sweep_plainly(&mesh, 0.8, plain, &lost);
+        sweep_plainly(&mesh, 0.8, plain, &lost, NULL);
         assert_true(lost < 1e-14);
         shv_bars_sweep(&mesh.bars, 0.8, mesh.anchors, mesh.shifts);
         for (int64_t i = 0; i < 4 * (int64_t)mesh.world.state.node_count; i++)
             if (i % 4 != 3) check_near(mesh.shifts[i], plain[i], 1e-14);
         check_near(shv_norm(shv_sub(moment_of(&mesh, mesh.shifts), before)), 0.0, 1e-14 * 2500.0 * 0.01);
         free(plain);
+        mesh_end(&mesh);
+    }
+}
+
+/* A third of the nodes is pinned. Masses are some 10 kg and displacements some 0.01 m: reactions some 0.1 kg m. */
+static void reactions_are_what_holds_pinned_nodes(void **state)
+{
+    (void)state;
+    for (int form = 0; form < 2; form++) {
+        Mesh mesh;
+        mesh_make(&mesh, form ? SHV_BARS_ELEMENT : SHV_BARS_EDGE, 0.2, false, 1);
+        const int64_t nodes = mesh.world.state.node_count;
+        const size_t size = 4 * (size_t)nodes * sizeof(double);
+        double *plain = malloc(size), *held = shv_allocate(NULL, SHV_PART_GENERAL, 1, size), lost = 0.0;
+        assert_non_null(held);
+        double *reactions = calloc(3 * (size_t)nodes, sizeof(double)),
+               *expected = calloc(3 * (size_t)nodes, sizeof(double));
+        for (int64_t i = 0; i < nodes; i += 3) mesh.anchors[4 * i + 3] = 0.0;
+        memcpy(plain, mesh.shifts, size);
+        memcpy(held, mesh.shifts, size);
+        ShvVec3 given = shv_scale(moment_of(&mesh, plain), -1.0);
+        sweep_plainly(&mesh, 0.8, plain, &lost, expected);
+        shv_bars_sweep_held(&mesh.bars, 0.8, mesh.anchors, held, reactions);
+        shv_bars_sweep(&mesh.bars, 0.8, mesh.anchors, mesh.shifts);
+        assert_memory_equal(held, mesh.shifts, size);
+        given = shv_add(given, moment_of(&mesh, held));
+        for (int64_t i = 0; i < nodes; i++) {
+            const ShvVec3 reaction = shv_load3(reactions + 3 * i);
+            assert_true((i % 3 == 0) == (shv_norm(reaction) > 0.0));
+            check_near(shv_norm(shv_sub(reaction, shv_load3(expected + 3 * i))), 0.0, 1e-13);
+            given = shv_sub(given, reaction);
+        }
+        check_near(shv_norm(given), 0.0, 1e-14 * 2500.0 * 0.01);
+        free(plain);
+        shv_release(held);
+        free(reactions);
+        free(expected);
         mesh_end(&mesh);
     }
 }
@@ -511,6 +553,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_edge_or_tet_is_there_once),
         cmocka_unit_test(a_sweep_is_gauss_seidel_and_keeps_momentum),
+        cmocka_unit_test(reactions_are_what_holds_pinned_nodes),
         cmocka_unit_test(sweeps_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(translation_is_left_alone_to_the_last_bit),
         cmocka_unit_test(largest_strain_is_that_of_a_stretch),

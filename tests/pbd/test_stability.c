@@ -70,14 +70,6 @@ static ShvStatus take_step(Body *body, const double gravity[3], ShvError *error)
     return SHV_OK;
 }
 
-static double fastest(const ShvState *state)
-{
-    double largest = 0.0;
-    for (int32_t i = 0; i < state->node_count; i++)
-        largest = fmax(largest, shv_norm(shv_load3(state->velocity + 3 * i)));
-    return largest;
-}
-
 static void shake(Body *body, double speed)
 {
     uint64_t index = 0;
@@ -85,31 +77,82 @@ static void shake(Body *body, double speed)
         shv_store3(body->world.state.velocity + 3 * i, draw3(&index, speed));
 }
 
-/* Largest speed after 400 steps of `multiple` stable steps, over that at the start; infinite when it diverged. */
-static double growth(double multiple, double stiffness, int32_t iterations)
+/* Takes the rigid motion out of the velocities: it neither grows nor decays, and would hide what does. */
+static void still(Body *body)
 {
+    World *world = &body->world;
+    ShvFragment *fragment = &world->fragments.items[0];
+    shv_fragment_fit(fragment, &world->fragments, &world->state);
+    for (int32_t i = 0; i < world->state.node_count; i++) {
+        const ShvVec3 arm = shv_sub(shv_state_position(&world->state, i), fragment->position);
+        const ShvVec3 rigid = shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, arm));
+        shv_store3(world->state.velocity + 3 * i, shv_sub(shv_load3(world->state.velocity + 3 * i), rigid));
+    }
+}
+
+static double kinetic(const ShvState *state)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < state->node_count; i++) {
+        const ShvVec3 v = shv_load3(state->velocity + 3 * i);
+        sum += 0.5 * state->mass[i] * shv_dot(v, v);
+    }
+    return sum;
+}
+
+/* Energy over that at the start: the largest, and those of the last two thirds of 1500 steps, each at its largest, so that an
+   oscillation does not look like growth. What has decayed to rounding (1e-20 of the start at long steps) is not followed: a mode
+   that grows never falls below its share of the start. */
+typedef struct Course {
+    double largest, second_third, last_third;
+} Course;
+
+static Course course_of(double multiple, double stiffness, int32_t iterations)
+{
+    enum { STEPS = 1500 };
     static const double none[3] = {0.0, 0.0, 0.0};
     ShvError error = {0};
     Body body;
-    body_make(&body, 0.06, stiffness, iterations, false);
+    body_make(&body, 0.09, stiffness, iterations, false);
     body_build(&body);
     shake(&body, 1e-6);
-    const double start = fastest(&body.world.state);
+    still(&body);
+    const double start = kinetic(&body.world.state);
     body.step.step = multiple * shv_solid_stable_step(&body.solid, NULL);
-    ShvStatus status = SHV_OK;
-    for (int i = 0; i < 400 && status == SHV_OK; i++) status = take_step(&body, none, &error);
-    const double end = fastest(&body.world.state);
+    Course course = {0.0, 0.0, 0.0};
+    for (int i = 0; i < STEPS && course.largest < 1e6; i++) {
+        const ShvStatus status = take_step(&body, none, &error);
+        const double strain = shv_solid_strain_energy(&body.solid, &body.world.state);
+        const double now = status == SHV_OK ? (kinetic(&body.world.state) + strain) / start : (double)INFINITY;
+        if (now < 1e-15) break;
+        course.largest = fmax(course.largest, now);
+        if (i >= STEPS / 3 && i < 2 * STEPS / 3) course.second_third = fmax(course.second_third, now);
+        if (i >= 2 * STEPS / 3) course.last_third = fmax(course.last_third, now);
+    }
     body_end(&body);
-    return status == SHV_OK && isfinite(end) ? end / start : (double)INFINITY;
+    return course;
 }
 
-/* Four sweeps of full stiffness carry twice the stable step, seventeen times it not; without bars not even that. */
-static void bars_carry_twice_the_stable_step_but_not_seventeen_times(void **state)
+static bool is_stable(double multiple, double stiffness, int32_t iterations)
+{
+    const Course course = course_of(multiple, stiffness, iterations);
+    return course.largest < 100.0 && course.last_third <= 1.05 * course.second_third;
+}
+
+/* Of this coarse lattice the limits are 1.7 stable steps without bars, and 2.7, 12 and 110 in the other cases (measured by
+   tenths; docs/bars_stability.md has finer meshes): each is tried well on either side. */
+static void bars_carry_a_few_stable_steps(void **state)
 {
     (void)state;
-    assert_true(growth(2.0, 1.0, 4) < 2.0);
-    assert_true(growth(17.0, 1.0, 4) > 100.0);
-    assert_true(growth(3.0, 0.0, 1) > 100.0);
+    const struct {
+        double stiffness;
+        int32_t iterations;
+        double stable, unstable;
+    } cases[] = {{0.0, 1, 1.0, 2.2}, {0.1, 10, 2.0, 4.0}, {1.0, 4, 2.0, 17.0}, {1.0, 20, 17.0, 200.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_true(is_stable(cases[i].stable, cases[i].stiffness, cases[i].iterations));
+        assert_false(is_stable(cases[i].unstable, cases[i].stiffness, cases[i].iterations));
+    }
 }
 
 /* Strain in the small bars' stiffness: the energy ½ m v₋·v₊ + strain changes by the bars' work, to the error of the
@@ -125,20 +168,16 @@ static void works_of_bars_balance_the_energy(void **state)
     ShvState *now = &body.world.state;
     shake(&body, 1e-3);
     body.step.step = 0.1 * shv_solid_stable_step(&body.solid, NULL);
-    double start = 0.0;
-    for (int32_t i = 0; i < now->node_count; i++) {
-        const ShvVec3 v = shv_load3(now->velocity + 3 * i);
-        start += 0.5 * now->mass[i] * shv_dot(v, v);
-    }
+    const double start = kinetic(now);
     for (int i = 0; i < 300; i++) {
         const double before = body.work;
         check_ok(take_step(&body, none, &error), error);
         /* At time n: kinetic energy from both half steps, works without the second halves. */
         if (i % 50 != 49) continue;
         ShvState past = *now;
-        double kinetic = 0.0;
+        double moving = 0.0;
         for (int32_t k = 0; k < now->node_count; k++)
-            kinetic +=
+            moving +=
                 0.5 * now->mass[k] * shv_dot(shv_load3(body.relax.before + 3 * k), shv_load3(now->velocity + 3 * k));
         double *displacement = malloc(3 * (size_t)now->node_count * sizeof *displacement);
         for (int32_t k = 0; k < 3 * now->node_count; k++)
@@ -146,7 +185,7 @@ static void works_of_bars_balance_the_energy(void **state)
         past.displacement = displacement;
         const double strain = shv_solid_strain_energy(&body.solid, &past);
         const double work = before + body.relax.work.bars[0];
-        check_near(kinetic + strain - work, start, 0.01 * start);
+        check_near(moving + strain - work, start, 0.01 * start);
         assert_true(work < -0.02 * start);
         free(displacement);
     }
@@ -180,7 +219,7 @@ static void soft_bodies_are_as_stiff_as_their_bars(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bars_carry_twice_the_stable_step_but_not_seventeen_times),
+        cmocka_unit_test(bars_carry_a_few_stable_steps),
         cmocka_unit_test(works_of_bars_balance_the_energy),
         cmocka_unit_test(soft_bodies_are_as_stiff_as_their_bars),
     };

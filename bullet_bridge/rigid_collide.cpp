@@ -1,0 +1,435 @@
+// Contacts of two bodies in the poses they have. The direction comes from the distance of the parts' cores (GJK) or, where
+// those overlap, from the faces' normals; gaps are measured along it on the exact hulls, and where faces lie on each other
+// their overlap is clipped out, so that a contact has its whole area from the first moment on.
+#include <algorithm>
+
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include "bullet_bridge/rigid_body.hpp"
+
+static const size_t most_points = 4;
+static const btScalar beside_a_face = 0.9; // cosine: faces farther from the contact's normal cannot be what touches
+// Of the smaller radius: a face that parts the bodies this nearly as well is what touches; and this much deeper than over the
+// face an overhanging corner may lie.
+static const btScalar on_a_face = 1e-4, beyond_a_face = 1e-3;
+
+namespace
+{
+struct Closest : public btDiscreteCollisionDetectorInterface::Result {
+    bool found = false;
+    btVector3 normal{0, 0, 0}, point{0, 0, 0};
+    btScalar distance = 0;
+    void setShapeIdentifiersA(int, int) override {}
+    void setShapeIdentifiersB(int, int) override {}
+    void addContactPoint(const btVector3 &normal_on_second, const btVector3 &point_on_second, btScalar depth) override
+    {
+        found = true;
+        normal = normal_on_second;
+        point = point_on_second;
+        distance = depth;
+    }
+};
+} // namespace
+
+bool ShvCollider::gjk(const btConvexShape &first, const btTransform &at_first, const btConvexShape &second,
+                      const btTransform &at_second, const btVector3 &guess, btVector3 *normal, btVector3 *witness) const
+{
+    btVoronoiSimplexSolver simplex;
+    btGjkPairDetector detector(&first, &second, &simplex, nullptr);
+    detector.setIgnoreMargin(true);
+    detector.setCachedSeparatingAxis(guess.fuzzyZero() ? btVector3(0, 1, 0) : guess);
+    btDiscreteCollisionDetectorInterface::ClosestPointInput input;
+    input.m_transformA = at_first;
+    input.m_transformB = at_second;
+    Closest closest;
+    detector.getClosestPoints(input, closest, nullptr);
+    const btScalar length = closest.normal.length();
+    if (!closest.found || !(closest.distance > 0) || !(length > 0)) return false;
+    *normal = closest.normal / length;
+    *witness = closest.point + *normal * (closest.distance / 2);
+    return true;
+}
+
+// Keeps the part of the incident face that lies over the reference face.
+bool ShvCollider::clip(const Placed &reference, size_t face_index, const Placed &incident, const btVector3 &outward)
+{
+    const ShvConvexFace &face = reference.convex->faces[face_index];
+    const ShvConvexFace *other = nullptr;
+    btScalar least = BT_LARGE_FLOAT;
+    for (const ShvConvexFace &candidate : incident.convex->faces) {
+        const btScalar along = (*incident.axes * candidate.normal).dot(outward);
+        if (along < least) {
+            least = along;
+            other = &candidate;
+        }
+    }
+    if (!other) return false;
+    polygon.clear();
+    for (int corner : other->corners) polygon.push_back(incident.at(size_t(corner)));
+    for (size_t i = 0; i < face.corners.size() && !polygon.empty(); i++) {
+        const btVector3 from = reference.at(size_t(face.corners[i]));
+        const btVector3 to = reference.at(size_t(face.corners[(i + 1) % face.corners.size()]));
+        const btVector3 side = (to - from).cross(outward);
+        clipped.clear();
+        for (size_t k = 0; k < polygon.size(); k++) {
+            const btVector3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+            const btScalar dp = side.dot(p - from), dq = side.dot(q - from);
+            if (dp <= 0) clipped.push_back(p);
+            if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) clipped.push_back(p + (q - p) * (dp / (dp - dq)));
+        }
+        polygon.swap(clipped);
+    }
+    const btScalar height = face.offset + outward.dot(reference.origin);
+    points.clear();
+    for (const btVector3 &p : polygon) {
+        const btScalar gap = outward.dot(p) - height;
+        if (gap <= limit) points.push_back({p - outward * (gap / 2), gap});
+    }
+    return !points.empty();
+}
+
+// Four points that span the contact: the deepest, the farthest from it, the farthest from their line on either side.
+void ShvCollider::reduce()
+{
+    if (points.size() <= most_points) return;
+    Point kept[most_points];
+    size_t best = 0;
+    for (size_t i = 1; i < points.size(); i++)
+        if (points[i].gap < points[best].gap) best = i;
+    kept[0] = points[best];
+    btScalar most = -1;
+    for (size_t i = 0; i < points.size(); i++) {
+        const btScalar distance = (points[i].place - kept[0].place).length2();
+        if (distance > most) {
+            most = distance;
+            best = i;
+        }
+    }
+    kept[1] = points[best];
+    const btVector3 line = kept[1].place - kept[0].place;
+    most = -1;
+    for (size_t i = 0; i < points.size(); i++) {
+        const btScalar distance = line.cross(points[i].place - kept[0].place).length2();
+        if (distance > most) {
+            most = distance;
+            best = i;
+        }
+    }
+    kept[2] = points[best];
+    const btVector3 side = line.cross(kept[2].place - kept[0].place);
+    btScalar least = 0;
+    bool fourth = false;
+    for (size_t i = 0; i < points.size(); i++) {
+        const btScalar across = side.dot(line.cross(points[i].place - kept[0].place));
+        if (across < least) {
+            least = across;
+            best = i;
+            fourth = true;
+        }
+    }
+    kept[3] = points[best];
+    points.assign(kept, kept + (fourth ? 4 : 3));
+}
+
+void ShvCollider::emit(const btVector3 &normal)
+{
+    reduce();
+    for (const Point &point : points) {
+        ShvBulletContact contact = {};
+        contact.first = a->number;
+        contact.second = b->number;
+        for (int k = 0; k < 3; k++) {
+            contact.arm_first[k] = point.place[k] / scale;
+            contact.arm_second[k] = (point.place[k] - shift[k]) / scale;
+            contact.normal[k] = normal[k];
+        }
+        contact.gap = point.gap / scale;
+        contacts.push_back(contact);
+    }
+    points.clear();
+}
+
+// `side` 1: the plane is the second body.
+void ShvCollider::plane_body(const ShvBulletBody &plane, const ShvBulletBody &body, btScalar side)
+{
+    const btVector3 origin = side > 0 ? btVector3(0, 0, 0) : shift;
+    const btScalar height = plane.offset - plane.normal.dot(body.position * scale);
+    if (body.kind == SHV_BULLET_SPHERE) {
+        const btScalar gap = -height - body.radius;
+        if (gap <= limit) points.push_back({origin - plane.normal * (body.radius + gap / 2), gap});
+        emit(plane.normal * side);
+        return;
+    }
+    for (const ShvConvex &part : body.parts) {
+        for (const btVector3 &vertex : part.vertices) {
+            const btVector3 arm = body.axes * vertex;
+            const btScalar gap = plane.normal.dot(arm) - height;
+            if (gap <= limit) points.push_back({origin + arm - plane.normal * (gap / 2), gap});
+        }
+        emit(plane.normal * side);
+    }
+}
+
+void ShvCollider::sphere_sphere()
+{
+    const btScalar distance = shift.length();
+    const btVector3 normal = distance > 0 ? -shift / distance : btVector3(0, 0, 1);
+    const btScalar gap = distance - a->radius - b->radius;
+    if (gap <= limit) points.push_back({-normal * (a->radius + gap / 2), gap});
+    emit(normal);
+}
+
+static btVector3 closest_on_segment(const btVector3 &from, const btVector3 &to, const btVector3 &point)
+{
+    const btVector3 way = to - from;
+    const btScalar share = way.dot(point - from) / way.length2();
+    return from + way * btMax(btScalar(0), btMin(btScalar(1), share));
+}
+
+// `side` 1: the sphere is the first body.
+void ShvCollider::sphere_part(const ShvBulletBody &sphere, const Placed &part, bool surface, const btVector3 &centre,
+                              btScalar side)
+{
+    if ((centre - part.origin - *part.axes * part.convex->centre).length() > sphere.radius + part.convex->radius + limit)
+        return;
+    btVector3 normal(0, 0, 1), witness(0, 0, 1);
+    btScalar height = -BT_LARGE_FLOAT; // of the centre over the part
+    for (const ShvConvexFace &face : part.convex->faces) {
+        const btVector3 outward = *part.axes * face.normal;
+        const btScalar above = outward.dot(centre - part.origin) - face.offset;
+        if (above > height) {
+            height = above;
+            normal = outward;
+        }
+    }
+    if (surface) {
+        if (height < -sphere.radius) return;
+        bool inside = true;
+        btScalar nearest = BT_LARGE_FLOAT;
+        for (size_t i = 0; i < 3; i++) {
+            const btVector3 from = part.at(i), to = part.at((i + 1) % 3);
+            if ((to - from).cross(normal).dot(centre - from) <= 0) continue;
+            inside = false;
+            const btVector3 way = centre - closest_on_segment(from, to, centre);
+            const btScalar length = way.length();
+            if (length < nearest && length > 0) {
+                nearest = length;
+                witness = way / length;
+            }
+        }
+        if (!inside) {
+            if (height < 0) return; // the neighbour's face knows better
+            normal = witness;
+            height = nearest;
+        }
+    } else if (height > 0) {
+        btSphereShape point(0);
+        const btTransform here(btMatrix3x3::getIdentity(), centre);
+        if (gjk(point, here, *part.convex->core, btTransform(*part.axes, part.origin), normal, &normal, &witness))
+            height = normal.dot(centre - part.origin) - part.convex->highest(normal, *part.axes);
+    }
+    const btScalar gap = height - sphere.radius;
+    if (gap <= limit) points.push_back({centre - normal * (sphere.radius + gap / 2), gap});
+    emit(normal * side);
+}
+
+// How far the first lies above the second along an axis.
+btScalar ShvCollider::gap_along(const Placed &first, const Placed &second, const btVector3 &normal) const
+{
+    return normal.dot(first.origin - second.origin) - first.convex->highest(-normal, *first.axes) -
+           second.convex->highest(normal, *second.axes);
+}
+
+// The direction in which two cores are nearest, if it parts the bodies better than what is known.
+void ShvCollider::look(const Placed &first, const Placed &second, const btConvexShape &core_first,
+                       const btConvexShape &core_second, const btVector3 &guess, Axis *axis) const
+{
+    btVector3 normal = guess, witness(0, 0, 0);
+    if (!gjk(core_first, btTransform(*first.axes, first.origin), core_second, btTransform(*second.axes, second.origin),
+             guess, &normal, &witness))
+        return;
+    const btScalar gap = gap_along(first, second, normal);
+    if (gap <= axis->gap) return;
+    axis->normal = normal;
+    axis->gap = gap;
+    axis->witnessed = true;
+    axis->witness = witness;
+}
+
+void ShvCollider::try_faces(const Placed &first, const Placed &second, const btVector3 &outward_first,
+                            const btVector3 &outward_second, Axis *axis) const
+{
+    for (int side = 0; side < 2; side++) {
+        const Placed &own = side ? second : first, &other = side ? first : second;
+        const btVector3 &against = side ? outward_first : outward_second;
+        for (const ShvConvexFace &face : own.convex->faces) {
+            const btVector3 outward = *own.axes * face.normal;
+            if (against.dot(outward) > 0) continue;
+            const btScalar gap =
+                outward.dot(other.origin - own.origin) - other.convex->highest(-outward, *other.axes) - face.offset;
+            if (gap <= axis->gap) continue;
+            axis->normal = side ? outward : -outward;
+            axis->gap = gap;
+            axis->witnessed = false;
+        }
+    }
+}
+
+ShvCollider::Face ShvCollider::nearest_face(const Placed &first, const Placed &second, const btVector3 &normal) const
+{
+    Face nearest = {0, false, -1};
+    for (size_t f = 0; f < second.convex->faces.size(); f++) {
+        const btScalar along = (*second.axes * second.convex->faces[f].normal).dot(normal);
+        if (along > nearest.along) nearest = {f, false, along};
+    }
+    for (size_t f = 0; f < first.convex->faces.size(); f++) {
+        const btScalar along = -(*first.axes * first.convex->faces[f].normal).dot(normal);
+        if (along > nearest.along) nearest = {f, true, along};
+    }
+    return nearest;
+}
+
+// Contacts over the area where a face lies on the other body, if it is a face that touches.
+bool ShvCollider::emit_faces(const Placed &first, const Placed &second, const Axis &axis)
+{
+    const Face face = nearest_face(first, second, axis.normal);
+    if (face.along < beside_a_face) return false;
+    const Placed &reference = face.of_first ? first : second, &incident = face.of_first ? second : first;
+    const btVector3 outward = *reference.axes * reference.convex->faces[face.index].normal;
+    const btVector3 normal = face.of_first ? -outward : outward;
+    const btScalar size = btMin(first.convex->radius, second.convex->radius);
+    if (gap_along(first, second, normal) < axis.gap - on_a_face * size) return false;
+    if (!clip(reference, face.index, incident, outward)) return false;
+    // Else an edge or corner beside the face touches.
+    btScalar deepest = BT_LARGE_FLOAT;
+    for (const Point &point : points) deepest = btMin(deepest, point.gap);
+    if (deepest > axis.gap + beyond_a_face * size) {
+        points.clear();
+        return false;
+    }
+    emit(normal);
+    return true;
+}
+
+void ShvCollider::part_part(const Placed &first, const Placed &second, bool surface_first, bool surface_second)
+{
+    const btVector3 between = first.origin + *first.axes * first.convex->centre - second.origin -
+                              *second.axes * second.convex->centre;
+    const btScalar distance = between.length();
+    if (distance > first.convex->radius + second.convex->radius + limit) return;
+    if (distance > 0 && gap_along(first, second, between / distance) > limit) return;
+    Axis axis;
+    look(first, second, *first.convex->core, *second.convex->core, between, &axis);
+    const btVector3 none(0, 0, 0);
+    const btVector3 outward_first = surface_first ? *first.axes * first.convex->faces[0].normal : none;
+    const btVector3 outward_second = surface_second ? *second.axes * second.convex->faces[0].normal : none;
+    if (axis.gap > 0 && (outward_first.dot(axis.normal) > 0 || outward_second.dot(axis.normal) < 0))
+        return; // behind a surface
+    if (axis.gap > limit) return;
+    if (!axis.witnessed) look(first, second, *first.convex->kernel, *second.convex->kernel, between, &axis);
+    if (axis.gap < 0) try_faces(first, second, outward_first, outward_second, &axis);
+    if (axis.gap > limit) return;
+    const btScalar size = surface_first    ? second.convex->radius
+                          : surface_second ? first.convex->radius
+                                           : BT_LARGE_FLOAT;
+    if (axis.gap < -size / 2) return;
+    if (emit_faces(first, second, axis)) return;
+    if (!axis.witnessed) { // the corner of the first that lies deepest in the second
+        size_t lowest = 0;
+        for (size_t i = 1; i < first.convex->vertices.size(); i++)
+            if (first.at(i).dot(axis.normal) < first.at(lowest).dot(axis.normal)) lowest = i;
+        axis.witness = first.at(lowest) - axis.normal * (axis.gap / 2);
+    }
+    points.assign(1, {axis.witness, axis.gap});
+    emit(axis.normal);
+}
+
+void ShvCollider::sphere_parts(const ShvBulletBody &sphere, const ShvBulletBody &other, const btVector3 &centre,
+                               const btVector3 &origin, btScalar side)
+{
+    if (other.kind == SHV_BULLET_HULLS) {
+        for (const ShvConvex &part : other.parts)
+            sphere_part(sphere, {&part, &other.axes, origin}, false, centre, side);
+        return;
+    }
+    const btVector3 local = (centre - origin) * other.axes;
+    const btScalar reach = sphere.radius + limit;
+    const btVector3 half(reach, reach, reach);
+    struct Visit : public btDbvt::ICollide {
+        std::vector<int> found;
+        void Process(const btDbvtNode *leaf) override { found.push_back(leaf->dataAsInt); }
+    } visit;
+    other.tree.collideTV(other.tree.m_root, btDbvtVolume::FromMM(local - half, local + half), visit);
+    std::sort(visit.found.begin(), visit.found.end());
+    for (int i : visit.found) sphere_part(sphere, {&other.parts[size_t(i)], &other.axes, origin}, true, centre, side);
+}
+
+void ShvCollider::parts_surface(const ShvBulletBody &parts, const ShvBulletBody &surface, const btVector3 &parts_origin,
+                                const btVector3 &surface_origin, bool swapped)
+{
+    struct Visit : public btDbvt::ICollide {
+        std::vector<int> found;
+        void Process(const btDbvtNode *leaf) override { found.push_back(leaf->dataAsInt); }
+    } visit;
+    for (const ShvConvex &part : parts.parts) {
+        visit.found.clear();
+        const btScalar reach = part.radius + limit;
+        const btVector3 half(reach, reach, reach);
+        const btVector3 local = (parts_origin + parts.axes * part.centre - surface_origin) * surface.axes;
+        surface.tree.collideTV(surface.tree.m_root, btDbvtVolume::FromMM(local - half, local + half), visit);
+        std::sort(visit.found.begin(), visit.found.end());
+        const Placed own = {&part, &parts.axes, parts_origin};
+        for (int i : visit.found) {
+            const Placed triangle = {&surface.parts[size_t(i)], &surface.axes, surface_origin};
+            if (swapped)
+                part_part(triangle, own, true, false);
+            else
+                part_part(own, triangle, false, true);
+        }
+    }
+}
+
+void ShvCollider::parts_parts()
+{
+    const btVector3 zero(0, 0, 0);
+    if (b->kind == SHV_BULLET_TRIANGLES) {
+        parts_surface(*a, *b, zero, shift, false);
+    } else if (a->kind == SHV_BULLET_TRIANGLES) {
+        parts_surface(*b, *a, shift, zero, true);
+    } else {
+        for (const ShvConvex &own : a->parts)
+            for (const ShvConvex &other : b->parts)
+                part_part({&own, &a->axes, zero}, {&other, &b->axes, shift}, false, false);
+    }
+}
+
+void ShvCollider::pair(const ShvBulletBody &first, const ShvBulletBody &second)
+{
+    const btVector3 zero(0, 0, 0);
+    if (first.kind == SHV_BULLET_PLANE)
+        plane_body(first, second, -1);
+    else if (second.kind == SHV_BULLET_PLANE)
+        plane_body(second, first, 1);
+    else if (first.kind == SHV_BULLET_SPHERE && second.kind == SHV_BULLET_SPHERE)
+        sphere_sphere();
+    else if (first.kind == SHV_BULLET_SPHERE)
+        sphere_parts(first, second, zero, shift, 1);
+    else if (second.kind == SHV_BULLET_SPHERE)
+        sphere_parts(second, first, shift, zero, -1);
+    else
+        parts_parts();
+}
+
+void ShvCollider::collide(const ShvBulletBody &first, const ShvBulletBody &second, btScalar reach)
+{
+    contacts.clear();
+    points.clear();
+    a = &first;
+    b = &second;
+    shift = (second.position - first.position) * scale;
+    limit = reach * scale;
+    pair(first, second);
+}

@@ -1,0 +1,281 @@
+#include "bullet_bridge/rigid_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include "bullet_bridge/rigid_body.hpp"
+#include "bullet_bridge/rigid_solver.hpp"
+
+struct ShvBulletWorld {
+    explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale)
+    {
+        broadphase.setDeferred(true);
+    }
+    ~ShvBulletWorld()
+    {
+        for (auto &body : bodies)
+            if (body && body->proxy) broadphase.destroyProxy(body->proxy, nullptr);
+    }
+    // Pairs are found when they are asked for, not when a body comes.
+    struct Broadphase : public btDbvtBroadphase {
+        void setDeferred(bool deferred) { m_deferedcollide = deferred; }
+    };
+    btScalar scale;
+    Broadphase broadphase;
+    std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
+    std::vector<ShvBulletPair> pairs;
+    ShvCollider collider;
+    ShvSolver solver;
+    std::vector<ShvBulletBody *> moved, firsts, seconds;
+};
+
+// Nothing thrown in here may cross into C.
+template <class Work> static ShvStatus guarded(ShvError *error, const Work &work)
+{
+    try {
+        return work();
+    } catch (const std::bad_alloc &) {
+        return shv_fail(error, SHV_NO_MEMORY, "out of memory for Bullet; use a coarser mesh or fewer fragments");
+    } catch (const std::exception &problem) {
+        return shv_fail(error, SHV_UNSUPPORTED, "Bullet failed: %s; use rigid.engine analytic", problem.what());
+    }
+}
+
+static btVector3 scaled(const ShvBulletWorld *world, const double *p)
+{
+    return btVector3(p[0], p[1], p[2]) * world->scale;
+}
+
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error)
+{
+    *world = nullptr;
+    if (!(length > 0.0) || !std::isfinite(length))
+        return shv_fail(error, SHV_BAD_INPUT, "bodies of size %g m cannot fly: check the scale of the meshes", length);
+    return guarded(error, [&] {
+        // A power of two changes no digit. Bullet's own constants (margins of its tree, tolerances of GJK) then meet bodies
+        // of some units.
+        *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))));
+        return SHV_OK;
+    });
+}
+
+void shv_bullet_world_destroy(ShvBulletWorld *world)
+{
+    delete world;
+}
+
+static bool finite(const double *values, size_t count)
+{
+    return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
+}
+
+static ShvStatus make_hulls(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape, ShvError *error)
+{
+    if (shape->hull_count < 1 || !finite(shape->vertices, 3 * size_t(shape->hull_begin[shape->hull_count])))
+        return shv_fail(error, SHV_BAD_INPUT, "it has no hull, or one with coordinates that are not finite");
+    for (int32_t h = 0; h < shape->hull_count; h++) {
+        std::vector<btVector3> points;
+        for (int32_t i = shape->hull_begin[h]; i < shape->hull_begin[h + 1]; i++)
+            points.push_back(scaled(world, shape->vertices + 3 * size_t(i)));
+        ShvConvex part;
+        if (points.size() < 4 || !part.make_hull(points)) continue; // a sliver without volume meets nothing
+        body->parts.push_back(std::move(part));
+    }
+    if (body->parts.empty())
+        return shv_fail(error, SHV_BAD_INPUT, "it is flat: no convex hull of it has a volume; mend the mesh there");
+    return SHV_OK;
+}
+
+static ShvStatus make_triangles(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
+                                ShvError *error)
+{
+    if (!finite(shape->vertices, 3 * size_t(shape->vertex_count)))
+        return shv_fail(error, SHV_BAD_INPUT, "it has coordinates that are not finite");
+    for (int32_t t = 0; t < shape->triangle_count; t++) {
+        btVector3 corner[3];
+        for (int k = 0; k < 3; k++) corner[k] = scaled(world, shape->vertices + 3 * size_t(shape->triangles[3 * t + k]));
+        ShvConvex part;
+        if (!part.make_triangle(corner[0], corner[1], corner[2])) continue;
+        btVector3 low = corner[0], high = corner[0];
+        for (int k = 1; k < 3; k++) {
+            low.setMin(corner[k]);
+            high.setMax(corner[k]);
+        }
+        btDbvtNode *leaf = body->tree.insert(btDbvtVolume::FromMM(low, high), nullptr);
+        leaf->dataAsInt = int(body->parts.size());
+        body->parts.push_back(std::move(part));
+    }
+    if (body->parts.empty()) return shv_fail(error, SHV_BAD_INPUT, "its surface has no area; mend the mesh");
+    return SHV_OK;
+}
+
+static void measure(ShvBulletBody *body)
+{
+    if (body->kind == SHV_BULLET_SPHERE) {
+        body->high = btVector3(body->radius, body->radius, body->radius);
+        body->low = -body->high;
+        return;
+    }
+    body->low = body->high = body->parts[0].vertices[0];
+    for (const ShvConvex &part : body->parts)
+        for (const btVector3 &vertex : part.vertices) {
+            body->low.setMin(vertex);
+            body->high.setMax(vertex);
+            body->radius = btMax(body->radius, vertex.length());
+        }
+}
+
+static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape, ShvError *error)
+{
+    body->kind = shape->kind;
+    ShvStatus status = SHV_OK;
+    switch (shape->kind) {
+    case SHV_BULLET_PLANE:
+        body->normal = btVector3(shape->normal[0], shape->normal[1], shape->normal[2]);
+        body->offset = shape->offset * world->scale;
+        body->radius = BT_LARGE_FLOAT;
+        body->high = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+        body->low = -body->high;
+        return SHV_OK;
+    case SHV_BULLET_SPHERE:
+        body->radius = shape->radius * world->scale;
+        if (!(body->radius > 0)) return shv_fail(error, SHV_BAD_INPUT, "its radius is %g m", shape->radius);
+        break;
+    case SHV_BULLET_HULLS: status = make_hulls(body, world, shape, error); break;
+    case SHV_BULLET_TRIANGLES: status = make_triangles(body, world, shape, error); break;
+    }
+    if (status == SHV_OK) measure(body);
+    return status;
+}
+
+static void make_mass(ShvBulletBody *body, double inverse_mass, const double inverse_moment[3])
+{
+    if (!(inverse_mass > 0.0)) return;
+    btRigidBody::btRigidBodyConstructionInfo info(1.0 / inverse_mass, nullptr, nullptr);
+    body->body = std::make_unique<btRigidBody>(info);
+    body->body->setFlags(0); // no gyroscopic term: free rotation is the caller's
+    body->body->setInvInertiaDiagLocal(btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]));
+}
+
+ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
+                               const double inverse_moment[3], ShvError *error)
+{
+    if (!(inverse_mass >= 0.0) || !std::isfinite(inverse_mass) || !finite(inverse_moment, 3))
+        return shv_fail(error, SHV_BAD_INPUT, "its mass or inertia is not a positive number");
+    return guarded(error, [&]() -> ShvStatus {
+        auto body = std::make_unique<ShvBulletBody>();
+        body->number = number;
+        const ShvStatus status = make_shape(body.get(), world, shape, error);
+        if (status != SHV_OK) return status;
+        make_mass(body.get(), inverse_mass, inverse_moment);
+        if (size_t(number) >= world->bodies.size()) world->bodies.resize(size_t(number) + 1);
+        const bool moves = inverse_mass > 0.0;
+        const int group = moves ? btBroadphaseProxy::DefaultFilter : btBroadphaseProxy::StaticFilter;
+        const int mask = moves ? int(btBroadphaseProxy::AllFilter) : int(btBroadphaseProxy::DefaultFilter);
+        body->proxy = world->broadphase.createProxy(body->low, body->high, 0, body.get(), group, mask, nullptr);
+        world->bodies[size_t(number)] = std::move(body);
+        return SHV_OK;
+    });
+}
+
+static ShvBulletBody *body_of(const ShvBulletWorld *world, int32_t number)
+{
+    return world->bodies[size_t(number)].get();
+}
+
+void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
+{
+    ShvBulletBody *body = body_of(world, number);
+    world->broadphase.destroyProxy(body->proxy, nullptr);
+    world->bodies[size_t(number)].reset();
+}
+
+void shv_bullet_world_place(ShvBulletWorld *world, int32_t number, const double position[3], const double axes[9])
+{
+    ShvBulletBody *body = body_of(world, number);
+    body->position = btVector3(position[0], position[1], position[2]);
+    body->axes = btMatrix3x3(axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], axes[6], axes[7], axes[8]);
+}
+
+double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t number)
+{
+    const ShvBulletBody *body = body_of(world, number);
+    return body->kind == SHV_BULLET_PLANE ? double(INFINITY) : body->radius / world->scale;
+}
+
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, double reach, ShvError *error)
+{
+    return guarded(error, [&] {
+        ShvBulletBody *body = body_of(world, number);
+        if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
+        btVector3 low, high;
+        btTransformAabb(body->low, body->high, reach * world->scale,
+                        btTransform(body->axes, body->position * world->scale), low, high);
+        world->broadphase.setAabb(body->proxy, low, high, nullptr);
+        return SHV_OK;
+    });
+}
+
+static bool before(const ShvBulletPair &a, const ShvBulletPair &b)
+{
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
+ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error)
+{
+    return guarded(error, [&] {
+        world->broadphase.calculateOverlappingPairs(nullptr);
+        world->pairs.clear();
+        // The tree keeps pairs of boxes that have parted for a while; which ones depends on what happened before.
+        btOverlappingPairCache *cache = world->broadphase.getOverlappingPairCache();
+        for (int i = 0; i < cache->getNumOverlappingPairs(); i++) {
+            const btBroadphasePair &pair = cache->getOverlappingPairArrayPtr()[i];
+            const btBroadphaseProxy *a = pair.m_pProxy0, *b = pair.m_pProxy1;
+            if (!TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax)) continue;
+            const int32_t first = static_cast<const ShvBulletBody *>(a->m_clientObject)->number;
+            const int32_t second = static_cast<const ShvBulletBody *>(b->m_clientObject)->number;
+            world->pairs.push_back({std::min(first, second), std::max(first, second)});
+        }
+        std::sort(world->pairs.begin(), world->pairs.end(), before);
+        *pairs = world->pairs.data();
+        *count = int32_t(world->pairs.size());
+        return SHV_OK;
+    });
+}
+
+ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
+                                   ShvBulletContact **contacts, int32_t *count, ShvError *error)
+{
+    return guarded(error, [&] {
+        world->collider.collide(*body_of(world, first), *body_of(world, second), reach);
+        *contacts = world->collider.contacts.data();
+        *count = int32_t(world->collider.contacts.size());
+        return SHV_OK;
+    });
+}
+
+ShvStatus shv_bullet_world_solve(ShvBulletWorld *world, ShvBulletMotion *motions, int32_t motion_count,
+                                 ShvBulletContact *contacts, int32_t contact_count, const ShvBulletSolve *settings,
+                                 ShvError *error)
+{
+    return guarded(error, [&] {
+        const auto massive = [&](int32_t number) {
+            ShvBulletBody *body = body_of(world, number);
+            return body->body ? body : nullptr;
+        };
+        world->moved.clear();
+        world->firsts.clear();
+        world->seconds.clear();
+        for (int32_t i = 0; i < motion_count; i++) world->moved.push_back(body_of(world, motions[i].body));
+        for (int32_t i = 0; i < contact_count; i++) {
+            world->firsts.push_back(massive(contacts[i].first));
+            world->seconds.push_back(massive(contacts[i].second));
+        }
+        world->solver.solve(world->moved, motions, world->firsts, world->seconds, contacts, contact_count, *settings);
+        return SHV_OK;
+    });
+}

@@ -1,0 +1,101 @@
+/* Bullet as a kit for rigid flight: its broadphase, its GJK, its hulls and its sequential impulses, without its integrator.
+   The caller owns the motion (positions, free rotation, what a contact is worth); the world answers which pairs may meet,
+   where two bodies touch in the poses given, and which impulses keep them apart. Nothing here depends on the order in which
+   bodies came, nor on earlier steps: pairs are sorted by the caller's numbers, contacts are found afresh, impulses to start
+   from are the caller's. All lengths are metres; inside, lengths are scaled by a power of two. */
+#ifndef BULLET_BRIDGE_RIGID_WORLD_H
+#define BULLET_BRIDGE_RIGID_WORLD_H
+
+#include <stdint.h>
+
+#include "shiver/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ShvBulletWorld ShvBulletWorld;
+
+typedef enum ShvBulletKind {
+    SHV_BULLET_PLANE,    /* half space below normal · x = offset, world; never moves */
+    SHV_BULLET_SPHERE,   /* about the body's origin */
+    SHV_BULLET_HULLS,    /* convex hulls of vertices, each of positive volume */
+    SHV_BULLET_TRIANGLES /* closed surface, outside where the corners run counter-clockwise; only for bodies without mass */
+} ShvBulletKind;
+
+typedef struct ShvBulletShape {
+    ShvBulletKind kind;
+    double normal[3], offset;  /* plane */
+    double radius;             /* sphere, m */
+    int32_t hull_count;        /* hulls */
+    const int32_t *hull_begin; /* hull_count + 1, into vertices */
+    const double *vertices;    /* hulls, triangles: 3 a vertex, in the body's frame, m */
+    int32_t triangle_count;    /* triangles */
+    const int32_t *triangles;  /* 3 a triangle, into vertices */
+    int32_t vertex_count;      /* triangles */
+} ShvBulletShape;
+
+typedef struct ShvBulletPair {
+    int32_t first, second; /* bodies, first < second */
+} ShvBulletPair;
+
+/* A point where two bodies are near each other. collide fills the first part, the caller the second, solve the third. */
+typedef struct ShvBulletContact {
+    int32_t first, second;
+    double arm_first[3], arm_second[3]; /* from the bodies' origins to the middle of the gap, world axes */
+    double normal[3];                   /* unit, world, from the second to the first */
+    double gap;                         /* m, negative inside */
+
+    double target;     /* m/s: normal velocity of the first against the second that is left at least */
+    double push;       /* m/s: speed with which an overlap is undone without leaving a velocity, ≥ 0 */
+    double friction;   /* Coulomb's coefficient */
+    double support[3]; /* m/s: velocity of a second body without mass at this point (a first: its opposite) */
+
+    double normal_impulse;      /* N s on the first along the normal; in: to start from */
+    double friction_impulse[3]; /* N s on the first; in: to start from */
+} ShvBulletContact;
+
+typedef struct ShvBulletMotion {
+    int32_t body;             /* with mass */
+    double velocity[3];       /* m/s; in: without the contacts, out: with them */
+    double spin[3];           /* rad/s, world; likewise */
+    double push[3], turn[3];  /* m/s, rad/s, out: undo overlaps over the step, leave no velocity */
+} ShvBulletMotion;
+
+typedef struct ShvBulletSolve {
+    int32_t iterations;  /* at most */
+    double tolerance;    /* m/s: an iteration that changes no velocity by more is the last */
+} ShvBulletSolve;
+
+/* An empty world. `length`: of a typical large body, m, > 0. On failure *world is NULL. */
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error);
+void shv_bullet_world_destroy(ShvBulletWorld *world);
+
+/* A new body under a number ≥ 0 that is free; axes of the body's frame are its principal axes. inverse_mass 0: moved by
+   nobody but the caller, and never paired with others of its kind. An inverse moment may be 0. Refuses shapes without volume
+   and hulls that cannot be made. On failure the world is as before. */
+ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t body, const ShvBulletShape *shape, double inverse_mass,
+                               const double inverse_moment[3], ShvError *error);
+void shv_bullet_world_remove(ShvBulletWorld *world, int32_t body);
+
+/* Pose: origin and axes of the body's frame (columns of the row major matrix) in the world. */
+void shv_bullet_world_place(ShvBulletWorld *world, int32_t body, const double position[3], const double axes[9]);
+/* Radius of the body about its origin, m; infinite for a plane. */
+double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t body);
+/* How far the body's points may get from where they are before the next call, m, for the pairs. */
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, double reach, ShvError *error);
+/* Pairs whose boxes, grown by their reach, overlap, in increasing order; valid until the next call. */
+ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error);
+/* Contacts of a pair whose gap is at most `reach` (at most four of each two convex parts), valid until the next call. */
+ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
+                                   ShvBulletContact **contacts, int32_t *count, ShvError *error);
+/* Sequential impulses on bodies that hang together; contacts with bodies that are not among the motions see them
+   as fixed, moving with the contact's support velocity. */
+ShvStatus shv_bullet_world_solve(ShvBulletWorld *world, ShvBulletMotion *motions, int32_t motion_count,
+                                 ShvBulletContact *contacts, int32_t contact_count, const ShvBulletSolve *settings,
+                                 ShvError *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,211 @@
+#include "contact/facet_pair.h"
+
+/* A node on the common edge of two facets belongs to one at least, whatever the rounding. */
+static const double edge_margin = 1e-9;
+
+static ShvVec3 node_velocity(const ShvSurfaceBodies *bodies, int32_t node, int32_t fragment, ShvVec3 point)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
+    return companion ? shv_companion_velocity(companion, point)
+                     : shv_load3(bodies->state->velocity + 3 * (int64_t)node);
+}
+
+/* ---- geometry ---- */
+
+typedef struct Place {
+    ShvVec3 normal;
+    double gap, weights[3];
+    ShvVec3 gradients[3];
+} Place;
+
+/* False for a facet without area. */
+static bool find_place(ShvVec3 x, const ShvVec3 corners[3], Place *place)
+{
+    const ShvVec3 first = shv_sub(corners[1], corners[0]), second = shv_sub(corners[2], corners[0]);
+    const ShvVec3 across = shv_cross(first, second), r = shv_sub(x, corners[0]);
+    const double size = shv_norm(across);
+    if (!(size > 0.0)) return false;
+    place->normal = shv_scale(across, 1.0 / size);
+    place->gap = shv_dot(place->normal, r);
+    place->gradients[1] = shv_scale(shv_cross(second, place->normal), 1.0 / size);
+    place->gradients[2] = shv_scale(shv_cross(place->normal, first), 1.0 / size);
+    place->gradients[0] = shv_scale(shv_add(place->gradients[1], place->gradients[2]), -1.0);
+    place->weights[1] = shv_dot(place->gradients[1], r);
+    place->weights[2] = shv_dot(place->gradients[2], r);
+    place->weights[0] = 1.0 - place->weights[1] - place->weights[2];
+    return true;
+}
+
+static bool over(const Place *place)
+{
+    return place->weights[0] >= -edge_margin && place->weights[1] >= -edge_margin && place->weights[2] >= -edge_margin;
+}
+
+static double segment_distance(ShvVec3 x, ShvVec3 from, ShvVec3 to)
+{
+    const ShvVec3 way = shv_sub(to, from), r = shv_sub(x, from);
+    const double length = shv_dot(way, way), along = length > 0.0 ? shv_dot(r, way) / length : 0.0;
+    const double share = along > 1.0 ? 1.0 : along > 0.0 ? along : 0.0;
+    return shv_norm(shv_madd(r, -share, way));
+}
+
+/* In the plane, from the node's projection to the facet. */
+static double side_distance(ShvVec3 x, const ShvVec3 corners[3], const Place *place)
+{
+    if (over(place)) return 0.0;
+    const ShvVec3 foot = shv_madd(x, -place->gap, place->normal);
+    double least = segment_distance(foot, corners[0], corners[1]);
+    least = fmin(least, segment_distance(foot, corners[1], corners[2]));
+    return fmin(least, segment_distance(foot, corners[2], corners[0]));
+}
+
+/* A face that bounds the body: of the mesh's boundary or of a crack. */
+static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32_t element, int32_t face)
+{
+    if (!model->can_break) return false;
+    const int32_t facet = model->adjacency.element_facets[4 * (int64_t)element + face];
+    if (facet >= model->adjacency.interior_count) return true;
+    return bodies->cohesive && bodies->cohesive->facet_cohesive[facet] >= 0;
+}
+
+/* Whether a point below the facet is in the nearer half of its tet: in the other half it may touch the surface at the tet's
+   apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose corners
+   next to the facet the point may be. */
+static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
+                       ShvVec3 x, const ShvVec3 corners[3], const Place *place)
+{
+    const int32_t apex = shv_state_node(bodies->state, candidate->element, candidate->face);
+    const ShvVec3 top = shv_bodies_position(bodies, apex, candidate->fragments[1]);
+    const double altitude = -shv_dot(place->normal, shv_sub(top, corners[0]));
+    if (-place->gap > 0.5 * altitude) return false;
+    const uint8_t *own = shv_face_corners[candidate->face];
+    for (int k = 0; k < 3; k++) {
+        if (!is_free(bodies, model, candidate->element, own[k])) continue;
+        /* The face opposite corner k holds the apex and the other two. */
+        const ShvVec3 a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
+        const ShvVec3 out = shv_cross(shv_sub(top, a), shv_sub(b, a));
+        const double side = shv_dot(out, shv_sub(x, a)), inner = shv_dot(out, shv_sub(corners[k], a));
+        if (side * inner < -edge_margin * inner * inner) return false;
+    }
+    return true;
+}
+
+/* ---- a look ---- */
+
+static ShvVec3 mean_velocity(const ShvFacetPair *pair, const ShvVec3 velocities[3])
+{
+    ShvVec3 mean = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 3; k++) {
+        const double turn = pair->gap * shv_dot(pair->normal, velocities[k]);
+        mean = shv_add(mean, shv_madd(shv_scale(velocities[k], pair->weights[k]), -turn, pair->gradients[k]));
+    }
+    return mean;
+}
+
+/* Whether the node will stand over the facet at the end of the step. */
+static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], const ShvVec3 velocities[3],
+                         double step)
+{
+    Place place;
+    ShvVec3 then[3];
+    for (int k = 0; k < 3; k++) then[k] = shv_madd(corners[k], step, velocities[k]);
+    return find_place(shv_madd(x, step, velocity), then, &place) && over(&place);
+}
+
+/* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
+static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
+{
+    const ShvCompanion *companion[2];
+    for (int k = 0; k < 2; k++) companion[k] = shv_bodies_companion(bodies, pair->fragments[k]);
+    double sum = companion[0] ? shv_companion_inverse_mass(companion[0], pair->point, direction)
+                              : 1.0 / bodies->state->mass[pair->node];
+    if (companion[1]) return sum + shv_companion_inverse_mass(companion[1], pair->point, direction);
+    for (int k = 0; k < 3; k++) {
+        const ShvVec3 share = shv_facet_pair_share(pair, k, direction);
+        sum += shv_dot(share, share) / bodies->state->mass[pair->corners[k]];
+    }
+    return sum;
+}
+
+/* Of directions across the normal, the one that yields most: the larger eigenvalue of two by two. */
+static double largest_slip_inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    const ShvVec3 first = shv_unit(shv_sub(pair->gradients[1], pair->gradients[2]));
+    const ShvVec3 second = shv_cross(pair->normal, first);
+    const double a = inverse_mass(pair, bodies, first), b = inverse_mass(pair, bodies, second);
+    const double mixed = inverse_mass(pair, bodies, shv_unit(shv_add(first, second))) - 0.5 * (a + b);
+    return 0.5 * (a + b) + sqrt(0.25 * (a - b) * (a - b) + mixed * mixed);
+}
+
+bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
+                         double step, double reach, ShvFacetPair *pair, double *distance)
+{
+    ShvVec3 corners[3], velocities[3];
+    Place place;
+    const int32_t fragment = candidate->fragments[1];
+    const ShvVec3 x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
+    shv_surface_corners(bodies->state, candidate->element, candidate->face, pair->corners);
+    for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, pair->corners[k], fragment);
+    *distance = 0.0;
+    if (!find_place(x, corners, &place)) return false;
+    const double side = side_distance(x, corners, &place), above = fmax(place.gap, 0.0);
+    *distance = sqrt(side * side + above * above);
+    if (*distance > reach) return false;
+    *distance = 0.0;
+    const ShvVec3 v = node_velocity(bodies, candidate->node, candidate->fragments[0], x);
+    for (int k = 0; k < 3; k++) velocities[k] = node_velocity(bodies, pair->corners[k], fragment, corners[k]);
+    if (place.gap > 0.0) {
+        if (side > 0.0 && !will_be_over(x, v, corners, velocities, step)) return false;
+    } else {
+        if (side > 0.0 || !within_tet(bodies, model, candidate, x, corners, &place)) return false;
+    }
+    pair->node = candidate->node;
+    pair->element = candidate->element;
+    pair->face = candidate->face;
+    pair->gap = place.gap;
+    pair->point = x;
+    pair->normal = place.normal;
+    for (int k = 0; k < 3; k++) {
+        pair->weights[k] = place.weights[k];
+        pair->gradients[k] = place.gradients[k];
+    }
+    for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
+    pair->relative = shv_facet_pair_velocity(pair, bodies);
+    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
+    pair->inverse_mass = inverse_mass(pair, bodies, pair->normal);
+    pair->slip_inverse_mass = largest_slip_inverse_mass(pair, bodies);
+    pair->normal_impulse = pair->friction_bound = 0.0;
+    pair->friction = shv_vec3(0.0, 0.0, 0.0);
+    pair->excluded = pair->open = false;
+    return true;
+}
+
+/* ---- response ---- */
+
+ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    const ShvVec3 own = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
+    const ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[1]);
+    if (companion) return shv_sub(own, shv_companion_velocity(companion, pair->point));
+    ShvVec3 velocities[3];
+    for (int k = 0; k < 3; k++) velocities[k] = shv_load3(bodies->state->velocity + 3 * (int64_t)pair->corners[k]);
+    return shv_sub(own, mean_velocity(pair, velocities));
+}
+
+void shv_facet_pair_strike(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
+{
+    ShvState *state = bodies->state;
+    ShvCompanion *companion[2];
+    for (int k = 0; k < 2; k++) companion[k] = shv_bodies_companion(bodies, pair->fragments[k]);
+    if (companion[0])
+        shv_companion_impulse(companion[0], pair->point, impulse);
+    else
+        shv_add_to3(state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / state->mass[pair->node]));
+    if (companion[1]) {
+        shv_companion_impulse(companion[1], pair->point, shv_scale(impulse, -1.0));
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        shv_add_to3(state->velocity + 3 * (int64_t)pair->corners[k],
+                    shv_scale(shv_facet_pair_share(pair, k, impulse), 1.0 / state->mass[pair->corners[k]]));
+}

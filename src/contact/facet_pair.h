@@ -1,0 +1,58 @@
+/* A node against a facet of another surface: where they stand, and impulses between them that keep momentum and angular
+   momentum.
+
+   The node at x projects to c = Σ wᵢ tᵢ in the plane of the facet's nodes tᵢ, x = c + gap n. An impulse J on the node is
+   answered by −wᵢ J + gap (∇wᵢ·J) n on the facet's nodes: the weights sum to one, which keeps momentum, and since
+   Σ tᵢ ∇wᵢᵀ is the projection on the plane, the second term is the couple −gap n × J, which keeps angular momentum about
+   any point for an impulse that does not pass through the plane at c. The velocity that does work with J follows by
+   transposition, so that an impulse against it takes energy. */
+#ifndef SHV_CONTACT_FACET_PAIR_H
+#define SHV_CONTACT_FACET_PAIR_H
+
+#include "contact/surface_list.h"
+
+/* A node and a facet close enough to meet within a step. */
+typedef struct ShvFacetPair {
+    int32_t node, element, face;
+    int32_t fragments[2]; /* of the node, of the facet */
+    int32_t corners[3];   /* nodes of the facet */
+    double gap;           /* m; negative: inside */
+    ShvVec3 point;        /* the node's position, m */
+    ShvVec3 normal;       /* of the facet, outward */
+    double weights[3];
+    ShvVec3 gradients[3];     /* of the weights, 1/m */
+    ShvVec3 relative;         /* velocity of the node against the facet before any response, m/s */
+    double speed;             /* sum of its components */
+    double inverse_mass;      /* 1/kg, along the normal */
+    double slip_inverse_mass; /* 1/kg, the largest across it */
+    double normal_impulse;    /* N·s on the node along the normal, ≥ 0 */
+    ShvVec3 friction;         /* N·s on the node, across the normal */
+    double friction_bound;    /* N·s */
+    bool excluded;            /* the node entered through another facet */
+} ShvFacetPair;
+
+/* A pair worth looking at. */
+typedef struct ShvSurfaceCandidate {
+    int32_t node, element, face;
+    int32_t fragments[2]; /* of the node, of the facet */
+    int32_t slot;         /* of the node in ShvSurfaceList */
+    int32_t mate;         /* node of the facet's tet with the same origin, −1: none */
+    double due;           /* m: length of path at which the two may meet */
+} ShvSurfaceCandidate;
+
+/* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than the facet's tet
+   reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far
+   any two can come closer in the step. */
+bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
+                         double step, double reach, ShvFacetPair *pair, double *distance);
+/* Velocity of the node against the facet, that which does work with an impulse on the node. */
+ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies);
+/* The answer of a facet's node to an impulse on the pair's node, N·s. */
+static inline ShvVec3 shv_facet_pair_share(const ShvFacetPair *pair, int corner, ShvVec3 impulse)
+{
+    return shv_madd(shv_scale(impulse, -pair->weights[corner]), pair->gap * shv_dot(pair->gradients[corner], impulse),
+                    pair->normal);
+}
+void shv_facet_pair_strike(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse);
+
+#endif

@@ -1,0 +1,340 @@
+#include "contact/surface_contact.h"
+
+#include <stdlib.h>
+
+#include "contact/candidates.h"
+#include "contact/surface_candidates.h"
+
+enum { MOST_SWEEPS = 24 };
+
+ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
+                                     double friction, ShvError *error)
+{
+    if (!(friction >= 0.0 && isfinite(friction)))
+        return shv_fail(error, SHV_BAD_INPUT, "friction between surfaces is %g; give a number from 0 on", friction);
+    *contact = (ShvSurfaceContact){.memory = memory,
+                                   .model = model,
+                                   .friction = friction,
+                                   .stale = true,
+                                   .idle = true,
+                                   .list = {.memory = memory, .model = model},
+                                   .grid = {.memory = memory}};
+    return SHV_OK;
+}
+
+void shv_surface_contact_release(ShvSurfaceContact *contact)
+{
+    shv_surface_list_release(&contact->list);
+    shv_node_grid_release(&contact->grid);
+    shv_release(contact->own);
+    shv_release(contact->near);
+    shv_release(contact->order);
+    shv_release(contact->candidates);
+    shv_release(contact->watched);
+    shv_release(contact->before);
+    shv_release(contact->companion_before);
+    shv_release(contact->watch_index);
+    shv_release(contact->pairs);
+    *contact = (ShvSurfaceContact){0};
+}
+
+void shv_surface_contact_invalidate(ShvSurfaceContact *contact)
+{
+    contact->stale = true;
+}
+
+/* ---- before the kick ---- */
+
+static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *state, ShvError *error)
+{
+    if (contact->before_capacity < contact->watched_capacity) {
+        const size_t wanted = 3 * (size_t)contact->watched_capacity;
+        double *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->before, wanted, sizeof(double));
+        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(double));
+        contact->before = grown;
+        contact->before_capacity = contact->watched_capacity;
+    }
+    for (int32_t k = 0; k < contact->watched_count; k++) {
+        const int32_t node = contact->list.nodes[contact->watched[k]].node;
+        shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)node));
+    }
+    return SHV_OK;
+}
+
+static ShvStatus remember_companions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    if (!bodies->companions) return SHV_OK;
+    if (contact->companion_capacity < bodies->fragment_count) {
+        const size_t wanted = (size_t)bodies->fragment_count + (size_t)bodies->fragment_count / 2;
+        ShvCompanionBefore *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->companion_before, wanted,
+                                                   sizeof(ShvCompanionBefore));
+        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvCompanionBefore));
+        contact->companion_before = grown;
+        contact->companion_capacity = (int32_t)wanted;
+    }
+    for (int32_t i = 0; i < bodies->fragment_count; i++) {
+        const ShvCompanion *companion = bodies->companions[i];
+        if (companion)
+            contact->companion_before[i] = (ShvCompanionBefore){companion->velocity, companion->angular_velocity};
+    }
+    return SHV_OK;
+}
+
+static void clear_step(ShvSurfaceContact *contact)
+{
+    contact->pair_count = contact->touching = contact->sweeps = contact->unresolved = 0;
+    contact->deepest = 0.0;
+    for (int half = 0; half < 2; half++) contact->normal_work[half] = contact->friction_work[half] = 0.0;
+}
+
+ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                    const double gravity[3], ShvError *error)
+{
+    clear_step(contact);
+    SHV_TRY(shv_surface_candidates_refresh(contact, bodies, step, shv_norm(shv_load3(gravity)), error));
+    if (contact->idle || contact->candidate_count == 0) return SHV_OK;
+    SHV_TRY(remember_nodes(contact, bodies->state, error));
+    return remember_companions(contact, bodies, error);
+}
+
+/* ---- pairs ---- */
+
+/* Left to the crack between the two copies, which has not parted. */
+static bool held_by_crack(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
+{
+    if (candidate->mate < 0 || !contact->list.nodes[candidate->slot].held) return false;
+    const int32_t mate = contact->list.slot[candidate->mate];
+    return mate >= 0 && contact->list.nodes[mate].held;
+}
+
+/* A node comes from where its own surface looks. A facet that looks the same way, as the side of a block does for the
+   corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
+static bool looks_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
+{
+    const double clearly = 1e-3;
+    const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
+    if (!(shv_dot(own, pair->normal) > 0.25 * shv_norm(own))) return false;
+    return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
+}
+
+static ShvStatus append_pair(ShvSurfaceContact *contact, const ShvFacetPair *pair, ShvError *error)
+{
+    void *block = contact->pairs;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof *pair,
+                                error));
+    contact->pairs = block;
+    contact->pairs[contact->pair_count++] = *pair;
+    return SHV_OK;
+}
+
+static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+{
+    /* Twice the way both can go: other impulses of the step may speed them up. */
+    const double reach = 4.0 * step * shv_surface_candidates_speed(contact, bodies);
+    for (int32_t k = 0; k < contact->candidate_count; k++) {
+        ShvSurfaceCandidate *candidate = &contact->candidates[k];
+        if (candidate->due > contact->path + reach || held_by_crack(contact, candidate)) continue;
+        ShvFacetPair pair;
+        double distance;
+        contact->looks++;
+        const bool near = shv_facet_pair_look(bodies, contact->model, candidate, step, reach, &pair, &distance);
+        candidate->due = contact->path + distance;
+        if (near && !looks_away(contact, candidate, &pair)) SHV_TRY(append_pair(contact, &pair, error));
+    }
+    return SHV_OK;
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const ShvFacetPair *x = a, *y = b;
+    if (x->node != y->node) return x->node < y->node ? -1 : 1;
+    if (x->element != y->element) return x->element < y->element ? -1 : 1;
+    return (x->face > y->face) - (x->face < y->face);
+}
+
+/* One of two facets in a plane is enough where a node stands over their common edge. */
+static bool same_plane(const ShvFacetPair *a, const ShvFacetPair *b)
+{
+    return shv_dot(a->normal, b->normal) > 1.0 - 1e-9 && fabs(a->gap - b->gap) <= 1e-6 * fabs(a->gap);
+}
+
+/* Of the facets of one body that a node is behind it came in through the one it is least deep behind, and through none
+   when it stands closer above another. */
+static void exclude_deeper(ShvSurfaceContact *contact)
+{
+    for (int32_t i = 0; i < contact->pair_count; i++) {
+        ShvFacetPair *pair = &contact->pairs[i];
+        for (int32_t k = i - 1; k >= 0 && contact->pairs[k].node == pair->node; k--) {
+            ShvFacetPair *other = &contact->pairs[k];
+            if (other->fragments[1] != pair->fragments[1]) continue;
+            ShvFacetPair *farther = fabs(pair->gap) < fabs(other->gap) ? other : pair;
+            if (farther->gap <= 0.0 || same_plane(pair, other)) farther->excluded = true;
+        }
+    }
+    for (int32_t i = 0; i < contact->pair_count; i++)
+        if (!contact->pairs[i].excluded) contact->deepest = fmax(contact->deepest, -contact->pairs[i].gap);
+}
+
+/* ---- response ---- */
+
+/* How much faster a pair closes than it may: down to the facet by the end of the step, or not at all. */
+static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, double step)
+{
+    const double allowed = pair->gap > 0.0 ? -pair->gap / step : 0.0;
+    return allowed - shv_dot(shv_facet_pair_velocity(pair, bodies), pair->normal);
+}
+
+/* The normal impulse so far becomes the one that leaves no excess, or none. Returns by how much velocities change. */
+static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair, double step)
+{
+    const double wanted = pair->normal_impulse + excess(pair, bodies, step) / pair->inverse_mass;
+    const double change = (wanted > 0.0 ? wanted : 0.0) - pair->normal_impulse;
+    if (change == 0.0) return 0.0;
+    shv_facet_pair_strike(pair, bodies, shv_scale(pair->normal, change));
+    pair->normal_impulse += change;
+    return fabs(change) * pair->inverse_mass;
+}
+
+/* Friction so far goes against the slip, up to its bound. */
+static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
+{
+    if (!(pair->friction_bound > 0.0)) return 0.0;
+    const ShvVec3 relative = shv_facet_pair_velocity(pair, bodies);
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
+    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
+    const double size = shv_norm(wanted);
+    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
+    const ShvVec3 change = shv_sub(wanted, pair->friction);
+    shv_facet_pair_strike(pair, bodies, change);
+    pair->friction = wanted;
+    return shv_norm(change) * pair->slip_inverse_mass;
+}
+
+/* Whether velocities still change by more than a share of the largest when the sweeps are used up. Pairs that were open and
+   without impulse are left out of all sweeps but every fourth. */
+static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double largest)
+{
+    enum { EVERY = 4 };
+    const double good = 1e-5 * largest;
+    bool again = true, all = true;
+    for (int pass = 0; pass < MOST_SWEEPS && (again || !all); pass++) {
+        all = !again || pass % EVERY == 0;
+        again = false;
+        for (int32_t k = 0; k < contact->pair_count; k++) {
+            ShvFacetPair *pair = &contact->pairs[k];
+            if (pair->excluded || (!all && pair->open)) continue;
+            const double pressed = press(bodies, pair, step), rubbed = rub(bodies, pair);
+            pair->open = !(pair->normal_impulse > 0.0 || pair->friction_bound > 0.0);
+            again |= fmax(pressed, rubbed) > good;
+        }
+        contact->sweeps++;
+    }
+    return again;
+}
+
+/* Projected Gauss-Seidel: normal impulses first, then, with µ times those as bounds of friction, both together. With u the
+   velocities before, A the inverse masses and a ≤ 0 what is allowed, every change lowers f = ½ λ·A λ + λ·u − λn·a: a normal
+   one by going to its least point, a tangential one as a projected gradient step no longer than the inverse of the
+   largest eigenvalue; bounds stay while it is used. Kinetic energy changes by f + λn·a, and f starts from 0: so the
+   impulses together take energy or leave it, after any number of sweeps. */
+static void respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step)
+{
+    double largest = 0.0;
+    for (int32_t k = 0; k < contact->pair_count; k++) largest = fmax(largest, contact->pairs[k].speed);
+    bool open = relax(contact, bodies, step, largest);
+    for (int32_t k = 0; k < contact->pair_count; k++)
+        contact->pairs[k].friction_bound = contact->friction * contact->pairs[k].normal_impulse;
+    if (contact->friction > 0.0) open = relax(contact, bodies, step, largest);
+    for (int32_t k = 0; open && k < contact->pair_count; k++)
+        contact->unresolved += !contact->pairs[k].excluded && excess(&contact->pairs[k], bodies, step) > 1e-3 * largest;
+}
+
+/* Friction may have taken the place of a normal impulse. */
+static bool has_impulse(const ShvFacetPair *pair)
+{
+    return pair->normal_impulse > 0.0 || shv_dot(pair->friction, pair->friction) > 0.0;
+}
+
+ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                    ShvError *error)
+{
+    clear_step(contact);
+    if (contact->idle || contact->candidate_count == 0 || !(step > 0.0)) return SHV_OK;
+    SHV_TRY(list_pairs(contact, bodies, step, error));
+    if (contact->pair_count == 0) return SHV_OK;
+    qsort(contact->pairs, (size_t)contact->pair_count, sizeof *contact->pairs, by_number);
+    exclude_deeper(contact);
+    respond(contact, bodies, step);
+    for (int32_t k = 0; k < contact->pair_count; k++) contact->touching += has_impulse(&contact->pairs[k]);
+    shv_surface_contact_book(contact, bodies);
+    return SHV_OK;
+}
+
+/* ---- works ---- */
+
+/* Velocity against which an impulse on the pair's node works, before the kick or now. */
+static ShvVec3 velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t node,
+                             int32_t fragment, ShvVec3 point, int half)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
+    if (companion) {
+        ShvCompanion moving = *companion;
+        if (half == 0) {
+            moving.velocity = contact->companion_before[fragment].velocity;
+            moving.angular_velocity = contact->companion_before[fragment].angular_velocity;
+        }
+        return shv_companion_velocity(&moving, point);
+    }
+    if (half == 1) return shv_load3(bodies->state->velocity + 3 * (int64_t)node);
+    return shv_load3(contact->before + 3 * (int64_t)contact->watch_index[contact->list.slot[node]]);
+}
+
+static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,
+                        ShvVec3 impulse, int half)
+{
+    double work = shv_dot(impulse, velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half));
+    if (shv_bodies_companion(bodies, pair->fragments[1]))
+        return 0.5 *
+               (work - shv_dot(impulse, velocity_then(contact, bodies, -1, pair->fragments[1], pair->point, half)));
+    for (int k = 0; k < 3; k++)
+        work += shv_dot(shv_facet_pair_share(pair, k, impulse),
+                        velocity_then(contact, bodies, pair->corners[k], pair->fragments[1], pair->point, half));
+    return 0.5 * work;
+}
+
+void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    for (int half = 0; half < 2; half++) {
+        contact->normal_work[half] = contact->friction_work[half] = 0.0;
+        for (int32_t k = 0; k < contact->pair_count; k++) {
+            const ShvFacetPair *pair = &contact->pairs[k];
+            if (!has_impulse(pair)) continue;
+            const ShvVec3 normal = shv_scale(pair->normal, pair->normal_impulse);
+            contact->normal_work[half] += half_work(contact, bodies, pair, normal, half);
+            contact->friction_work[half] += half_work(contact, bodies, pair, pair->friction, half);
+        }
+    }
+}
+
+void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger *ledger)
+{
+    shv_ledger_book(ledger, SHV_WORK_CONTACT, contact->normal_work[0], contact->normal_work[1]);
+    shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
+}
+
+void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, ShvFragmentTouch *fragments)
+{
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        const ShvFacetPair *pair = &contact->pairs[k];
+        if (!has_impulse(pair)) continue;
+        const double impulse = shv_norm(shv_madd(pair->friction, pair->normal_impulse, pair->normal));
+        const double closing = -shv_dot(pair->relative, pair->normal);
+        for (int side = 0; side < 2; side++) {
+            ShvFragmentTouch *sum = &fragments[pair->fragments[side]];
+            sum->touching++;
+            sum->fresh += pair->gap > 0.0;
+            sum->impulse += impulse;
+            sum->closing_speed = fmax(sum->closing_speed, closing);
+        }
+    }
+}

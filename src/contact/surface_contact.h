@@ -1,0 +1,99 @@
+/* Deforming surfaces against one another in fracture mode, and against companions (fragments still rigid): nodes against
+   facets, both ways; pieces of one body and faces of its cracks included. Unilateral, Coulomb friction, restitution 0.
+
+   A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
+   it (gap ≤ 0); it is never pushed out. So what touches, interlocks or overlaps from birth stays as it is and only comes
+   no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
+   node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
+   are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges against edges are not looked for:
+   where two edges cross they can pass until a node meets a facet, about a facet's size deep for sharp edges.
+
+   One step, for time n:
+       forces …, shv_cohesive_begin
+       shv_surface_contact_begin    velocities of n − 1/2
+       kick (companions too), shv_cohesive_pull, shv_cohesive_close
+       shv_surface_contact_apply
+       contact with obstacles, supports
+       shv_surface_contact_book     with the velocities that the drift will use
+       drift (companions too)
+   A step may be thrown away by putting back the velocities of nodes and companions. Pairs are worked through in the order
+   of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
+   one fragment alone is awake and none of its cracks have parted. */
+#ifndef SHV_CONTACT_SURFACE_CONTACT_H
+#define SHV_CONTACT_SURFACE_CONTACT_H
+
+#include "contact/facet_pair.h"
+#include "contact/node_contact.h"
+#include "contact/node_grid.h"
+#include "contact/surface_list.h"
+#include "model/ledger.h"
+
+/* Motion of a companion before the kick. */
+typedef struct ShvCompanionBefore {
+    ShvVec3 velocity, angular_velocity;
+} ShvCompanionBefore;
+
+typedef struct ShvSurfaceContact {
+    ShvMemory *memory;
+    const ShvModel *model;
+    double friction;
+    bool stale; /* the lists must be made anew */
+    bool idle;  /* nothing can meet */
+    /* what the lists were made from */
+    int32_t known_nodes, known_cohesive, known_live;
+    ShvSurfaceList list;
+    ShvNodeGrid grid;
+    ShvBox *own, *near; /* per fragment: its box, and the part of it where it may meet something */
+    int32_t *order;     /* fragments by the low end of their boxes */
+    int32_t fragment_capacity;
+    double skin;          /* m: pairs closer than this are candidates */
+    ShvVec3 drift;        /* velocity of the frame in which motion is measured, m/s */
+    double moved;         /* m: how much closer any two may have come since, by estimate */
+    double path;          /* m: the same of candidates, as it was */
+    double largest_speed; /* m/s, at the last look at all nodes */
+    int32_t since;        /* steps since then */
+    double seen_time;     /* s: moment up to which motion has been counted */
+    ShvSurfaceCandidate *candidates;
+    int32_t candidate_count, candidate_capacity;
+    int32_t *watched; /* places in list.nodes */
+    int32_t watched_count, watched_capacity;
+    double *before; /* 3 per watched node: velocity before the kick, m/s */
+    int32_t before_capacity;
+    ShvCompanionBefore *companion_before; /* per fragment */
+    int32_t companion_capacity;
+    int32_t *watch_index; /* per place in list.nodes: its place in `watched` */
+    int32_t watch_capacity;
+    /* this step */
+    ShvFacetPair *pairs; /* by node, element, face; those without an impulse included */
+    int32_t pair_count, pair_capacity;
+    int32_t touching; /* pairs with an impulse */
+    /* J on nodes and companions, impulse · velocity / 2: before the kick, and now */
+    double normal_work[2], friction_work[2];
+    int32_t sweeps,
+        unresolved; /* pairs still closing, by more than 0.1 % of the largest speed, when the sweeps were used up */
+    double deepest; /* m: largest penetration of a pair */
+    int64_t looks, rebuilds; /* since the start */
+} ShvSurfaceContact;
+
+/* Allocates nothing. `friction`: Coulomb coefficient between any two surfaces, ≥ 0. */
+ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
+                                     double friction, ShvError *error);
+void shv_surface_contact_release(ShvSurfaceContact *contact);
+/* Forces new lists: fragments woke, slept, were split or renumbered, companions came or went, poses or velocities were set.
+   Insertions and cracks that part are noticed without. */
+void shv_surface_contact_invalidate(ShvSurfaceContact *contact);
+/* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs look at all listed nodes every few steps and
+   at those of candidates each step. */
+ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                    const double gravity[3], ShvError *error);
+/* After the kick; `bodies` as in shv_surface_contact_begin, with which every step starts. Ends with
+   shv_surface_contact_book. */
+ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                    ShvError *error);
+/* Works of this step's impulses with the velocities as they are now. */
+void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
+void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger *ledger);
+/* Adds this step's touches to `fragments`, on both sides. `fresh` counts those whose node arrives from a gap. */
+void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, ShvFragmentTouch *fragments);
+
+#endif

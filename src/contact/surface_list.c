@@ -1,0 +1,197 @@
+#include "contact/surface_list.h"
+
+#include "contact/candidates.h"
+#include "mesh/facets.h"
+
+void shv_surface_list_release(ShvSurfaceList *list)
+{
+    shv_release(list->boundary);
+    shv_release(list->facets);
+    shv_release(list->nodes);
+    shv_release(list->slot);
+    shv_release(list->uncut);
+    *list = (ShvSurfaceList){0};
+}
+
+/* ---- rooms ---- */
+
+static ShvStatus reserve_slots(ShvSurfaceList *list, const ShvState *state, ShvError *error)
+{
+    if (list->slot_capacity >= state->node_capacity) return SHV_OK;
+    const size_t capacity = (size_t)state->node_capacity;
+    int32_t *grown = shv_reallocate(list->memory, SHV_PART_CONTACT, list->slot, capacity, sizeof(int32_t));
+    if (!grown) return shv_fail_memory(error, "contact of surfaces", capacity * sizeof(int32_t));
+    list->slot = grown;
+    for (int32_t i = list->slot_capacity; i < state->node_capacity; i++) list->slot[i] = -1;
+    list->slot_capacity = state->node_capacity;
+    return SHV_OK;
+}
+
+/* Where the model keeps no adjacency, its boundary is found once. */
+static ShvStatus find_boundary(ShvSurfaceList *list, ShvError *error)
+{
+    if (list->model->can_break || list->boundary) return SHV_OK;
+    int32_t *mates, count = 0;
+    SHV_TRY(shv_facet_mates(&list->model->mesh, &mates, NULL, error));
+    const int32_t faces = 4 * list->model->mesh.element_count;
+    for (int32_t k = 0; k < faces; k++) count += mates[k] < 0;
+    list->boundary = shv_allocate(list->memory, SHV_PART_CONTACT, (size_t)count, sizeof(int32_t));
+    if (list->boundary)
+        for (int32_t k = 0; k < faces; k++)
+            if (mates[k] < 0) list->boundary[list->boundary_count++] = k;
+    shv_release(mates);
+    return list->boundary ? SHV_OK : shv_fail_memory(error, "contact of surfaces", (size_t)count * sizeof(int32_t));
+}
+
+/* ---- entries ---- */
+
+static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, ShvError *error)
+{
+    if (list->slot[node] >= 0) return SHV_OK;
+    void *block = list->nodes;
+    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->node_capacity, list->node_count, sizeof(ShvSurfaceNode),
+                                error));
+    list->nodes = block;
+    list->slot[node] = list->node_count;
+    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment};
+    return SHV_OK;
+}
+
+static ShvStatus add_nodes(ShvSurfaceList *list, const ShvState *state, int32_t element, int32_t face, ShvError *error)
+{
+    int32_t nodes[3];
+    shv_surface_corners(state, element, face, nodes);
+    for (int k = 0; k < 3; k++) SHV_TRY(add_node(list, nodes[k], state->element_fragment[element], error));
+    return SHV_OK;
+}
+
+static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+{
+    int32_t nodes[3];
+    ShvVec3 x[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    facet->box = shv_box_empty();
+    for (int k = 0; k < 3; k++) {
+        x[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
+        shv_box_add(&facet->box, x[k]);
+    }
+    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
+    shv_box_add(&facet->box, shv_bodies_position(bodies, apex, facet->fragment));
+    const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
+    for (int k = 0; k < 3; k++) {
+        ShvVec3 *normal = &list->nodes[list->slot[nodes[k]]].normal;
+        *normal = shv_add(*normal, area);
+    }
+}
+
+void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
+{
+    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].normal = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < list->facet_count; k++) measure(list, bodies, &list->facets[k]);
+}
+
+static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t element, int32_t face,
+                           bool crack, ShvError *error)
+{
+    const int32_t fragment = bodies->state->element_fragment[element];
+    if (!shv_bodies_active(bodies, fragment)) return SHV_OK;
+    SHV_TRY(add_nodes(list, bodies->state, element, face, error));
+    void *block = list->facets;
+    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->facet_capacity, list->facet_count, sizeof(ShvSurfaceFacet),
+                                error));
+    list->facets = block;
+    ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
+    *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .crack = crack};
+    measure(list, bodies, facet);
+    return SHV_OK;
+}
+
+/* ---- cracks ---- */
+
+static ShvStatus add_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
+{
+    const ShvAdjacency *adjacency = &list->model->adjacency;
+    const int64_t facet = bodies->cohesive->facet[index];
+    for (int side = 0; side < 2; side++)
+        SHV_TRY(add_facet(list, bodies, adjacency->facet_elements[2 * facet + side],
+                          adjacency->facet_faces[2 * facet + side], true, error));
+    return SHV_OK;
+}
+
+/* Nodes of a crack that has not parted are listed: pieces may meet them from elsewhere, and its faces may part soon. */
+static ShvStatus add_uncut(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
+{
+    const ShvAdjacency *adjacency = &list->model->adjacency;
+    const int64_t facet = bodies->cohesive->facet[index];
+    bool any = false;
+    for (int side = 0; side < 2; side++) {
+        const int32_t element = adjacency->facet_elements[2 * facet + side];
+        if (!shv_bodies_active(bodies, bodies->state->element_fragment[element])) continue;
+        SHV_TRY(add_nodes(list, bodies->state, element, adjacency->facet_faces[2 * facet + side], error));
+        any = true;
+    }
+    if (!any) return SHV_OK;
+    void *block = list->uncut;
+    SHV_TRY(
+        shv_candidates_grow(list->memory, &block, &list->uncut_capacity, list->uncut_count, sizeof(int32_t), error));
+    list->uncut = block;
+    list->uncut[list->uncut_count++] = index;
+    return SHV_OK;
+}
+
+static void hold_pairs(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index)
+{
+    const ShvAdjacency *adjacency = &list->model->adjacency;
+    const int64_t facet = bodies->cohesive->facet[index];
+    const int32_t *elements = adjacency->facet_elements + 2 * facet;
+    const uint8_t *faces = adjacency->facet_faces + 2 * facet;
+    for (int i = 0; i < 3; i++) {
+        const uint8_t partner = bodies->cohesive->partner[3 * (int64_t)index + i];
+        const int32_t first = shv_state_node(bodies->state, elements[0], shv_face_corners[faces[0]][i]);
+        const int32_t second = shv_state_node(bodies->state, elements[1], shv_face_corners[faces[1]][partner]);
+        if (first == second) continue;
+        if (list->slot[first] >= 0) list->nodes[list->slot[first]].held = true;
+        if (list->slot[second] >= 0) list->nodes[list->slot[second]].held = true;
+    }
+}
+
+ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    int32_t kept = 0;
+    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].held = false;
+    for (int32_t k = 0; k < list->uncut_count; k++) {
+        const int32_t index = list->uncut[k];
+        if (bodies->cohesive->phase[index] == SHV_COHESIVE_SEPARATED) {
+            SHV_TRY(add_sides(list, bodies, index, error));
+            continue;
+        }
+        hold_pairs(list, bodies, index);
+        list->uncut[kept++] = index;
+    }
+    list->uncut_count = kept;
+    return SHV_OK;
+}
+
+/* ---- all ---- */
+
+static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    const ShvAdjacency *adjacency = &list->model->adjacency;
+    for (int32_t k = 0; k < list->boundary_count; k++)
+        SHV_TRY(add_facet(list, bodies, list->boundary[k] / 4, list->boundary[k] % 4, false, error));
+    for (int64_t k = adjacency->interior_count; k < adjacency->facet_count; k++)
+        SHV_TRY(add_facet(list, bodies, adjacency->facet_elements[2 * k], adjacency->facet_faces[2 * k], false, error));
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
+    list->node_count = list->facet_count = list->uncut_count = 0;
+    SHV_TRY(reserve_slots(list, bodies->state, error));
+    SHV_TRY(find_boundary(list, error));
+    SHV_TRY(add_boundary(list, bodies, error));
+    if (!bodies->cohesive) return SHV_OK;
+    for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_uncut(list, bodies, i, error));
+    return shv_surface_list_part(list, bodies, error);
+}

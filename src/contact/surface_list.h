@@ -1,0 +1,79 @@
+/* The surfaces that may meet one another: boundary facets of the awake fragments and of companions, faces of cracks that
+   have parted, and the nodes of both and of cracks that have not. Facets are named by element and face, so that a
+   duplicated node changes nothing here but the list of nodes. */
+#ifndef SHV_CONTACT_SURFACE_LIST_H
+#define SHV_CONTACT_SURFACE_LIST_H
+
+#include <stdbool.h>
+
+#include "cohesive/cohesive.h"
+#include "contact/box.h"
+#include "contact/companion.h"
+#include "model/state.h"
+
+/* Whose surfaces meet. Fragments are numbered as in state->element_fragment. */
+typedef struct ShvSurfaceBodies {
+    ShvState *state;
+    const ShvCohesive *cohesive;     /* NULL where nothing can break */
+    const uint8_t *awake;            /* per fragment */
+    ShvCompanion *const *companions; /* per fragment, NULL where it is none; or NULL: none at all */
+    int32_t fragment_count;
+} ShvSurfaceBodies;
+
+typedef struct ShvSurfaceFacet {
+    int32_t element, face, fragment;
+    bool crack; /* may meet its own fragment */
+    ShvBox box; /* of the facet and its tet, when they were last measured */
+} ShvSurfaceFacet;
+
+typedef struct ShvSurfaceNode {
+    int32_t node, fragment;
+    bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
+    bool watched;   /* of a candidate */
+    ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
+} ShvSurfaceNode;
+
+typedef struct ShvSurfaceList {
+    ShvMemory *memory;
+    const ShvModel *model;
+    int32_t *boundary; /* element × 4 + face; only where the model has no adjacency */
+    int32_t boundary_count;
+    ShvSurfaceFacet *facets;
+    int32_t facet_count, facet_capacity;
+    ShvSurfaceNode *nodes;
+    int32_t node_count, node_capacity;
+    int32_t *slot; /* per node of the state: its place in `nodes`, −1: none */
+    int32_t slot_capacity;
+    int32_t *uncut; /* cohesive facets that have not parted */
+    int32_t uncut_count, uncut_capacity;
+} ShvSurfaceList;
+
+static inline ShvCompanion *shv_bodies_companion(const ShvSurfaceBodies *bodies, int32_t fragment)
+{
+    return bodies->companions ? bodies->companions[fragment] : NULL;
+}
+static inline bool shv_bodies_active(const ShvSurfaceBodies *bodies, int32_t fragment)
+{
+    return bodies->awake[fragment] || shv_bodies_companion(bodies, fragment);
+}
+static inline ShvVec3 shv_bodies_position(const ShvSurfaceBodies *bodies, int32_t node, int32_t fragment)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
+    if (companion) return shv_companion_point(companion, shv_load3(bodies->state->reference + 3 * (int64_t)node));
+    return shv_state_position(bodies->state, node);
+}
+static inline void shv_surface_corners(const ShvState *state, int32_t element, int32_t face, int32_t nodes[3])
+{
+    for (int k = 0; k < 3; k++) nodes[k] = shv_state_node(state, element, shv_face_corners[face][k]);
+}
+
+void shv_surface_list_release(ShvSurfaceList *list);
+/* Lists the surfaces of what is awake or a companion. Costs work in proportion to the model's boundary and its cohesive
+   facets. */
+ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+/* Measures boxes and normals anew, of a list that still holds. */
+void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
+/* Appends the faces of cracks that have parted since; their nodes are listed already. */
+ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+
+#endif

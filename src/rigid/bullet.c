@@ -1,0 +1,243 @@
+#include "rigid/bullet_step.h"
+
+/* ---- bodies ---- */
+
+static ShvMemory *memory_of(const ShvBullet *bullet)
+{
+    return bullet->backend.world.fragments->memory;
+}
+
+ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *room, int64_t wanted, size_t size,
+                             const char *what, ShvError *error)
+{
+    if (wanted <= *room) return SHV_OK;
+    int64_t larger = wanted + wanted / 2 + 16;
+    if (larger > INT32_MAX) larger = INT32_MAX;
+    if (wanted > larger) return shv_fail(error, SHV_UNSUPPORTED, "Too many %s: use fewer fragments.", what);
+    void *grown = shv_reallocate(memory_of(bullet), SHV_PART_RIGID, *block, (size_t)larger, size);
+    if (!grown) return shv_fail_memory(error, what, (size_t)larger * size);
+    *block = grown;
+    *room = (int32_t)larger;
+    return SHV_OK;
+}
+
+int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
+{
+    int32_t low = 0, high = bullet->flyer_count;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (bullet->flyers[middle].number < number)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void insert(ShvBullet *bullet, const ShvBulletFlyer *flyer)
+{
+    const int32_t place = shv_bullet_place(bullet, flyer->number);
+    for (int32_t i = bullet->flyer_count; i > place; i--) bullet->flyers[i] = bullet->flyers[i - 1];
+    bullet->flyers[place] = *flyer;
+    bullet->flyer_count++;
+}
+
+static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
+{
+    ShvBullet *bullet = (ShvBullet *)backend;
+    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
+                       "the fragments in flight", error);
+    ShvBulletFlyer flyer;
+    SHV_TRY(shv_bullet_flyer_fragment(&flyer, bullet->bullet, &backend->world, fragment, error));
+    insert(bullet, &flyer);
+    return SHV_OK;
+}
+
+/* What rested on or under a body that goes must find out. */
+static void rouse_neighbours(ShvBullet *bullet, int32_t number)
+{
+    for (int32_t i = 0; i < bullet->meeting_count; i++) {
+        ShvBulletMeeting *meeting = &bullet->meetings[i];
+        if (!meeting->touching || (meeting->first != number && meeting->second != number)) continue;
+        const int32_t other = meeting->first == number ? meeting->second : meeting->first;
+        const int32_t place = shv_bullet_place(bullet, other);
+        if (place == bullet->flyer_count || bullet->flyers[place].number != other) continue;
+        bullet->flyers[place].asleep = false;
+        bullet->flyers[place].still = 0;
+        meeting->touching = false;
+        meeting->allowance = 0.0;
+    }
+}
+
+static void erase(ShvBullet *bullet, int32_t place)
+{
+    rouse_neighbours(bullet, bullet->flyers[place].number);
+    shv_bullet_flyer_release(&bullet->flyers[place], bullet->bullet);
+    bullet->flyer_count--;
+    for (int32_t i = place; i < bullet->flyer_count; i++) bullet->flyers[i] = bullet->flyers[i + 1];
+}
+
+static void take_out(ShvRigidBackend *backend, int32_t fragment)
+{
+    ShvBullet *bullet = (ShvBullet *)backend;
+    const int32_t number = backend->world.obstacles->count + fragment, place = shv_bullet_place(bullet, number);
+    if (place < bullet->flyer_count && bullet->flyers[place].number == number) erase(bullet, place);
+}
+
+/* ---- advance ---- */
+
+static ShvStatus check_motion(const ShvBullet *bullet, const ShvBulletFlyer *flyer, ShvError *error)
+{
+    const char *kind = flyer->fragment >= 0 ? "fragment" : "obstacle";
+    const int number = (int)(flyer->fragment >= 0 ? flyer->fragment : flyer->obstacle);
+    if (!shv_finite3(flyer->position) || !shv_finite3(flyer->velocity) || !shv_finite3(flyer->spin))
+        return shv_fail(error, SHV_DIVERGED,
+                        "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
+                        "velocities.",
+                        kind, number);
+    if (!(flyer->fastest * bullet->step <= SHV_LARGEST_TURN))
+        return shv_fail(error, SHV_DIVERGED,
+                        "The %s %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.", kind,
+                        number, flyer->fastest * bullet->step, bullet->step);
+    return SHV_OK;
+}
+
+static bool same_gravity(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
+{
+    const ShvVec3 change = shv_sub(bullet->gravity, flyer->asleep_gravity);
+    return shv_dot(change, change) == 0.0;
+}
+
+static ShvStatus begin(ShvBullet *bullet, ShvError *error)
+{
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
+        ShvBulletFlyer *flyer = &bullet->flyers[i];
+        const bool changed = shv_bullet_flyer_read(flyer, &bullet->backend.world);
+        flyer->settled &= !changed;
+        if (flyer->asleep && (changed || !same_gravity(bullet, flyer))) {
+            flyer->asleep = false;
+            flyer->still = 0;
+        }
+        flyer->fastest = flyer->moves
+                             ? shv_free_rotation_fastest(&flyer->rotation, flyer->orientation, flyer->angular_momentum)
+                             : shv_norm(flyer->spin);
+        flyer->impact_time = -1.0;
+        flyer->until = bullet->step;
+        flyer->leaves = flyer->stopped = flyer->held = flyer->solved = flyer->bumped = false;
+        flyer->restless = flyer->supported = false;
+        flyer->push = flyer->turn = shv_vec3(0.0, 0.0, 0.0);
+        flyer->impulse = 0.0;
+        flyer->island = i;
+        flyer->new_velocity = flyer->velocity;
+        flyer->new_spin = flyer->spin;
+        SHV_TRY(check_motion(bullet, flyer, error));
+    }
+    return SHV_OK;
+}
+
+static ShvStatus reserve_traces(ShvBullet *bullet, ShvError *error)
+{
+    SHV_BULLET_RESERVE(bullet, bullet->traces, bullet->trace_room, bullet->contact_count, "contacts of bodies", error);
+    return SHV_OK;
+}
+
+/* This step's contacts are the next one's past. */
+static void end(ShvBullet *bullet)
+{
+    ShvBulletTrace *traces = bullet->last_traces;
+    const int32_t room = bullet->last_trace_room;
+    bullet->last_traces = bullet->traces;
+    bullet->last_trace_room = bullet->trace_room;
+    bullet->traces = traces;
+    bullet->trace_room = room;
+    bullet->last_step = bullet->step;
+    for (int32_t i = bullet->flyer_count - 1; i >= 0; i--) {
+        bullet->flyers[i].born = false;
+        if (bullet->flyers[i].leaves) erase(bullet, i);
+    }
+}
+
+static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
+                         ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
+                         ShvError *error)
+{
+    ShvBullet *bullet = (ShvBullet *)backend;
+    if (!(step > 0.0)) return SHV_OK;
+    bullet->gravity = shv_load3(gravity);
+    bullet->time = time;
+    bullet->step = step;
+    bullet->rest = shv_norm(bullet->gravity) * step;
+    SHV_TRY(begin(bullet, error));
+    SHV_TRY(shv_bullet_find(bullet, error));
+    SHV_TRY(reserve_traces(bullet, error));
+    shv_bullet_judge(bullet, judge, judge_data, wakes, wake_count);
+    SHV_TRY(shv_bullet_solve(bullet, error));
+    SHV_TRY(shv_bullet_guard(bullet, error));
+    shv_bullet_move(bullet);
+    end(bullet);
+    return SHV_OK;
+}
+
+/* ---- life ---- */
+
+static void destroy(ShvRigidBackend *backend)
+{
+    ShvBullet *bullet = (ShvBullet *)backend;
+    if (!bullet) return;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
+    shv_bullet_world_destroy(bullet->bullet);
+    shv_release(bullet->flyers);
+    shv_release(bullet->meetings);
+    shv_release(bullet->last_meetings);
+    shv_release(bullet->contacts);
+    shv_release(bullet->traces);
+    shv_release(bullet->last_traces);
+    shv_release(bullet->order);
+    shv_release(bullet->motions);
+    shv_release(bullet->island_contacts);
+    shv_release(bullet->lists);
+    shv_release(bullet);
+}
+
+/* Radius of the largest body that is not a plane. */
+static double typical_length(const ShvRigidWorld *world)
+{
+    double length = 0.0;
+    for (int32_t i = 0; i < world->fragments->count; i++)
+        if (world->fragments->items[i].mode != SHV_MODE_DEAD) length = fmax(length, world->fragments->items[i].radius);
+    for (int32_t i = 0; i < world->obstacles->count && !(length > 0.0); i++)
+        if (isfinite(world->obstacles->items[i].bounding_radius))
+            length = fmax(length, world->obstacles->items[i].bounding_radius);
+    return length > 0.0 ? length : 1.0;
+}
+
+static ShvStatus add_obstacles(ShvBullet *bullet, ShvError *error)
+{
+    const ShvRigidWorld *world = &bullet->backend.world;
+    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, world->obstacles->count, "the obstacles", error);
+    for (int32_t i = 0; i < world->obstacles->count; i++) {
+        SHV_TRY(shv_bullet_flyer_obstacle(&bullet->flyers[i], bullet->bullet, world, i, error));
+        bullet->flyer_count++;
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error)
+{
+    static const ShvRigidFunctions functions = {
+        .name = "bullet", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+    *backend = NULL;
+    ShvBullet *bullet = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *bullet);
+    if (!bullet) return shv_fail_memory(error, "the rigid backend", sizeof *bullet);
+    bullet->backend.functions = &functions;
+    bullet->backend.world = *world;
+    bullet->backend.moves_obstacles = true;
+    bullet->backend.fragment_friction = 0.5;
+    ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), error);
+    if (status == SHV_OK) status = add_obstacles(bullet, error);
+    if (status == SHV_OK)
+        *backend = &bullet->backend;
+    else
+        destroy(&bullet->backend);
+    return status;
+}

@@ -1,0 +1,85 @@
+/* What the Bullet backend keeps of a body, a fragment in flight or an obstacle. */
+#ifndef SHV_RIGID_BULLET_FLYER_H
+#define SHV_RIGID_BULLET_FLYER_H
+
+#include "bullet_bridge/impact_time.h"
+#include "bullet_bridge/rigid_world.h"
+#include "rigid/backend.h"
+#include "rigid/convex_pieces.h"
+#include "rigid/free_rotation.h"
+
+enum { SHV_LOAD_STEPS = 8 /* steps over which contact forces are averaged */ };
+
+typedef struct ShvBulletFlyer {
+    int32_t number;             /* in the world of Bullet: obstacles by their index, then fragments by theirs */
+    int32_t fragment, obstacle; /* one of them is −1 */
+    bool moves;                 /* has a mass */
+    bool round;                 /* turning does not change where its surface is */
+    double mass, radius;        /* infinite where it has none */
+    double friction, restitution;
+    ShvConvexPieces pieces; /* fragments */
+    ShvImpactShape *impact; /* made when first needed */
+    ShvFreeRotation rotation;
+    /* state, at the step's start */
+    ShvVec3 position, velocity, angular_momentum;
+    ShvVec3 spin; /* that belongs to the momentum; of obstacles that do not move: as given */
+    ShvQuat orientation;
+    /* as last written to the record: events of the time line change it */
+    ShvVec3 seen_position, seen_velocity, seen_spin;
+    ShvQuat seen_orientation;
+    double loads[SHV_LOAD_STEPS]; /* N: Σ |contact force| in the last steps */
+    int32_t load_count, load_next;
+    int32_t still; /* steps in a row without noticeable motion on supports */
+    bool asleep;
+    ShvVec3 asleep_gravity;
+    bool settled; /* Bullet knows the pose in which it stays */
+    bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
+
+    /* of the present step */
+    double fastest;             /* bound of |ω|, rad/s */
+    double impact_time;         /* s since its start at which it meets something fast; −1: nothing */
+    double until;               /* s since its start: goes no further */
+    bool leaves;                /* wakes */
+    bool stopped;               /* its impact did not throw it back */
+    bool held;                  /* pushed by contacts other than its impact */
+    bool solved;                /* has contacts in the solver */
+    bool bumped;                /* its island's velocities do not change evenly over the step */
+    bool restless, supported;   /* its island, where this stands for it: something moves; something holds it */
+    int32_t island;             /* place of the flyer that stands for all that hangs together */
+    double heap_mass;           /* kg of that */
+    ShvQuat solver_orientation; /* pose in which the solver sees it, */
+    ShvVec3 solver_spin;        /* and its spin there before the contacts */
+    ShvVec3 new_velocity;       /* m/s at the step's end, */
+    ShvVec3 new_spin;           /* and the spin after the contacts in the solver's pose */
+    ShvVec3 push, turn;         /* m/s, rad/s: undo overlaps */
+    double impulse;             /* N s: Σ |contact impulse| */
+    double energy;              /* J before */
+} ShvBulletFlyer;
+
+/* A fragment joins the world of Bullet as it stands in its record. On failure nothing is left of it. */
+ShvStatus shv_bullet_flyer_fragment(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvRigidWorld *world,
+                                    int32_t fragment, ShvError *error);
+ShvStatus shv_bullet_flyer_obstacle(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvRigidWorld *world,
+                                    int32_t obstacle, ShvError *error);
+void shv_bullet_flyer_release(ShvBulletFlyer *flyer, ShvBulletWorld *bullet);
+
+/* Takes the state from the record; true when somebody has changed it since it was written. */
+bool shv_bullet_flyer_read(ShvBulletFlyer *flyer, const ShvRigidWorld *world);
+void shv_bullet_flyer_write(ShvBulletFlyer *flyer, const ShvRigidWorld *world);
+
+/* Pose and velocity on the free flight from the step's start. */
+ShvVec3 shv_bullet_flyer_position(const ShvBulletFlyer *flyer, double time, ShvVec3 gravity);
+ShvQuat shv_bullet_flyer_orientation(const ShvBulletFlyer *flyer, double time);
+ShvVec3 shv_bullet_flyer_velocity(const ShvBulletFlyer *flyer, double time, ShvVec3 gravity);
+/* Angular velocity at an orientation on that flight. */
+ShvVec3 shv_bullet_flyer_spin(const ShvBulletFlyer *flyer, ShvQuat orientation);
+/* Tells Bullet a pose. */
+void shv_bullet_flyer_place(const ShvBulletFlyer *flyer, ShvBulletWorld *bullet, ShvVec3 position, ShvQuat orientation);
+double shv_bullet_flyer_kinetic(const ShvBulletFlyer *flyer);
+/* Contact force, N: the mean of the last steps, over at least 5 of them (missing ones count as 0). */
+double shv_bullet_flyer_load(const ShvBulletFlyer *flyer);
+/* For impact_time.h; the flyer must outlive the motion. */
+ShvStatus shv_bullet_flyer_impact_body(ShvBulletFlyer *flyer, const ShvRigidWorld *world, ShvVec3 gravity,
+                                       ShvImpactBody *body, ShvError *error);
+
+#endif

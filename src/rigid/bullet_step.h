@@ -1,0 +1,93 @@
+/* The Bullet backend's step, a file a part:
+
+     find    pairs and contacts where everything stands at the start; when pairs that close fast meet  (bullet_find.c)
+     judge   contacts that wake a fragment take it out                                                 (bullet_judge.c)
+     solve   what every contact leaves at least; Bullet's impulses, island by island                    (bullet_solve.c)
+     guard   what has been struck and meets something fast again in the same step waits there          (bullet_guard.c)
+     move    poses at the end, works, rest                                                              (bullet_move.c)
+
+   Each body has one moment of impact in a step, or none: it flies freely until then, and the solver sees it in the pose of that
+   moment. What else it meets in the step is held off by the velocity that just closes the gap, without rebound. */
+#ifndef SHV_RIGID_BULLET_STEP_H
+#define SHV_RIGID_BULLET_STEP_H
+
+#include "rigid/bullet_flyer.h"
+
+/* Two bodies that may meet in this step, and what is remembered of them. */
+typedef struct ShvBulletMeeting {
+    int32_t first, second; /* numbers */
+    int32_t a, b;          /* places of the flyers */
+    bool found;            /* contacts have been looked for */
+    bool touched;          /* in the step before */
+    bool touching;         /* now: a gap within the slop */
+    bool struck;           /* meets at its own time of impact */
+    double allowance;      /* m: overlap that is let be */
+    double slop;           /* m: a smaller gap is a touch */
+    double reach;          /* m: bound of their relative motion in the step */
+    double impact;         /* s since the step's start; −1: no fast impact */
+    int32_t contact_begin, contact_count;
+} ShvBulletMeeting;
+
+typedef struct ShvBulletMoment {
+    double moment; /* s since the step's start */
+    int32_t meeting;
+} ShvBulletMoment;
+
+/* What a contact of the last step leaves for the next: impulses to start from. */
+typedef struct ShvBulletTrace {
+    ShvVec3 arm; /* in the first body's axes */
+    double normal_impulse;
+    ShvVec3 friction_impulse;
+} ShvBulletTrace;
+
+typedef struct ShvBullet {
+    ShvRigidBackend backend; /* first: the interface's pointer is this one's */
+    ShvBulletWorld *bullet;
+    ShvBulletFlyer *flyers; /* by number */
+    int32_t flyer_count, flyer_room;
+    ShvBulletMeeting *meetings, *last_meetings; /* by numbers */
+    int32_t meeting_count, last_count, meeting_room, last_room;
+    ShvBulletContact *contacts;
+    ShvBulletTrace *traces, *last_traces; /* as the contacts of this and the last step */
+    int32_t contact_count, contact_room, trace_room, last_trace_room;
+    ShvBulletMoment *order; /* meetings with impacts, by time */
+    int32_t order_count, order_room;
+    /* one island */
+    ShvBulletMotion *motions;
+    ShvBulletContact *island_contacts;
+    int32_t *lists; /* bodies and meetings by island */
+    int32_t motion_room, island_room, list_room;
+    /* the step */
+    ShvVec3 gravity;
+    double time, step, last_step;
+    double rest; /* m/s: what closes slower is held, not thrown back */
+} ShvBullet;
+
+/* Room for `wanted` items of a block; new items are zero. */
+ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *room, int64_t wanted, size_t size,
+                             const char *what, ShvError *error);
+#define SHV_BULLET_RESERVE(bullet, block, room, wanted, what, error)                                                   \
+    do {                                                                                                               \
+        void *grown_ = (block);                                                                                        \
+        const ShvStatus grow_ =                                                                                        \
+            shv_bullet_reserve((bullet), &grown_, &(room), (wanted), sizeof *(block), (what), (error));                \
+        (block) = grown_;                                                                                              \
+        if (grow_ != SHV_OK) return grow_;                                                                             \
+    } while (0)
+/* Place of a number among the flyers; when it is not there, where it would be. */
+int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number);
+
+/* Velocity of the first against the second at a contact, for velocities and spins of the two. */
+ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
+                            ShvVec3 spin_b);
+/* Acceleration of a's centre against b's, without contacts. */
+ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlyer *a, const ShvBulletFlyer *b);
+
+ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error);
+void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
+                      int32_t *wake_count);
+ShvStatus shv_bullet_solve(ShvBullet *bullet, ShvError *error);
+ShvStatus shv_bullet_guard(ShvBullet *bullet, ShvError *error);
+void shv_bullet_move(ShvBullet *bullet);
+
+#endif

@@ -1,0 +1,63 @@
+#include "rigid/fragment_tets.h"
+
+#include "base/deterministic.h"
+
+static ShvStatus allocate(ShvFragmentTets *tets, ShvMemory *memory, ShvError *error)
+{
+    const size_t nodes = (size_t)tets->node_count, count = (size_t)tets->tet_count;
+    tets->positions = shv_allocate(memory, SHV_PART_RIGID, 3 * nodes, sizeof(double));
+    tets->tets = shv_allocate(memory, SHV_PART_RIGID, 4 * count, sizeof(int32_t));
+    tets->centroids = shv_allocate(memory, SHV_PART_RIGID, 4 * count, sizeof(double));
+    if (tets->positions && tets->tets && tets->centroids) {
+        tets->volumes = tets->centroids + 3 * count;
+        return SHV_OK;
+    }
+    shv_fragment_tets_release(tets);
+    return shv_fail_memory(error, "the tets of a fragment", 24 * nodes + 48 * count);
+}
+
+void shv_fragment_tet_corners(const ShvFragmentTets *tets, int32_t tet, ShvVec3 corners[4])
+{
+    for (int a = 0; a < 4; a++) corners[a] = shv_load3(tets->positions + 3 * (int64_t)tets->tets[4 * (int64_t)tet + a]);
+}
+
+static void measure(ShvFragmentTets *tets, int32_t tet)
+{
+    ShvVec3 x[4];
+    shv_fragment_tet_corners(tets, tet, x);
+    const ShvVec3 sum = shv_add(shv_add(x[0], x[1]), shv_add(x[2], x[3]));
+    shv_store3(tets->centroids + 3 * (int64_t)tet, shv_scale(sum, 0.25));
+    const double six = shv_dot(shv_sub(x[1], x[0]), shv_cross(shv_sub(x[2], x[0]), shv_sub(x[3], x[0])));
+    tets->volumes[tet] = six / 6.0;
+    tets->volume += tets->volumes[tet];
+}
+
+ShvStatus shv_fragment_tets_make(ShvFragmentTets *tets, const ShvFragments *fragments, const ShvState *state,
+                                 int32_t fragment, ShvError *error)
+{
+    const ShvFragment *item = &fragments->items[fragment];
+    const int32_t *nodes = fragments->nodes + item->node_begin, *elements = fragments->elements + item->element_begin;
+    *tets = (ShvFragmentTets){.node_count = item->node_count, .tet_count = item->element_count};
+    SHV_TRY(allocate(tets, fragments->memory, error));
+    for (int32_t i = 0; i < item->node_count; i++) {
+        fragments->label[nodes[i]] = i;
+        const ShvVec3 x = shv_load3(state->reference + 3 * (int64_t)nodes[i]);
+        shv_store3(tets->positions + 3 * (int64_t)i, shv_sub(x, item->reference_centre));
+    }
+    for (int32_t t = 0; t < item->element_count; t++) {
+        for (int a = 0; a < 4; a++)
+            tets->tets[4 * (int64_t)t + a] = fragments->label[shv_state_node(state, elements[t], a)];
+        measure(tets, t);
+    }
+    /* a regular tet of edge h has the volume h³ / (6 √2) */
+    tets->edge = shv_power(6.0 * sqrt(2.0) * tets->volume / item->element_count, 1.0 / 3.0);
+    return SHV_OK;
+}
+
+void shv_fragment_tets_release(ShvFragmentTets *tets)
+{
+    shv_release(tets->positions);
+    shv_release(tets->tets);
+    shv_release(tets->centroids);
+    *tets = (ShvFragmentTets){0};
+}

@@ -1,0 +1,575 @@
+#include "surfaces.h"
+
+#include "base/random.h"
+
+/* ---- free flight into each other ---- */
+
+/* Two equal bars without lateral strain end on: waves run to the far ends and back, after 2 L/c the bars have exchanged
+   their velocities. Contact of restitution 0 takes what the two layers of touching nodes bring in. */
+static void test_bars_exchange_velocities(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    s.material.poissons_ratio = 0.0;
+    surfaces_place(surfaces_box(&s, 0.1, 0.01, 0.01, 0.005), shv_vec3(-0.0501, 0.0, 0.0), shv_vec3(1.0, 0.0, 0.0));
+    surfaces_place(surfaces_box(&s, 0.1, 0.01, 0.01, 0.005), shv_vec3(0.0501, 0.002, 0.001), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_build(&s, 0.0, false);
+    const double step = surfaces_stable_step(&s), speed = sqrt(50e6 / 1200.0);
+    const Momentum start = surfaces_momentum(&s);
+    double first = 0.0, last = 0.0;
+    while (s.state.time < 4.0 * 0.1 / speed) {
+        surfaces_step(&s, step);
+        if (s.contact.touching > 0 && first == 0.0) first = s.state.time;
+        if (s.contact.touching > 0) last = s.state.time;
+        check_momentum(&s, &start);
+    }
+    check_near(last - first, 2.0 * 0.1 / speed, 0.1 * 2.0 * 0.1 / speed);
+    check_near(surfaces_mean_velocity(&s, 0).x, 0.0, 0.06);
+    check_near(surfaces_mean_velocity(&s, 1).x, 1.0, 0.06);
+    assert_true(s.gain <= 1e-13 * start.linear_size);
+    assert_true(s.unbooked <= 1e-12 * start.linear_size);
+    surfaces_release(&s);
+}
+
+/* Energy, momentum and depth of two bodies on their way into each other and out again. */
+static void collide(Surfaces *s, double duration, double depth)
+{
+    const double step = surfaces_stable_step(s);
+    const Momentum start = surfaces_momentum(s);
+    const double energy = surfaces_kinetic(s, s->state.velocity) + companions_kinetic(s);
+    int touched = 0;
+    while (s->state.time < duration) {
+        surfaces_step(s, step);
+        touched += s->contact.touching > 0;
+        check_momentum(s, &start);
+        assert_int_equal(s->contact.unresolved, 0);
+        /* Energy of a step differs by O(step²) from the conserved one. */
+        if (!(s->energy < 1.005 * energy)) fail_msg("energy %g J of %g J", s->energy, energy);
+    }
+    assert_true(touched > 10);
+    assert_true(s->gain <= 1e-13 * energy);
+    assert_true(s->unbooked <= 1e-12 * energy);
+    if (!(s->deepest < depth)) fail_msg("a node came %g m deep", s->deepest);
+}
+
+static void test_cubes_head_on(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.0, 0.0));
+    surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(0.021, 0.003, 0.0), shv_vec3(-2.0, 0.0, 0.0));
+    surfaces_build(&s, 0.3, false);
+    collide(&s, 0.004, 1e-4);
+    assert_true(surfaces_mean_velocity(&s, 0).x < -0.5);
+    assert_true(surfaces_mean_velocity(&s, 1).x > 0.5);
+    surfaces_release(&s);
+}
+
+/* Friction of an oblique impact turns both balls. */
+static void test_balls_oblique(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_ball(&s, 0.02, 0.006), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.5, 0.0));
+    ShvObjectDefinition *other = surfaces_ball(&s, 0.02, 0.005);
+    surfaces_place(other, shv_vec3(0.021, 0.013, 0.004), shv_vec3(-2.0, -0.5, 0.3));
+    other->placement.angular_velocity[2] = 40.0;
+    surfaces_build(&s, 0.4, false);
+    collide(&s, 0.004, 1e-4);
+    assert_true(surfaces_mean_velocity(&s, 0).x < 0.0);
+    surfaces_release(&s);
+}
+
+static void test_ball_on_plate(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_ball(&s, 0.02, 0.006), shv_vec3(0.001, 0.002, 0.0255), shv_vec3(0.4, 0.0, -2.0));
+    surfaces_box(&s, 0.1, 0.1, 0.01, 0.01);
+    surfaces_build(&s, 0.4, false);
+    collide(&s, 0.004, 1e-4);
+    assert_true(surfaces_mean_velocity(&s, 0).z > -1.0);
+    surfaces_release(&s);
+}
+
+/* ---- companions ---- */
+
+static void test_cube_on_companion(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(0.012, 0.003, 0.042), shv_vec3(0.3, 0.0, -2.0));
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.02);
+    surfaces_build(&s, 0.3, false);
+    surfaces_make_companion(&s, 1, shv_vec3(0.0, 0.1, 0.0), shv_vec3(1.0, 0.0, 2.0));
+    collide(&s, 0.006, 1e-4);
+    assert_true(s.companion[1].velocity.z < -0.5);
+    assert_true(fabs(s.companion[1].angular_velocity.y) > 1.0);
+    surfaces_release(&s);
+}
+
+/* Two companions touch by the same rules. */
+static void test_companions(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.01)->placement.position[2] = 0.041;
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.02);
+    surfaces_ball(&s, 0.01, 0.005)->placement.position[0] = 1.0; /* something awake, far away */
+    surfaces_build(&s, 0.3, false);
+    surfaces_make_companion(&s, 0, shv_vec3(0.0, 0.0, -1.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_companion(&s, 1, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
+    const Momentum start = surfaces_momentum(&s);
+    for (int k = 0; k < 200; k++) {
+        surfaces_step(&s, 2e-5);
+        check_momentum(&s, &start);
+    }
+    /* Restitution 0 of equal cubes face to face. */
+    check_near(s.companion[0].velocity.z, -0.5, 1e-6);
+    check_near(s.companion[1].velocity.z, -0.5, 1e-6);
+    surfaces_release(&s);
+}
+
+/* ---- pieces of one body ---- */
+
+static int32_t cut(Surfaces *s, double normal_x, double normal_z)
+{
+    const ShvAdjacency *adjacency = &s->model.adjacency;
+    int32_t *facets = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)adjacency->interior_count, sizeof(int32_t));
+    int32_t count = 0, duplicated;
+    for (int32_t e = 0; e < s->state.element_count; e++) {
+        double side = 0.0;
+        for (int k = 0; k < 4; k++) {
+            const ShvVec3 x = shv_load3(s->state.reference + 3 * (int64_t)s->model.mesh.elements[4 * (int64_t)e + k]);
+            side += normal_x * x.x + normal_z * (x.z - 0.02);
+        }
+        s->state.element_fragment[e] = side > 0.0;
+    }
+    for (int32_t f = 0; f < adjacency->interior_count; f++)
+        if (s->state.element_fragment[adjacency->facet_elements[2 * f]] !=
+            s->state.element_fragment[adjacency->facet_elements[2 * f + 1]])
+            facets[count++] = f;
+    check_ok(shv_cohesive_insert(&s->cohesive, &s->state, NULL, facets, count, &duplicated, &s->error), s->error);
+    shv_release(facets);
+    s->awake[1] = 1;
+    s->bodies.fragment_count = 2;
+    surfaces_list_nodes(s);
+    return count;
+}
+
+/* What touches or interlocks at birth is not moved, whether its crack has parted or not. */
+static void test_halves_rest(void **state)
+{
+    (void)state;
+    for (int parted = 0; parted < 2; parted++) {
+        Surfaces s;
+        surfaces_define(&s);
+        surfaces_box(&s, 0.04, 0.04, 0.04, 0.01)->placement.position[2] = 0.02;
+        surfaces_build(&s, 0.3, false);
+        assert_true(cut(&s, 1.0, 0.3) > 10);
+        if (parted) surfaces_part(&s);
+        for (int k = 0; k < 50; k++) surfaces_step(&s, 2e-5);
+        assert_true(parted ? s.contact.candidate_count > 100 : !s.contact.idle);
+        for (int64_t i = 0; i < 3 * (int64_t)s.state.node_count; i++) {
+            assert_true(s.state.displacement[i] == 0.0);
+            assert_true(s.state.velocity[i] == 0.0);
+        }
+        surfaces_release(&s);
+    }
+}
+
+/* Halves of a rough crack, drawn apart until it has parted and sent back at each other: they collide and stay out. */
+static void test_parted_halves_collide(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.2, false);
+    cut(&s, 1.0, 0.3);
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        for (int k = 0; k < 4; k++) {
+            const int64_t i = 3 * (int64_t)shv_state_node(&s.state, e, k);
+            s.state.displacement[i] = s.state.element_fragment[e] == 1 ? 0.01 : -0.01;
+            s.state.velocity[i] = s.state.element_fragment[e] == 1 ? -1.0 : 1.0;
+        }
+    surfaces_part(&s);
+    collide(&s, 0.02, 1e-4);
+    assert_true(surfaces_mean_velocity(&s, 1).x > 0.1);
+    assert_true(surfaces_mean_velocity(&s, 0).x < -0.1);
+    surfaces_release(&s);
+}
+
+/* Faces of a crack that has parted inside one fragment still meet: a slit that does not cut its body through is squeezed. */
+static void test_slit_closes(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.08, 0.02, 0.04, 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.2, false);
+    cut(&s, 1.0, 0.0);
+    const double step = surfaces_stable_step(&s);
+    /* Both halves carry one name. */
+    for (int32_t e = 0; e < s.state.element_count; e++) s.state.element_fragment[e] = 0;
+    s.bodies.fragment_count = 1;
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        for (int k = 0; k < 4; k++) {
+            const int32_t node = shv_state_node(&s.state, e, k);
+            const double side = s.state.reference[3 * (int64_t)node];
+            if (fabs(side) > 0.015) s.state.velocity[3 * (int64_t)node] = side > 0.0 ? -0.5 : 0.5;
+        }
+    surfaces_part(&s);
+    int touched = 0;
+    for (int k = 0; k < 100; k++) {
+        surfaces_step(&s, step);
+        touched += s.contact.touching > 0;
+    }
+    assert_false(s.contact.idle);
+    assert_true(touched > 10);
+    assert_true(s.deepest < 1e-4);
+    surfaces_release(&s);
+}
+
+/* ---- rubble ---- */
+
+/* Cuts the first object by nearest seed. */
+static void shatter(Surfaces *s, int32_t seeds, const double size[3])
+{
+    const ShvAdjacency *adjacency = &s->model.adjacency;
+    int32_t *facets = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)adjacency->interior_count, sizeof(int32_t));
+    int32_t count = 0, duplicated;
+    for (int32_t e = 0; e < s->state.element_count; e++) {
+        double nearest = (double)INFINITY;
+        ShvVec3 x = {0.0, 0.0, 0.0};
+        for (int k = 0; k < 4; k++)
+            x = shv_madd(x, 0.25, shv_load3(s->state.reference + 3 * (int64_t)shv_state_node(&s->state, e, k)));
+        for (int32_t i = 0; i < seeds; i++) {
+            double seed[3];
+            for (int k = 0; k < 3; k++) seed[k] = size[k] * (shv_random_uniform(5, (uint64_t)(3 * i + k)) - 0.5);
+            seed[2] += 0.5 * size[2];
+            const double distance = shv_norm(shv_sub(x, shv_load3(seed)));
+            if (distance < nearest) s->state.element_fragment[e] = i;
+            nearest = fmin(nearest, distance);
+        }
+    }
+    for (int32_t f = 0; f < adjacency->interior_count; f++)
+        if (s->state.element_fragment[adjacency->facet_elements[2 * f]] !=
+            s->state.element_fragment[adjacency->facet_elements[2 * f + 1]])
+            facets[count++] = f;
+    check_ok(shv_cohesive_insert(&s->cohesive, &s->state, NULL, facets, count, &duplicated, &s->error), s->error);
+    shv_release(facets);
+    memset(s->awake, 1, (size_t)seeds);
+    s->bodies.fragment_count = seeds;
+    surfaces_part(s);
+}
+
+/* A block in pieces that interlock and touch from birth, on a floor under gravity: it stands as a heap of rubble that no
+   piece pops out of, and none sinks into another. */
+static void test_rubble_stands(void **state)
+{
+    (void)state;
+    const double size[3] = {0.04, 0.04, 0.04};
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, size[0], size[1], size[2], 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.5, true);
+    shatter(&s, 8, size);
+    s.gravity[2] = -9.81;
+    const double step = surfaces_stable_step(&s), mass = 1200.0 * 0.04 * 0.04 * 0.04;
+    double highest = 0.0;
+    while (s.state.time < 0.02) {
+        surfaces_step(&s, step);
+        highest = fmax(highest, surfaces_kinetic(&s, s.state.velocity));
+    }
+    /* Nothing falls farther than elastic sagging, g ρ H²/2E = 2 µm, and what the pieces settle into their joints. */
+    assert_true(highest < mass * 9.81 * 2e-4);
+    assert_true(s.deepest < 1e-4);
+    assert_true(s.unbooked < 1e-12 * mass * 9.81 * 0.04);
+    for (int32_t k = 0; k < s.node_count; k++)
+        assert_true(shv_norm(shv_load3(s.state.displacement + 3 * (int64_t)s.nodes[k])) < 1e-3);
+    surfaces_release(&s);
+}
+
+static bool in_tet(const Surfaces *s, int32_t element, ShvVec3 x)
+{
+    ShvVec3 corners[4];
+    for (int k = 0; k < 4; k++) corners[k] = shv_state_position(&s->state, shv_state_node(&s->state, element, k));
+    for (int k = 0; k < 4; k++) {
+        const uint8_t *face = shv_face_corners[k];
+        const ShvVec3 a = corners[face[0]];
+        const ShvVec3 out = shv_cross(shv_sub(corners[face[1]], a), shv_sub(corners[face[2]], a));
+        if (shv_dot(out, shv_sub(x, a)) > 0.0) return false;
+    }
+    return true;
+}
+
+/* Share of the bodies' volume that is in two of them, by random points of a box that holds them. */
+static double overlap(const Surfaces *s, ShvVec3 low, ShvVec3 high)
+{
+    enum { POINTS = 4000 };
+    int32_t once = 0, twice = 0;
+    for (uint64_t i = 0; i < POINTS; i++) {
+        const ShvVec3 x = {low.x + (high.x - low.x) * shv_random_uniform(9, 3 * i),
+                           low.y + (high.y - low.y) * shv_random_uniform(9, 3 * i + 1),
+                           low.z + (high.z - low.z) * shv_random_uniform(9, 3 * i + 2)};
+        int32_t first = -1;
+        bool both = false;
+        for (int32_t e = 0; e < s->state.element_count && !both; e++) {
+            const int32_t fragment = s->state.element_fragment[e];
+            if (fragment == first || !in_tet(s, e, x)) continue;
+            both = first >= 0;
+            first = fragment;
+        }
+        once += first >= 0;
+        twice += both;
+    }
+    return once > 0 ? (double)twice / once : 0.0;
+}
+
+/* Drawn apart and dropped: the pieces fall onto each other and stay out of each other. */
+static void test_rubble_falls(void **state)
+{
+    (void)state;
+    const double size[3] = {0.04, 0.04, 0.04};
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, size[0], size[1], size[2], 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.5, true);
+    shatter(&s, 8, size);
+    s.gravity[2] = -9.81;
+    ShvVec3 centre[8] = {{0.0, 0.0, 0.0}};
+    double weight[8] = {0.0};
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        for (int k = 0; k < 4; k++) {
+            const int32_t node = shv_state_node(&s.state, e, k), f = s.state.element_fragment[e];
+            centre[f] = shv_add(centre[f], shv_load3(s.state.reference + 3 * (int64_t)node));
+            weight[f] += 1.0;
+        }
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        for (int k = 0; k < 4; k++) {
+            const int32_t node = shv_state_node(&s.state, e, k), f = s.state.element_fragment[e];
+            shv_store3(s.state.displacement + 3 * (int64_t)node, shv_scale(centre[f], 0.6 / weight[f]));
+            s.state.velocity[3 * (int64_t)node + 2] = -0.5;
+        }
+    const double step = surfaces_stable_step(&s), start = surfaces_kinetic(&s, s.state.velocity);
+    const double mass = 1200.0 * 0.04 * 0.04 * 0.04;
+    int64_t touches = 0;
+    while (s.state.time < 0.06) {
+        surfaces_step(&s, step);
+        touches += s.contact.touching;
+        assert_true(surfaces_kinetic(&s, s.state.velocity) < start + mass * 9.81 * 0.05);
+    }
+    assert_true(touches > 1000);
+    assert_true(s.gain <= 1e-13 * start);
+    const double share = overlap(&s, shv_vec3(-0.06, -0.06, 0.0), shv_vec3(0.06, 0.06, 0.08));
+    if (!(share < 0.01)) fail_msg("%g of the volume is in two pieces", share);
+    surfaces_release(&s);
+}
+
+/* ---- the same bits ---- */
+
+static uint64_t hash_of(const Surfaces *s)
+{
+    return shv_state_hash(&s->state);
+}
+
+static void define_crash(Surfaces *s, int32_t threads)
+{
+    surfaces_define(s);
+    s->scene.threads = threads;
+    surfaces_place(surfaces_ball(s, 0.02, 0.006), shv_vec3(0.001, 0.002, 0.0252), shv_vec3(0.4, 0.0, -3.0));
+    surfaces_box(s, 0.1, 0.1, 0.01, 0.01);
+    surfaces_place(surfaces_box(s, 0.03, 0.03, 0.03, 0.01), shv_vec3(0.0, 0.0, -0.021), shv_vec3(0.0, 0.0, 1.0));
+    surfaces_build(s, 0.4, false);
+    surfaces_make_companion(s, 2, shv_vec3(0.0, 0.0, 1.0), shv_vec3(3.0, 1.0, 0.0));
+}
+
+static void test_threads(void **state)
+{
+    (void)state;
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        Surfaces s;
+        define_crash(&s, 1 + k);
+        /* Few steps: two threads that wait for each other are slow on a busy machine. */
+        for (int step = 0; step < 6; step++) surfaces_step(&s, 2e-5);
+        assert_true(s.contact.touching > 0);
+        hash[k] = hash_of(&s);
+        surfaces_release(&s);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+/* A step that is looked at and not taken leaves no trace. */
+static void test_steps_thrown_away(void **state)
+{
+    (void)state;
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        Surfaces s;
+        define_crash(&s, 1);
+        double *kept = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)s.state.node_count, sizeof(double));
+        for (int step = 0; step < 150; step++) {
+            if (k == 1 && step % 3 == 1) {
+                const ShvCompanion companion = s.companion[2];
+                memcpy(kept, s.state.velocity, 3 * (size_t)s.state.node_count * sizeof(double));
+                surfaces_kick(&s, s.state.last_step);
+                memcpy(s.state.velocity, kept, 3 * (size_t)s.state.node_count * sizeof(double));
+                s.companion[2] = companion;
+            }
+            surfaces_step(&s, 2e-5 * (1.0 + 0.1 * (step % 4)));
+        }
+        hash[k] = hash_of(&s);
+        shv_release(kept);
+        surfaces_release(&s);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+/* ---- what is looked at ---- */
+
+/* Every pair that all nodes against all facets would give has been found, in spite of skin, paths and grid. */
+static void test_nothing_is_missed(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_ball(&s, 0.02, 0.006), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.5, 0.0));
+    ShvObjectDefinition *other = surfaces_box(&s, 0.03, 0.03, 0.03, 0.012);
+    surfaces_place(other, shv_vec3(0.021, 0.013, 0.004), shv_vec3(-2.0, -0.5, 0.3));
+    other->placement.angular_velocity[2] = 100.0;
+    surfaces_place(surfaces_box(&s, 0.08, 0.08, 0.08, 0.08), shv_vec3(0.0, 0.0, -0.0605), shv_vec3(0.0, 0.0, 1.0));
+    surfaces_build(&s, 0.4, false);
+    surfaces_make_companion(&s, 2, shv_vec3(0.0, 0.0, 2.0), shv_vec3(0.0, 5.0, 0.0));
+    const double step = surfaces_stable_step(&s);
+    int64_t found = 0;
+    for (int k = 0; k < 400; k++) {
+        surfaces_forces(&s);
+        check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
+        shv_motion_kick(&s.state, s.nodes, s.node_count, 0.5 * (s.state.last_step + step), s.gravity, 1);
+        const double reach = 1e-3; /* m, far more than any two can come closer in a step */
+        int32_t expected = 0;
+        const ShvSurfaceList *list = &s.contact.list;
+        for (int32_t f = 0; f < list->facet_count; f++)
+            for (int32_t i = 0; i < list->node_count; i++) {
+                const ShvSurfaceFacet *facet = &list->facets[f];
+                const ShvSurfaceNode *node = &list->nodes[i];
+                if (facet->fragment == node->fragment) continue;
+                const ShvSurfaceCandidate candidate = {.node = node->node,
+                                                       .element = facet->element,
+                                                       .face = facet->face,
+                                                       .fragments = {node->fragment, facet->fragment}};
+                ShvFacetPair pair;
+                double distance;
+                if (!shv_facet_pair_look(&s.bodies, &s.model, &candidate, step, reach, &pair, &distance)) continue;
+                const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
+                if (shv_dot(node->normal, pair.normal) > 0.25 * shv_norm(node->normal) && inside < 1e-3) continue;
+                /* It matters if it would be struck. */
+                expected += pair.gap + step * shv_dot(pair.relative, pair.normal) < 0.0;
+            }
+        check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
+        int32_t listed = 0;
+        for (int32_t p = 0; p < s.contact.pair_count; p++) {
+            const ShvFacetPair *pair = &s.contact.pairs[p];
+            listed += pair->gap + step * shv_dot(pair->relative, pair->normal) < 0.0;
+        }
+        assert_int_equal(listed, expected);
+        found += expected;
+        surfaces_drift(&s, step);
+    }
+    assert_true(found > 100);
+    assert_true(s.contact.rebuilds < 60);
+    surfaces_release(&s);
+}
+
+/* One awake fragment without parted cracks: nothing is allocated. */
+static void test_idle(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.01)->placement.angular_velocity[0] = 5.0;
+    surfaces_ball(&s, 0.02, 0.006); /* overlaps, and sleeps */
+    surfaces_build(&s, 0.3, false);
+    s.awake[1] = 0;
+    surfaces_list_nodes(&s);
+    surfaces_step(&s, 2e-5);
+    const int64_t requests = shv_memory_requests(s.memory);
+    for (int k = 0; k < 20; k++) surfaces_step(&s, 2e-5);
+    assert_true(s.contact.idle);
+    assert_int_equal(shv_memory_requests(s.memory), requests);
+    assert_null(s.contact.list.nodes);
+    assert_null(s.contact.candidates);
+    surfaces_release(&s);
+}
+
+/* Fails at every allocation in turn, and goes on when there is memory again. */
+static void test_out_of_memory(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.3, false);
+    cut(&s, 1.0, 0.0);
+    surfaces_forces(&s);
+    surfaces_part(&s);
+    for (int64_t i = 0; i < 3 * (int64_t)s.state.node_count; i++) s.state.velocity[i] = i % 2 ? 1.0 : -1.0;
+    int failures = 0;
+    for (int64_t allowed = 0;; allowed++) {
+        shv_memory_fail_after(s.memory, allowed);
+        shv_surface_contact_invalidate(&s.contact);
+        ShvStatus status = shv_surface_contact_begin(&s.contact, &s.bodies, 1e-5, s.gravity, &s.error);
+        if (status == SHV_OK) status = shv_surface_contact_apply(&s.contact, &s.bodies, 1e-5, &s.error);
+        if (status == SHV_OK) break;
+        assert_int_equal(status, SHV_NO_MEMORY);
+        failures++;
+        /* Nothing is kept between tries, so that every allocation is met. */
+        shv_memory_fail_after(s.memory, -1);
+        shv_surface_contact_release(&s.contact);
+        check_ok(shv_surface_contact_create(&s.contact, s.memory, &s.model, 0.3, &s.error), s.error);
+    }
+    shv_memory_fail_after(s.memory, -1);
+    assert_true(failures > 12);
+    assert_true(s.contact.pair_count > 0);
+    surfaces_release(&s);
+}
+
+static void test_friction_is_checked(void **state)
+{
+    (void)state;
+    ShvSurfaceContact contact;
+    ShvError error;
+    check_fails(shv_surface_contact_create(&contact, NULL, NULL, -0.1, &error), SHV_BAD_INPUT, error, "friction");
+    check_fails(shv_surface_contact_create(&contact, NULL, NULL, (double)NAN, &error), SHV_BAD_INPUT, error,
+                "friction");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bars_exchange_velocities),
+                                       cmocka_unit_test(test_cubes_head_on),
+                                       cmocka_unit_test(test_balls_oblique),
+                                       cmocka_unit_test(test_ball_on_plate),
+                                       cmocka_unit_test(test_cube_on_companion),
+                                       cmocka_unit_test(test_companions),
+                                       cmocka_unit_test(test_halves_rest),
+                                       cmocka_unit_test(test_parted_halves_collide),
+                                       cmocka_unit_test(test_slit_closes),
+                                       cmocka_unit_test(test_rubble_stands),
+                                       cmocka_unit_test(test_rubble_falls),
+                                       cmocka_unit_test(test_threads),
+                                       cmocka_unit_test(test_steps_thrown_away),
+                                       cmocka_unit_test(test_nothing_is_missed),
+                                       cmocka_unit_test(test_idle),
+                                       cmocka_unit_test(test_out_of_memory),
+                                       cmocka_unit_test(test_friction_is_checked)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
