@@ -2,8 +2,8 @@
 #ifndef BULLET_BRIDGE_RIGID_BODY_HPP
 #define BULLET_BRIDGE_RIGID_BODY_HPP
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include "bullet_bridge/rigid_convex.hpp"
@@ -16,7 +16,7 @@ struct ShvBulletBody {
     btScalar offset = 0;
     btScalar radius = 0; // about the origin, scaled
     std::vector<ShvConvex> parts;
-    btDbvt tree; // of the parts of a surface
+    btDbvt tree;                           // of the parts of a surface
     btVector3 low{0, 0, 0}, high{0, 0, 0}; // box in the body's frame, scaled
     btVector3 position{0, 0, 0};           // m, world: not scaled, so that far from the origin nothing is lost
     btMatrix3x3 axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -43,6 +43,10 @@ class ShvCollider
         btVector3 origin;
         btVector3 at(size_t vertex) const { return origin + *axes * convex->vertices[vertex]; }
     };
+    struct Near {
+        Placed part;
+        btVector3 centre;
+    };
     struct Axis {
         btVector3 normal{0, 0, 0}; // from the second part to the first
         btScalar gap = -BT_LARGE_FLOAT;
@@ -60,7 +64,10 @@ class ShvCollider
     void sphere_sphere();
     void sphere_parts(const ShvBulletBody &sphere, const ShvBulletBody &other, const btVector3 &centre,
                       const btVector3 &origin, btScalar side);
-    void sphere_part(const ShvBulletBody &sphere, const Placed &part, bool surface, const btVector3 &centre, btScalar side);
+    void sphere_part(const ShvBulletBody &sphere, const Placed &part, bool surface, const btVector3 &centre,
+                     btScalar side);
+    void near_parts(const ShvBulletBody &own, const btVector3 &origin, const ShvBulletBody &other,
+                    const btVector3 &other_origin, std::vector<Near> *list) const;
     void parts_parts();
     // A surface's part is seen from outside only.
     void part_part(const Placed &first, const Placed &second, bool surface_first, bool surface_second);
@@ -85,6 +92,7 @@ class ShvCollider
     btScalar limit = 0;
     std::vector<Point> points;
     std::vector<btVector3> polygon, clipped;
+    std::vector<Near> near_first, near_second;
 };
 
 #endif

@@ -193,7 +193,8 @@ static btVector3 closest_on_segment(const btVector3 &from, const btVector3 &to, 
 void ShvCollider::sphere_part(const ShvBulletBody &sphere, const Placed &part, bool surface, const btVector3 &centre,
                               btScalar side)
 {
-    if ((centre - part.origin - *part.axes * part.convex->centre).length() > sphere.radius + part.convex->radius + limit)
+    if ((centre - part.origin - *part.axes * part.convex->centre).length() >
+        sphere.radius + part.convex->radius + limit)
         return;
     btVector3 normal(0, 0, 1), witness(0, 0, 1);
     btScalar height = -BT_LARGE_FLOAT; // of the centre over the part
@@ -316,8 +317,8 @@ bool ShvCollider::emit_faces(const Placed &first, const Placed &second, const Ax
 
 void ShvCollider::part_part(const Placed &first, const Placed &second, bool surface_first, bool surface_second)
 {
-    const btVector3 between = first.origin + *first.axes * first.convex->centre - second.origin -
-                              *second.axes * second.convex->centre;
+    const btVector3 between =
+        first.origin + *first.axes * first.convex->centre - second.origin - *second.axes * second.convex->centre;
     const btScalar distance = between.length();
     if (distance > first.convex->radius + second.convex->radius + limit) return;
     if (distance > 0 && gap_along(first, second, between / distance) > limit) return;
@@ -392,18 +393,38 @@ void ShvCollider::parts_surface(const ShvBulletBody &parts, const ShvBulletBody 
     }
 }
 
+// Parts of a body that may touch another one, by their spheres.
+void ShvCollider::near_parts(const ShvBulletBody &own, const btVector3 &origin, const ShvBulletBody &other,
+                             const btVector3 &other_origin, std::vector<Near> *list) const
+{
+    list->clear();
+    for (const ShvConvex &part : own.parts) {
+        const btVector3 centre = origin + own.axes * part.centre;
+        const btScalar reach = part.radius + limit;
+        if ((centre - other_origin).length2() > (reach + other.radius) * (reach + other.radius)) continue;
+        list->push_back({{&part, &own.axes, origin}, centre});
+    }
+}
+
 void ShvCollider::parts_parts()
 {
     const btVector3 zero(0, 0, 0);
     if (b->kind == SHV_BULLET_TRIANGLES) {
         parts_surface(*a, *b, zero, shift, false);
-    } else if (a->kind == SHV_BULLET_TRIANGLES) {
-        parts_surface(*b, *a, shift, zero, true);
-    } else {
-        for (const ShvConvex &own : a->parts)
-            for (const ShvConvex &other : b->parts)
-                part_part({&own, &a->axes, zero}, {&other, &b->axes, shift}, false, false);
+        return;
     }
+    if (a->kind == SHV_BULLET_TRIANGLES) {
+        parts_surface(*b, *a, shift, zero, true);
+        return;
+    }
+    near_parts(*a, zero, *b, shift, &near_first);
+    if (near_first.empty()) return;
+    near_parts(*b, shift, *a, zero, &near_second);
+    for (const Near &own : near_first)
+        for (const Near &other : near_second) {
+            const btScalar reach = own.part.convex->radius + other.part.convex->radius + limit;
+            if ((own.centre - other.centre).length2() <= reach * reach) part_part(own.part, other.part, false, false);
+        }
 }
 
 void ShvCollider::pair(const ShvBulletBody &first, const ShvBulletBody &second)

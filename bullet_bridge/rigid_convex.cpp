@@ -1,8 +1,12 @@
 #include "bullet_bridge/rigid_convex.hpp"
 
+#include <algorithm>
+
 #include <LinearMath/btConvexHullComputer.h>
 
 static const btScalar hull_core_share = 0.995, hull_kernel_share = 0.8;
+// Faces of one plane: the hull computer's grid tears them apart.
+static const btScalar same_normal = 1 - 1e-8, same_plane = 1e-6;
 
 btScalar ShvConvex::highest(const btVector3 &direction, const btMatrix3x3 &axes) const
 {
@@ -42,6 +46,55 @@ static btVector3 area_of(const std::vector<btVector3> &vertices, const std::vect
     return sum;
 }
 
+// The corners' convex outline in the face's plane, counter-clockwise from outside (Andrew's monotone chain).
+void ShvConvex::outline(ShvConvexFace *face) const
+{
+    btVector3 x, y;
+    btPlaneSpace1(face->normal, x, y);
+    if (x.cross(y).dot(face->normal) < 0) y = -y;
+    std::vector<int> sorted = face->corners;
+    const auto at = [&](int corner) {
+        const btVector3 &vertex = vertices[size_t(corner)];
+        return std::pair<btScalar, btScalar>(x.dot(vertex), y.dot(vertex));
+    };
+    std::sort(sorted.begin(), sorted.end(), [&](int a, int b) { return at(a) != at(b) ? at(a) < at(b) : a < b; });
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    const auto turns_left = [&](int a, int b, int c) {
+        const auto p = at(a), q = at(b), r = at(c);
+        return (q.first - p.first) * (r.second - p.second) - (q.second - p.second) * (r.first - p.first) >
+               btScalar(1e-9) * radius * radius;
+    };
+    std::vector<int> chain;
+    for (int pass = 0; pass < 2; pass++) {
+        const size_t begin = chain.size();
+        for (int corner : sorted) {
+            while (chain.size() >= begin + 2 && !turns_left(chain[chain.size() - 2], chain.back(), corner))
+                chain.pop_back();
+            chain.push_back(corner);
+        }
+        chain.pop_back();
+        std::reverse(sorted.begin(), sorted.end());
+    }
+    if (chain.size() >= 3) face->corners = chain;
+}
+
+void ShvConvex::merge_faces()
+{
+    std::vector<ShvConvexFace> merged;
+    for (const ShvConvexFace &face : faces) {
+        ShvConvexFace *own = nullptr;
+        for (ShvConvexFace &other : merged)
+            if (other.normal.dot(face.normal) > same_normal && btFabs(other.offset - face.offset) < same_plane * radius)
+                own = &other;
+        if (own)
+            own->corners.insert(own->corners.end(), face.corners.begin(), face.corners.end());
+        else
+            merged.push_back(face);
+    }
+    for (ShvConvexFace &face : merged) outline(&face);
+    faces.swap(merged);
+}
+
 bool ShvConvex::make_hull(const std::vector<btVector3> &points)
 {
     btConvexHullComputer computer;
@@ -72,6 +125,7 @@ bool ShvConvex::make_hull(const std::vector<btVector3> &points)
         volume += (face.offset - face.normal.dot(centre)) * length / 6;
         faces.push_back(face);
     }
+    merge_faces();
     return volume > btScalar(1e-12) * radius * radius * radius;
 }
 

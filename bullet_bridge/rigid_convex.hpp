@@ -9,8 +9,8 @@
 #include <LinearMath/btVector3.h>
 
 struct ShvConvexFace {
-    btVector3 normal; // outward, unit
-    btScalar offset;  // normal · x on the face
+    btVector3 normal;         // outward, unit
+    btScalar offset;          // normal · x on the face
     std::vector<int> corners; // counter-clockwise from outside
 };
 
@@ -31,6 +31,8 @@ struct ShvConvex {
     bool make_triangle(const btVector3 &a, const btVector3 &b, const btVector3 &c);
 
   private:
+    void merge_faces();
+    void outline(ShvConvexFace *face) const;
     void finish(btScalar core_share, btScalar kernel_share);
     std::unique_ptr<btConvexHullShape> shrunk(btScalar share) const;
 };

@@ -16,7 +16,8 @@ ShvSolver::ShvSolver() : ground(btRigidBody::btRigidBodyConstructionInfo(0, null
 
 ShvBulletContact &ShvSolver::contact_of(const btSolverConstraint &row)
 {
-    return *static_cast<ShvBulletContact *>(static_cast<btManifoldPoint *>(row.m_originalContactPoint)->m_userPersistentData);
+    return *static_cast<ShvBulletContact *>(
+        static_cast<btManifoldPoint *>(row.m_originalContactPoint)->m_userPersistentData);
 }
 
 // Manifolds of up to four contacts of one pair. The world positions are arms, and the bodies' origins are zero: far from the
@@ -62,11 +63,15 @@ btScalar ShvSolver::solveGroupCacheFriendlySetup(btCollisionObject **all, int co
     const auto speed = [this](const btSolverConstraint &row) {
         const btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA];
         const btSolverBody &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-        return row.m_contactNormal1.dot(first.m_linearVelocity) + row.m_relpos1CrossNormal.dot(first.m_angularVelocity) +
-               row.m_contactNormal2.dot(second.m_linearVelocity) + row.m_relpos2CrossNormal.dot(second.m_angularVelocity);
+        return row.m_contactNormal1.dot(first.m_linearVelocity) +
+               row.m_relpos1CrossNormal.dot(first.m_angularVelocity) +
+               row.m_contactNormal2.dot(second.m_linearVelocity) +
+               row.m_relpos2CrossNormal.dot(second.m_angularVelocity);
     };
+    mobilities.resize(size_t(m_tmpSolverContactConstraintPool.size()));
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) {
         btSolverConstraint &row = m_tmpSolverContactConstraintPool[i];
+        mobilities[size_t(i)] = mobility_of(row);
         const ShvBulletContact &contact = contact_of(row);
         const btVector3 support = load(contact.support), normal = load(contact.normal);
         row.m_rhs = (contact.target - speed(row) + normal.dot(support)) * row.m_jacDiagABInv;
@@ -76,34 +81,40 @@ btScalar ShvSolver::solveGroupCacheFriendlySetup(btCollisionObject **all, int co
         for (int k = 0; k < 2; k++) {
             btSolverConstraint &slide = m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex + k];
             const btVector3 &direction = k ? point.m_lateralFrictionDir2 : point.m_lateralFrictionDir1;
-            slide.m_rhs = (direction.dot(support) - speed(slide)) * slide.m_jacDiagABInv;
+            slide.m_rhs = direction.dot(support) - speed(slide); // a velocity: see rub
         }
     }
     return 0;
 }
 
+// Larger eigenvalue of the 2 × 2 mobility of a contact's friction rows.
+btScalar ShvSolver::mobility_of(const btSolverConstraint &row) const
+{
+    const btSolverConstraint *rows = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
+    const btScalar coupling = rows[0].m_relpos1CrossNormal.dot(rows[1].m_angularComponentA) +
+                              rows[0].m_relpos2CrossNormal.dot(rows[1].m_angularComponentB);
+    const btScalar x = 1 / rows[0].m_jacDiagABInv, y = 1 / rows[1].m_jacDiagABInv, half = (x - y) / 2;
+    return (x + y) / 2 + btSqrt(half * half + coupling * coupling);
+}
+
 // Coulomb's law of one contact in both directions at once: the impulse moves against the sliding velocity, by what the largest
 // effective mobility bears, and back onto the disc. At rest of the iteration friction is opposite to the sliding. (Row by row,
 // each brought to rest and cut, it would not be: the rows are coupled by the bodies' turning.) Returns the change of velocity.
-btScalar ShvSolver::rub(const btSolverConstraint &row)
+btScalar ShvSolver::rub(const btSolverConstraint &row, btScalar mobility)
 {
     btSolverConstraint *rows = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
     btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA], &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-    const btScalar coupling = rows[0].m_relpos1CrossNormal.dot(rows[1].m_angularComponentA) +
-                              rows[0].m_relpos2CrossNormal.dot(rows[1].m_angularComponentB);
-    const btScalar mobility[2] = {1 / rows[0].m_jacDiagABInv, 1 / rows[1].m_jacDiagABInv};
-    const btScalar half = (mobility[0] - mobility[1]) / 2;
-    const btScalar largest = (mobility[0] + mobility[1]) / 2 + btSqrt(half * half + coupling * coupling);
+    const btScalar limit = contact_of(row).friction * row.m_appliedImpulse;
+    if (!(limit > 0) && rows[0].m_appliedImpulse == 0 && rows[1].m_appliedImpulse == 0) return 0;
     btScalar wanted[2];
     for (int k = 0; k < 2; k++) {
         const btScalar slides = rows[k].m_contactNormal1.dot(first.internalGetDeltaLinearVelocity()) +
                                 rows[k].m_relpos1CrossNormal.dot(first.internalGetDeltaAngularVelocity()) +
                                 rows[k].m_contactNormal2.dot(second.internalGetDeltaLinearVelocity()) +
                                 rows[k].m_relpos2CrossNormal.dot(second.internalGetDeltaAngularVelocity());
-        wanted[k] = rows[k].m_appliedImpulse + (rows[k].m_rhs * mobility[k] - slides) / largest;
+        wanted[k] = rows[k].m_appliedImpulse + (rows[k].m_rhs - slides) / mobility;
     }
     const btScalar size = btSqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
-    const btScalar limit = contact_of(row).friction * row.m_appliedImpulse;
     btScalar change = 0;
     for (int k = 0; k < 2; k++) {
         const btScalar impulse = size > limit ? wanted[k] * (limit / size) : wanted[k];
@@ -113,7 +124,7 @@ btScalar ShvSolver::rub(const btSolverConstraint &row)
         second.internalApplyImpulse(rows[k].m_contactNormal2 * second.internalGetInvMass(), rows[k].m_angularComponentB,
                                     more);
         rows[k].m_appliedImpulse = impulse;
-        change = btMax(change, btFabs(more) * largest);
+        change = btMax(change, btFabs(more) * mobility);
     }
     return change;
 }
@@ -128,7 +139,7 @@ btScalar ShvSolver::solveSingleIteration(int, btCollisionObject **, int, btPersi
         resolveSingleConstraintRowLowerLimit(m_tmpSolverBodyPool[row.m_solverBodyIdA],
                                              m_tmpSolverBodyPool[row.m_solverBodyIdB], row);
         change = btMax(change, btFabs(row.m_appliedImpulse - before) / row.m_jacDiagABInv);
-        if (contact_of(row).friction > 0) change = btMax(change, rub(row));
+        if (contact_of(row).friction > 0) change = btMax(change, rub(row, mobilities[size_t(i)]));
     }
     return change * change;
 }
@@ -179,8 +190,8 @@ void ShvSolver::solve(const std::vector<ShvBulletBody *> &bodies, ShvBulletMotio
     info.m_splitImpulse = true;
     info.m_warmstartingFactor = 1;
     info.m_restitutionVelocityThreshold = 0;
-    info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING |
-                        SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+    info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS |
+                        SOLVER_ENABLE_FRICTION_DIRECTION_CACHING | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
     solveGroup(objects.data(), int(objects.size()), manifold_pointers.data(), int(manifold_pointers.size()), nullptr, 0,
                info, nullptr, nullptr);
     for (btPersistentManifold &manifold : manifolds)

@@ -33,12 +33,14 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
     static ShvBulletContact &contact_of(const btSolverConstraint &row);
     void fill(const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
               ShvBulletContact *contacts, int count);
-    btScalar rub(const btSolverConstraint &row);
+    btScalar mobility_of(const btSolverConstraint &row) const;
+    btScalar rub(const btSolverConstraint &row, btScalar mobility);
 
     btRigidBody ground;
     std::vector<btPersistentManifold> manifolds;
     std::vector<btPersistentManifold *> manifold_pointers;
     std::vector<btCollisionObject *> objects;
+    std::vector<btScalar> mobilities; // of each contact: its largest velocity along the surface for a unit impulse
     ShvBulletMotion *motion = nullptr;
 };
 

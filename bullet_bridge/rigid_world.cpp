@@ -73,7 +73,8 @@ static bool finite(const double *values, size_t count)
     return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
 }
 
-static ShvStatus make_hulls(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape, ShvError *error)
+static ShvStatus make_hulls(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
+                            ShvError *error)
 {
     if (shape->hull_count < 1 || !finite(shape->vertices, 3 * size_t(shape->hull_begin[shape->hull_count])))
         return shv_fail(error, SHV_BAD_INPUT, "it has no hull, or one with coordinates that are not finite");
@@ -97,7 +98,8 @@ static ShvStatus make_triangles(ShvBulletBody *body, const ShvBulletWorld *world
         return shv_fail(error, SHV_BAD_INPUT, "it has coordinates that are not finite");
     for (int32_t t = 0; t < shape->triangle_count; t++) {
         btVector3 corner[3];
-        for (int k = 0; k < 3; k++) corner[k] = scaled(world, shape->vertices + 3 * size_t(shape->triangles[3 * t + k]));
+        for (int k = 0; k < 3; k++)
+            corner[k] = scaled(world, shape->vertices + 3 * size_t(shape->triangles[3 * t + k]));
         ShvConvex part;
         if (!part.make_triangle(corner[0], corner[1], corner[2])) continue;
         btVector3 low = corner[0], high = corner[0];
@@ -129,7 +131,8 @@ static void measure(ShvBulletBody *body)
         }
 }
 
-static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape, ShvError *error)
+static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
+                            ShvError *error)
 {
     body->kind = shape->kind;
     ShvStatus status = SHV_OK;
@@ -145,8 +148,12 @@ static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, co
         body->radius = shape->radius * world->scale;
         if (!(body->radius > 0)) return shv_fail(error, SHV_BAD_INPUT, "its radius is %g m", shape->radius);
         break;
-    case SHV_BULLET_HULLS: status = make_hulls(body, world, shape, error); break;
-    case SHV_BULLET_TRIANGLES: status = make_triangles(body, world, shape, error); break;
+    case SHV_BULLET_HULLS:
+        status = make_hulls(body, world, shape, error);
+        break;
+    case SHV_BULLET_TRIANGLES:
+        status = make_triangles(body, world, shape, error);
+        break;
     }
     if (status == SHV_OK) measure(body);
     return status;

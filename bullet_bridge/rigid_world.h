@@ -17,9 +17,9 @@ extern "C" {
 typedef struct ShvBulletWorld ShvBulletWorld;
 
 typedef enum ShvBulletKind {
-    SHV_BULLET_PLANE,    /* half space below normal · x = offset, world; never moves */
-    SHV_BULLET_SPHERE,   /* about the body's origin */
-    SHV_BULLET_HULLS,    /* convex hulls of vertices, each of positive volume */
+    SHV_BULLET_PLANE,  /* half space below normal · x = offset, world; never moves */
+    SHV_BULLET_SPHERE, /* about the body's origin */
+    SHV_BULLET_HULLS,  /* convex hulls of vertices, each of positive volume */
     SHV_BULLET_TRIANGLES /* closed surface, outside where the corners run counter-clockwise; only for bodies without mass */
 } ShvBulletKind;
 
@@ -56,15 +56,15 @@ typedef struct ShvBulletContact {
 } ShvBulletContact;
 
 typedef struct ShvBulletMotion {
-    int32_t body;             /* with mass */
-    double velocity[3];       /* m/s; in: without the contacts, out: with them */
-    double spin[3];           /* rad/s, world; likewise */
-    double push[3], turn[3];  /* m/s, rad/s, out: undo overlaps over the step, leave no velocity */
+    int32_t body;            /* with mass */
+    double velocity[3];      /* m/s; in: without the contacts, out: with them */
+    double spin[3];          /* rad/s, world; likewise */
+    double push[3], turn[3]; /* m/s, rad/s, out: undo overlaps over the step, leave no velocity */
 } ShvBulletMotion;
 
 typedef struct ShvBulletSolve {
-    int32_t iterations;  /* at most */
-    double tolerance;    /* m/s: an iteration that changes no velocity by more is the last */
+    int32_t iterations; /* at most */
+    double tolerance;   /* m/s: an iteration that changes no velocity by more is the last */
 } ShvBulletSolve;
 
 /* An empty world. `length`: of a typical large body, m, > 0. On failure *world is NULL. */

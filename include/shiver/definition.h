@@ -196,8 +196,9 @@ ShvEventDefinition shv_event_default(void);
 /* ---- rigid mode, fracture mode, output ---------------------------------------------------------------- */
 
 typedef enum ShvRigidEngine {
-    SHV_RIGID_ANALYTIC, /* bodies; contacts with obstacles by impulses */
-    SHV_RIGID_PBD       /* nodes held together by bars and damped towards rigid motion */
+    SHV_RIGID_ANALYTIC, /* flight in closed form; contacts with obstacles by impulses, none between fragments */
+    SHV_RIGID_PBD,      /* nodes held together by bars and damped towards rigid motion; none between fragments */
+    SHV_RIGID_BULLET    /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
 } ShvRigidEngine;
 
 typedef enum ShvBarForm {

@@ -1,5 +1,10 @@
 #include "contact/facet_pair.h"
 
+static ShvObstacle *obstacle_of(const ShvSurfaceBodies *bodies, int32_t element)
+{
+    return &bodies->obstacles->items[-1 - element];
+}
+
 /* A node on the common edge of two facets belongs to one at least, whatever the rounding. */
 static const double edge_margin = 1e-9;
 
@@ -115,11 +120,13 @@ static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], 
 /* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
 static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
 {
-    const ShvCompanion *companion[2];
-    for (int k = 0; k < 2; k++) companion[k] = shv_bodies_companion(bodies, pair->fragments[k]);
-    double sum = companion[0] ? shv_companion_inverse_mass(companion[0], pair->point, direction)
-                              : 1.0 / bodies->state->mass[pair->node];
-    if (companion[1]) return sum + shv_companion_inverse_mass(companion[1], pair->point, direction);
+    const ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[0]);
+    double sum = companion ? shv_companion_inverse_mass(companion, pair->point, direction)
+                           : 1.0 / bodies->state->mass[pair->node];
+    if (pair->element < 0)
+        return sum + shv_obstacle_inverse_mass(obstacle_of(bodies, pair->element), pair->point, direction);
+    companion = shv_bodies_companion(bodies, pair->fragments[1]);
+    if (companion) return sum + shv_companion_inverse_mass(companion, pair->point, direction);
     for (int k = 0; k < 3; k++) {
         const ShvVec3 share = shv_facet_pair_share(pair, k, direction);
         sum += shv_dot(share, share) / bodies->state->mass[pair->corners[k]];
@@ -130,16 +137,62 @@ static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bod
 /* Of directions across the normal, the one that yields most: the larger eigenvalue of two by two. */
 static double largest_slip_inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
-    const ShvVec3 first = shv_unit(shv_sub(pair->gradients[1], pair->gradients[2]));
+    const ShvVec3 n = pair->normal;
+    const ShvVec3 axis = {fabs(n.x) <= fabs(n.y) && fabs(n.x) <= fabs(n.z),
+                          fabs(n.y) < fabs(n.x) && fabs(n.y) <= fabs(n.z),
+                          fabs(n.z) < fabs(n.x) && fabs(n.z) < fabs(n.y)};
+    const ShvVec3 first = shv_unit(shv_cross(n, axis));
     const ShvVec3 second = shv_cross(pair->normal, first);
     const double a = inverse_mass(pair, bodies, first), b = inverse_mass(pair, bodies, second);
     const double mixed = inverse_mass(pair, bodies, shv_unit(shv_add(first, second))) - 0.5 * (a + b);
     return 0.5 * (a + b) + sqrt(0.25 * (a - b) * (a - b) + mixed * mixed);
 }
 
+/* What follows from place and velocities. */
+static void weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    pair->relative = shv_facet_pair_velocity(pair, bodies);
+    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
+    pair->inverse_mass = inverse_mass(pair, bodies, pair->normal);
+    pair->slip_inverse_mass = largest_slip_inverse_mass(pair, bodies);
+    pair->normal_impulse = pair->friction_bound = 0.0;
+    pair->friction = shv_vec3(0.0, 0.0, 0.0);
+    pair->obstacle_work[0] = pair->obstacle_work[1] = 0.0;
+    pair->excluded = pair->open = false;
+}
+
+static void name_pair(ShvFacetPair *pair, const ShvSurfaceCandidate *candidate, ShvVec3 x)
+{
+    pair->node = candidate->node;
+    pair->element = candidate->element;
+    pair->face = candidate->face;
+    for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
+    pair->point = x;
+}
+
+static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
+                             ShvFacetPair *pair, double *distance)
+{
+    const ShvVec3 x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
+    const ShvSurfacePoint at = shv_obstacle_closest(obstacle_of(bodies, candidate->element), x, reach);
+    *distance = at.gap > reach ? reach : 0.0;
+    if (at.gap > reach) return false;
+    name_pair(pair, candidate, x);
+    pair->gap = at.gap;
+    pair->normal = at.normal;
+    for (int k = 0; k < 3; k++) {
+        pair->corners[k] = -1;
+        pair->weights[k] = 0.0;
+        pair->gradients[k] = shv_vec3(0.0, 0.0, 0.0);
+    }
+    weigh(pair, bodies);
+    return true;
+}
+
 bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
                          double step, double reach, ShvFacetPair *pair, double *distance)
 {
+    if (candidate->element < 0) return look_at_obstacle(bodies, candidate, reach, pair, distance);
     ShvVec3 corners[3], velocities[3];
     Place place;
     const int32_t fragment = candidate->fragments[1];
@@ -159,24 +212,14 @@ bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, 
     } else {
         if (side > 0.0 || !within_tet(bodies, model, candidate, x, corners, &place)) return false;
     }
-    pair->node = candidate->node;
-    pair->element = candidate->element;
-    pair->face = candidate->face;
+    name_pair(pair, candidate, x);
     pair->gap = place.gap;
-    pair->point = x;
     pair->normal = place.normal;
     for (int k = 0; k < 3; k++) {
         pair->weights[k] = place.weights[k];
         pair->gradients[k] = place.gradients[k];
     }
-    for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
-    pair->relative = shv_facet_pair_velocity(pair, bodies);
-    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
-    pair->inverse_mass = inverse_mass(pair, bodies, pair->normal);
-    pair->slip_inverse_mass = largest_slip_inverse_mass(pair, bodies);
-    pair->normal_impulse = pair->friction_bound = 0.0;
-    pair->friction = shv_vec3(0.0, 0.0, 0.0);
-    pair->excluded = pair->open = false;
+    weigh(pair, bodies);
     return true;
 }
 
@@ -185,6 +228,7 @@ bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, 
 ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     const ShvVec3 own = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
+    if (pair->element < 0) return shv_sub(own, shv_obstacle_velocity(obstacle_of(bodies, pair->element), pair->point));
     const ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[1]);
     if (companion) return shv_sub(own, shv_companion_velocity(companion, pair->point));
     ShvVec3 velocities[3];
@@ -192,17 +236,30 @@ ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies
     return shv_sub(own, mean_velocity(pair, velocities));
 }
 
-void shv_facet_pair_strike(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
+static void strike_obstacle(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
+{
+    ShvObstacle *obstacle = obstacle_of(bodies, pair->element);
+    if (obstacle->motion != SHV_OBSTACLE_FREE) return;
+    pair->obstacle_work[0] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
+    shv_obstacle_impulse(obstacle, pair->point, shv_scale(impulse, -1.0));
+    pair->obstacle_work[1] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
+}
+
+void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
 {
     ShvState *state = bodies->state;
-    ShvCompanion *companion[2];
-    for (int k = 0; k < 2; k++) companion[k] = shv_bodies_companion(bodies, pair->fragments[k]);
-    if (companion[0])
-        shv_companion_impulse(companion[0], pair->point, impulse);
+    ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[0]);
+    if (companion)
+        shv_companion_impulse(companion, pair->point, impulse);
     else
         shv_add_to3(state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / state->mass[pair->node]));
-    if (companion[1]) {
-        shv_companion_impulse(companion[1], pair->point, shv_scale(impulse, -1.0));
+    if (pair->element < 0) {
+        strike_obstacle(pair, bodies, impulse);
+        return;
+    }
+    companion = shv_bodies_companion(bodies, pair->fragments[1]);
+    if (companion) {
+        shv_companion_impulse(companion, pair->point, shv_scale(impulse, -1.0));
         return;
     }
     for (int k = 0; k < 3; k++)

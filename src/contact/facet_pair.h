@@ -11,14 +11,14 @@
 
 #include "contact/surface_list.h"
 
-/* A node and a facet close enough to meet within a step. */
+/* A node and a facet close enough to meet within a step; or a companion's node and an obstacle's nearest point. */
 typedef struct ShvFacetPair {
-    int32_t node, element, face;
-    int32_t fragments[2]; /* of the node, of the facet */
-    int32_t corners[3];   /* nodes of the facet */
-    double gap;           /* m; negative: inside */
-    ShvVec3 point;        /* the node's position, m */
-    ShvVec3 normal;       /* of the facet, outward */
+    int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
+    int32_t fragments[2];        /* of the node, of the facet */
+    int32_t corners[3];          /* nodes of the facet */
+    double gap;                  /* m; negative: inside */
+    ShvVec3 point;               /* the node's position, m */
+    ShvVec3 normal;              /* of the facet, outward */
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
     ShvVec3 relative;         /* velocity of the node against the facet before any response, m/s */
@@ -28,7 +28,9 @@ typedef struct ShvFacetPair {
     double normal_impulse;    /* N·s on the node along the normal, ≥ 0 */
     ShvVec3 friction;         /* N·s on the node, across the normal */
     double friction_bound;    /* N·s */
-    bool excluded;            /* the node entered through another facet */
+    double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
+    bool excluded;            /* another facet stands for it */
+    bool open;                /* it has had no impulse in its last turn */
 } ShvFacetPair;
 
 /* A pair worth looking at. */
@@ -53,6 +55,7 @@ static inline ShvVec3 shv_facet_pair_share(const ShvFacetPair *pair, int corner,
     return shv_madd(shv_scale(impulse, -pair->weights[corner]), pair->gap * shv_dot(pair->gradients[corner], impulse),
                     pair->normal);
 }
-void shv_facet_pair_strike(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse);
+/* An impulse on the pair's node and the answer on the other side. */
+void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse);
 
 #endif

@@ -39,6 +39,15 @@ static double squared_speed(const ShvSurfaceContact *contact, const ShvSurfaceBo
     return shv_dot(v, v);
 }
 
+/* Of obstacles; those that stand move against the frame too. */
+static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    double largest = 0.0;
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
+        largest = fmax(largest, shv_candidates_obstacle_speed(&bodies->obstacles->items[k]) + shv_norm(contact->drift));
+    return largest;
+}
+
 double shv_surface_candidates_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     double largest = 0.0;
@@ -46,7 +55,7 @@ double shv_surface_candidates_speed(const ShvSurfaceContact *contact, const ShvS
         const double squared = squared_speed(contact, bodies, contact->watched[k]);
         largest = squared > largest ? squared : largest;
     }
-    return sqrt(largest);
+    return fmax(sqrt(largest), obstacle_speed(contact, bodies));
 }
 
 static void look_at_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
@@ -56,7 +65,7 @@ static void look_at_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
         const double squared = squared_speed(contact, bodies, k);
         largest = squared > largest ? squared : largest;
     }
-    contact->largest_speed = sqrt(largest);
+    contact->largest_speed = fmax(sqrt(largest), obstacle_speed(contact, bodies));
     contact->since = 0;
 }
 
@@ -185,9 +194,10 @@ static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodie
                                 sizeof *candidate, error));
     contact->candidates = block;
     contact->candidates[contact->candidate_count++] = *candidate;
+    SHV_TRY(watch(contact, candidate->slot, error));
+    if (candidate->element < 0) return SHV_OK;
     int32_t nodes[3];
     shv_surface_corners(bodies->state, candidate->element, candidate->face, nodes);
-    SHV_TRY(watch(contact, candidate->slot, error));
     for (int k = 0; k < 3; k++) SHV_TRY(watch(contact, contact->list.slot[nodes[k]], error));
     return SHV_OK;
 }
@@ -236,6 +246,26 @@ static ShvStatus pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     return SHV_OK;
 }
 
+static ShvStatus pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                               ShvError *error)
+{
+    for (int32_t slot = 0; slot < contact->list.node_count; slot++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[slot];
+        if (!shv_bodies_companion(bodies, node->fragment)) continue;
+        const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+        const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, contact->skin);
+        if (at.gap >= contact->skin) continue;
+        const ShvSurfaceCandidate candidate = {.node = node->node,
+                                               .element = -1 - obstacle,
+                                               .fragments = {node->fragment, -1 - obstacle},
+                                               .slot = slot,
+                                               .mate = -1,
+                                               .due = fmax(at.gap, 0.0)};
+        SHV_TRY(add_candidate(contact, bodies, &candidate, error));
+    }
+    return SHV_OK;
+}
+
 /* ---- the whole ---- */
 
 static double mean_size(const ShvSurfaceContact *contact)
@@ -245,12 +275,13 @@ static double mean_size(const ShvSurfaceContact *contact)
     return contact->list.facet_count > 0 ? sum / contact->list.facet_count : 0.0;
 }
 
-/* Lasts for many steps, but is not so thick that every node has dozens of candidates unless the motion demands it. */
+/* Lasts for many steps, but is not so thick that every node has dozens of candidates unless the motion demands it; what
+   moves farther than its elements are large in a step is past helping. */
 static void choose_skin(ShvSurfaceContact *contact, double step, double gravity)
 {
     const double motion = motion_of(contact, step, gravity), size = mean_size(contact);
     const double wanted = fmin(2.0 * STEPS_TO_LAST * motion, 0.5 * size);
-    contact->skin = fmax(fmax(wanted, 0.02 * size), 4.0 * motion);
+    contact->skin = fmax(fmax(wanted, 0.02 * size), fmin(4.0 * motion, 2.0 * size));
 }
 
 static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
@@ -349,6 +380,8 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     SHV_TRY(fill_grid(contact, bodies, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
         SHV_TRY(pair_facet(contact, bodies, &contact->list.facets[k], error));
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
+        SHV_TRY(pair_obstacle(contact, bodies, k, error));
     contact->rebuilds++;
     return SHV_OK;
 }

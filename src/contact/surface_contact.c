@@ -5,7 +5,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { MOST_SWEEPS = 24 };
+enum { MOST_SWEEPS = 16 };
 
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
                                      double friction, ShvError *error)
@@ -84,7 +84,8 @@ static void clear_step(ShvSurfaceContact *contact)
 {
     contact->pair_count = contact->touching = contact->sweeps = contact->unresolved = 0;
     contact->deepest = 0.0;
-    for (int half = 0; half < 2; half++) contact->normal_work[half] = contact->friction_work[half] = 0.0;
+    for (int half = 0; half < 2; half++)
+        contact->normal_work[half] = contact->friction_work[half] = contact->obstacle_work[half] = 0.0;
 }
 
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
@@ -112,6 +113,7 @@ static bool held_by_crack(const ShvSurfaceContact *contact, const ShvSurfaceCand
 static bool looks_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
 {
     const double clearly = 1e-3;
+    if (candidate->element < 0) return false;
     const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
     if (!(shv_dot(own, pair->normal) > 0.25 * shv_norm(own))) return false;
     return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
@@ -171,8 +173,13 @@ static void exclude_deeper(ShvSurfaceContact *contact)
             if (farther->gap <= 0.0 || same_plane(pair, other)) farther->excluded = true;
         }
     }
-    for (int32_t i = 0; i < contact->pair_count; i++)
-        if (!contact->pairs[i].excluded) contact->deepest = fmax(contact->deepest, -contact->pairs[i].gap);
+    int32_t kept = 0;
+    for (int32_t i = 0; i < contact->pair_count; i++) {
+        if (contact->pairs[i].excluded) continue;
+        contact->deepest = fmax(contact->deepest, -contact->pairs[i].gap);
+        contact->pairs[kept++] = contact->pairs[i];
+    }
+    contact->pair_count = kept;
 }
 
 /* ---- response ---- */
@@ -215,14 +222,14 @@ static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double largest)
 {
     enum { EVERY = 4 };
-    const double good = 1e-5 * largest;
+    const double good = 1e-4 * largest;
     bool again = true, all = true;
     for (int pass = 0; pass < MOST_SWEEPS && (again || !all); pass++) {
         all = !again || pass % EVERY == 0;
         again = false;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             ShvFacetPair *pair = &contact->pairs[k];
-            if (pair->excluded || (!all && pair->open)) continue;
+            if (!all && pair->open) continue;
             const double pressed = press(bodies, pair, step), rubbed = rub(bodies, pair);
             pair->open = !(pair->normal_impulse > 0.0 || pair->friction_bound > 0.0);
             again |= fmax(pressed, rubbed) > good;
@@ -230,6 +237,11 @@ static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, do
         contact->sweeps++;
     }
     return again;
+}
+
+static double friction_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair)
+{
+    return pair->element < 0 ? bodies->obstacles->items[-1 - pair->element].friction : contact->friction;
 }
 
 /* Projected Gauss-Seidel: normal impulses first, then, with µ times those as bounds of friction, both together. With u the
@@ -242,9 +254,13 @@ static void respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, 
     double largest = 0.0;
     for (int32_t k = 0; k < contact->pair_count; k++) largest = fmax(largest, contact->pairs[k].speed);
     bool open = relax(contact, bodies, step, largest);
-    for (int32_t k = 0; k < contact->pair_count; k++)
-        contact->pairs[k].friction_bound = contact->friction * contact->pairs[k].normal_impulse;
-    if (contact->friction > 0.0) open = relax(contact, bodies, step, largest);
+    bool rough = false;
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        ShvFacetPair *pair = &contact->pairs[k];
+        pair->friction_bound = friction_of(contact, bodies, pair) * pair->normal_impulse;
+        rough |= pair->friction_bound > 0.0;
+    }
+    if (rough) open = relax(contact, bodies, step, largest);
     for (int32_t k = 0; open && k < contact->pair_count; k++)
         contact->unresolved += !contact->pairs[k].excluded && excess(&contact->pairs[k], bodies, step) > 1e-3 * largest;
 }
@@ -293,6 +309,7 @@ static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies
                         ShvVec3 impulse, int half)
 {
     double work = shv_dot(impulse, velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half));
+    if (pair->element < 0) return 0.5 * work;
     if (shv_bodies_companion(bodies, pair->fragments[1]))
         return 0.5 *
                (work - shv_dot(impulse, velocity_then(contact, bodies, -1, pair->fragments[1], pair->point, half)));
@@ -305,12 +322,13 @@ static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     for (int half = 0; half < 2; half++) {
-        contact->normal_work[half] = contact->friction_work[half] = 0.0;
+        contact->normal_work[half] = contact->friction_work[half] = contact->obstacle_work[half] = 0.0;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             const ShvFacetPair *pair = &contact->pairs[k];
             if (!has_impulse(pair)) continue;
             const ShvVec3 normal = shv_scale(pair->normal, pair->normal_impulse);
             contact->normal_work[half] += half_work(contact, bodies, pair, normal, half);
+            contact->obstacle_work[half] += pair->obstacle_work[half];
             contact->friction_work[half] += half_work(contact, bodies, pair, pair->friction, half);
         }
     }
@@ -319,6 +337,7 @@ void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies
 void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger *ledger)
 {
     shv_ledger_book(ledger, SHV_WORK_CONTACT, contact->normal_work[0], contact->normal_work[1]);
+    shv_ledger_book(ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
     shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
 }
 
@@ -329,7 +348,7 @@ void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, ShvFragme
         if (!has_impulse(pair)) continue;
         const double impulse = shv_norm(shv_madd(pair->friction, pair->normal_impulse, pair->normal));
         const double closing = -shv_dot(pair->relative, pair->normal);
-        for (int side = 0; side < 2; side++) {
+        for (int side = 0; side < (pair->element < 0 ? 1 : 2); side++) {
             ShvFragmentTouch *sum = &fragments[pair->fragments[side]];
             sum->touching++;
             sum->fresh += pair->gap > 0.0;

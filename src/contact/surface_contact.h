@@ -8,6 +8,9 @@
    are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges against edges are not looked for:
    where two edges cross they can pass until a node meets a facet, about a facet's size deep for sharp edges.
 
+   Companions meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
+   one go; awake nodes meet obstacles in node_contact.h.
+
    One step, for time n:
        forces …, shv_cohesive_begin
        shv_surface_contact_begin    velocities of n − 1/2
@@ -69,6 +72,8 @@ typedef struct ShvSurfaceContact {
     int32_t touching; /* pairs with an impulse */
     /* J on nodes and companions, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
+    double
+        obstacle_work[2]; /* J on free obstacles that companions met: with their velocity before and after impulses */
     int32_t sweeps,
         unresolved; /* pairs still closing, by more than 0.1 % of the largest speed, when the sweeps were used up */
     double deepest; /* m: largest penetration of a pair */

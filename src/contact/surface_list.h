@@ -10,6 +10,7 @@
 #include "contact/box.h"
 #include "contact/companion.h"
 #include "model/state.h"
+#include "shape/obstacle.h"
 
 /* Whose surfaces meet. Fragments are numbered as in state->element_fragment. */
 typedef struct ShvSurfaceBodies {
@@ -18,6 +19,7 @@ typedef struct ShvSurfaceBodies {
     const uint8_t *awake;            /* per fragment */
     ShvCompanion *const *companions; /* per fragment, NULL where it is none; or NULL: none at all */
     int32_t fragment_count;
+    ShvObstacles *obstacles; /* met by companions, whose other contacts are thus solved together; NULL: none */
 } ShvSurfaceBodies;
 
 typedef struct ShvSurfaceFacet {

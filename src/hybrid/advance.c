@@ -70,7 +70,7 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 /* Whether fragments are asked, within an interval, if they may rest. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
-    return hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
+    return !hybrid->backend->whole_steps && hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a moment. */
@@ -78,8 +78,9 @@ static void move_obstacles(ShvHybrid *hybrid, double time)
 {
     if (time <= hybrid->obstacle_time) return;
     const double start = shv_now();
-    hybrid->ledger.booked[SHV_WORK_CONTACT] +=
-        shv_obstacles_advance(&hybrid->obstacles, time - hybrid->obstacle_time, hybrid->gravity);
+    if (!hybrid->backend->moves_obstacles || hybrid->backend->leaves_obstacles)
+        hybrid->ledger.booked[SHV_WORK_CONTACT] +=
+            shv_obstacles_advance(&hybrid->obstacles, time - hybrid->obstacle_time, hybrid->gravity);
     shv_obstacles_script(&hybrid->obstacles, time);
     hybrid->obstacle_time = time;
     shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
@@ -94,6 +95,8 @@ static double next_wake_time(const ShvHybrid *hybrid)
 static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
     if (next_wake_time(hybrid) > hybrid->state.time) return SHV_OK;
+    if (hybrid->awake.count == 0)
+        hybrid->state.last_step = 0.0; /* velocities are those of now: the first kick is half a one */
     while (next_wake_time(hybrid) <= hybrid->state.time)
         SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
     return shv_awake_refresh(hybrid, error);

@@ -52,6 +52,16 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
+/* Where nothing can meet anything, Bullet is left out. */
+static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, ShvError *error)
+{
+    const ShvSceneDefinition *scene = hybrid->scene;
+    const bool contact = scene->obstacle_count > 0 || hybrid->fragments.count > 1 || hybrid->model.can_break;
+    if (scene->rigid.engine == SHV_RIGID_PBD) return shv_pbd_create(&hybrid->backend, world, &scene->pbd, error);
+    if (scene->rigid.engine == SHV_RIGID_BULLET && contact) return shv_bullet_create(&hybrid->backend, world, error);
+    return shv_analytic_create(&hybrid->backend, world, error);
+}
+
 static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *error)
 {
     const ShvSceneDefinition *scene = hybrid->scene;
@@ -66,10 +76,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
     if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
-    if (scene->rigid.engine == SHV_RIGID_PBD)
-        SHV_TRY(shv_pbd_create(&hybrid->backend, &world, &scene->pbd, error));
-    else
-        SHV_TRY(shv_analytic_create(&hybrid->backend, &world, error));
+    SHV_TRY(create_backend(hybrid, &world, error));
     return start_fragments(hybrid, error);
 }
 

@@ -72,14 +72,6 @@ static ShvStatus relax_or_explain(ShvHybrid *hybrid, const ShvRelaxStep *step, S
         (long long)hybrid->state.step, hybrid->state.time, step->step / hybrid->bulk_step, hybrid->bulk_step);
 }
 
-/* What bars changed, the law must answer: its work is that of the openings that really come. */
-static void pull_again(ShvHybrid *hybrid, double kick, const ShvRelaxStep *step)
-{
-    if (!hybrid->model.can_break || hybrid->cohesive.count == 0) return;
-    shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, step->step);
-    shv_relax_follow(&hybrid->relax, &hybrid->state, hybrid->awake.nodes, hybrid->awake.node_count, step);
-}
-
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
     ShvState *state = &hybrid->state;
@@ -94,7 +86,6 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     const ShvRelaxStep step = settings_of(hybrid, after);
     SHV_TRY(relax_or_explain(hybrid, &step, error));
-    pull_again(hybrid, kick, &step);
     shv_hybrid_book_forces(hybrid, after);
     shv_relax_book(&hybrid->relax, &hybrid->ledger);
     shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work,

@@ -29,7 +29,6 @@ void shv_relax_release(ShvRelax *relax)
     shv_release(relax->force);
     shv_release(relax->slips.items);
     shv_release(relax->past.items);
-    shv_release(relax->ended);
     shv_release(relax->reactions);
     shv_release(relax->clear);
     shv_release(relax->first_touch);
@@ -56,7 +55,6 @@ static ShvStatus grow(ShvRelax *relax, int64_t room, ShvError *error)
     GROW(predicted, 3)
     GROW(before, 3)
     GROW(force, 3)
-    GROW(ended, 3)
     GROW(reactions, 3)
     GROW(clear, 1)
     GROW(first_touch, 1)
@@ -269,38 +267,9 @@ ShvStatus shv_relax_run(ShvRelax *relax, const ShvBars *bars, ShvState *state, S
     move_nodes(relax, state, nodes, count, step);
     shv_response_apply(relax, state, obstacles, step);
     shv_slips_finish(relax, state, step);
-    for (int32_t i = 0; i < count; i++) {
-        const int64_t k = 3 * (int64_t)nodes[i];
-        shv_store3(relax->ended + k, shv_load3(state->velocity + k));
-    }
     sum_works(relax, state, nodes, count, step);
     shv_response_finish(relax, nodes, count);
     return SHV_OK;
-}
-
-/* Imposed components of a node get their velocities back; the work of that. */
-static void hold_again(const ShvRelax *relax, ShvState *state, int64_t node, uint8_t fixed, double work[2])
-{
-    double *velocity = state->velocity + 3 * node, impulse[3] = {0.0, 0.0, 0.0};
-    for (int c = 0; c < 3; c++) {
-        if (!(fixed & (1 << c))) continue;
-        impulse[c] = state->mass[node] * (relax->ended[3 * node + c] - velocity[c]);
-        velocity[c] = relax->ended[3 * node + c];
-    }
-    add_work(work, shv_load3(impulse), shv_load3(relax->before + 3 * node), shv_load3(velocity));
-}
-
-void shv_relax_follow(ShvRelax *relax, ShvState *state, const int32_t *nodes, int32_t count, const ShvRelaxStep *step)
-{
-    double held[2] = {0.0, 0.0};
-    for (int32_t i = 0; i < count; i++) {
-        const int64_t node = nodes[i];
-        if (step->fixed && step->fixed[node]) hold_again(relax, state, node, step->fixed[node], held);
-        const ShvVec3 change = shv_sub(shv_load3(state->velocity + 3 * node), shv_load3(relax->ended + 3 * node));
-        shv_add_to3(state->displacement + 3 * node, shv_scale(change, step->step));
-    }
-    sum_works(relax, state, nodes, count, step);
-    for (int half = 0; half < 2; half++) relax->work.constraint[half] += held[half];
 }
 
 double shv_relax_largest_strain(const ShvRelax *relax, const ShvBars *bars)

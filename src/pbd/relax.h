@@ -77,7 +77,6 @@ typedef struct ShvRelax {
     double *anchors, *shifts; /* quads, as in bars.h */
     double *predicted;        /* 3 per node: displacement */
     double *before;           /* 3 per node: velocity before the kick */
-    double *ended;            /* 3 per node: velocity at the end of the run */
     double *reactions;        /* 3 per node, kg m: held imposed components against their bars; only with `fixed` */
     double *clear;            /* per node: least gap to any obstacle at the predicted position; may be too small */
     int32_t *first_touch;     /* per node: its touches of this step; −1: none */
@@ -121,10 +120,6 @@ ShvStatus shv_relax_look(ShvRelax *relax, const ShvState *state, const ShvObstac
 ShvStatus shv_relax_run(ShvRelax *relax, const ShvBars *bars, ShvState *state, ShvObstacles *obstacles,
                         const int32_t *nodes, int32_t count, const ShvRelaxStep *step, ShvError *error);
 
-/* To be called when someone (cohesive tractions, which must answer what bars did to openings) has changed velocities since the
-   run: nodes move by dt × the change, imposed components get theirs back, and works are those with the velocities of now.
-   `before`, as shv_relax_begin left it, is still that of the velocities before the kick. */
-void shv_relax_follow(ShvRelax *relax, ShvState *state, const int32_t *nodes, int32_t count, const ShvRelaxStep *step);
 
 /* Of the bars at the displacements the last step ended with, as long as nobody else has moved the nodes. */
 double shv_relax_largest_strain(const ShvRelax *relax, const ShvBars *bars);

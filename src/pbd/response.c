@@ -277,7 +277,10 @@ static void restore(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, doub
     const ShvObstacle *later = &relax->later[touch->obstacle];
     const double now = shv_dot(relative_velocity(relax, state, touch, step), touch->normal);
     double wanted = fmin(fmax(now, 0.0), undisturbed);
-    if (undisturbed < 0.0) wanted = -undisturbed > step->rest_speed ? -later->restitution * undisturbed : 0.0;
+    /* A node bounces when it arrives. One that is held there, and that its body presses on at each step, would be thrown back at
+       each step and drive the body. */
+    const bool bounces = touch->fresh && -undisturbed > step->rest_speed;
+    if (undisturbed < 0.0) wanted = bounces ? -later->restitution * undisturbed : 0.0;
     const double mobility =
         relax->anchors[4 * (int64_t)touch->node + 3] + shv_obstacle_inverse_mass(later, touch->point, touch->normal);
     const double given = touch->push / step->step, impulse = fmax((wanted - now) / mobility, -given);

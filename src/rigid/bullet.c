@@ -232,6 +232,7 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.functions = &functions;
     bullet->backend.world = *world;
     bullet->backend.moves_obstacles = true;
+    bullet->backend.whole_steps = true;
     bullet->backend.fragment_friction = 0.5;
     ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), error);
     if (status == SHV_OK) status = add_obstacles(bullet, error);

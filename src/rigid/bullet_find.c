@@ -23,17 +23,18 @@ ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlye
 /* Bound of how far a point of the surface gets in the step. */
 static double travel(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
 {
-    const double fall = flyer->moves ? 0.5 * shv_norm(bullet->gravity) * bullet->step : 0.0;
+    const double fall = flyer->moves ? 2.0 * shv_norm(bullet->gravity) * bullet->step : 0.0;
     const double way = (shv_norm(flyer->velocity) + fall) * bullet->step;
     if (flyer->round || flyer->fastest == 0.0) return way;
     return way + fmin(2.0, flyer->fastest * bullet->step) * flyer->radius;
 }
 
-/* Bound of the relative motion of two surfaces. */
+/* Bound of the relative motion of two surfaces; supports that give way let a body come nearer by the fall of a step, of which
+   the solver must know. */
 static double relative_travel(const ShvBullet *bullet, const ShvBulletFlyer *a, const ShvBulletFlyer *b)
 {
     const double speed = shv_norm(shv_sub(a->velocity, b->velocity));
-    double way = (speed + 0.5 * shv_norm(shv_bullet_relative_gravity(bullet, a, b)) * bullet->step) * bullet->step;
+    double way = (speed + 2.0 * shv_norm(bullet->gravity) * bullet->step) * bullet->step;
     if (!a->round && a->fastest > 0.0) way += fmin(2.0, a->fastest * bullet->step) * a->radius;
     if (!b->round && b->fastest > 0.0) way += fmin(2.0, b->fastest * bullet->step) * b->radius;
     return way;
@@ -295,7 +296,8 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
                            error);
         bullet->order[bullet->order_count++] = (ShvBulletMoment){bullet->meetings[i].impact, i};
     }
-    qsort(bullet->order, (size_t)bullet->order_count, sizeof *bullet->order, by_moment);
+    if (bullet->order_count > 1)
+        qsort(bullet->order, (size_t)bullet->order_count, sizeof *bullet->order, by_moment);
     for (int32_t k = 0; k < bullet->order_count; k++) {
         ShvBulletMeeting *meeting = &bullet->meetings[bullet->order[k].meeting];
         ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];

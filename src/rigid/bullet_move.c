@@ -132,6 +132,15 @@ static void move_body(const ShvBullet *bullet, ShvBulletFlyer *flyer)
     undo_overlaps(bullet, flyer);
 }
 
+/* A free obstacle that somebody else moves over this step: what contacts gave it, at its start. */
+static void leave_obstacle(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+{
+    const ShvVec3 change = shv_sub(flyer->new_spin, flyer->solver_spin);
+    flyer->angular_momentum = shv_add(flyer->angular_momentum,
+                                      shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
+    flyer->velocity = shv_madd(flyer->new_velocity, -bullet->step, bullet->gravity);
+}
+
 /* ---- works ---- */
 
 static double energy(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
@@ -234,7 +243,10 @@ void shv_bullet_move(ShvBullet *bullet)
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
         flyer->energy = energy(bullet, flyer);
-        move_body(bullet, flyer);
+        if (flyer->obstacle >= 0 && bullet->backend.leaves_obstacles)
+            leave_obstacle(bullet, flyer);
+        else
+            move_body(bullet, flyer);
         note_load(bullet, flyer);
     }
     put_to_rest(bullet);

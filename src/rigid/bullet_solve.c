@@ -6,7 +6,7 @@ static const double undone_share = 0.2, largest_shift = 0.05;
    step. */
 static const double impact_band = 1e-4, same_place = 0.05;
 /* At most: small islands are solved to the tolerance, of large ones each step goes on from the last one's impulses. */
-enum { ROW_BUDGET = 40000, FEWEST_ITERATIONS = 30, MOST_ITERATIONS = 1000 };
+enum { ROW_BUDGET = 10000, FEWEST_ITERATIONS = 30, MOST_ITERATIONS = 1000 };
 
 /* ---- islands ---- */
 

@@ -561,12 +561,14 @@ static const ShvTable event_table = {.name = "events.<index>",
 /* ---- the rest of the top level ------------------------------------------------------------------------ */
 
 #define SCENE(member) offsetof(ShvSceneItem, definition.member)
-static const ShvChoice engine_choices[] = {{"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
+static const ShvChoice engine_choices[] = {
+    {"bullet", SHV_RIGID_BULLET}, {"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
 static const ShvKey rigid_keys[] = {
     {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
-     .sentence = "What moves bodies between impacts: `analytic` is ballistic flight and free rotation in closed form, "
-                 "`pbd` moves nodes that bars hold together and damping makes rigid."},
+     .sentence = "What moves bodies between impacts. `bullet`: convex pieces that meet obstacles and each other, by Bullet, "
+                 "with flight and free rotation in closed form. `analytic`: the same flight, nodes against obstacles, "
+                 "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),

@@ -4,7 +4,6 @@
 
 #include "check.h"
 
-#include "base/hash.h"
 #include "contact/surface_contact.h"
 #include "shape/scene.h"
 #include "solid/motion.h"
@@ -137,7 +136,8 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
                                    .cohesive = s->model.can_break ? &s->cohesive : NULL,
                                    .awake = s->awake,
                                    .companions = s->companions,
-                                   .fragment_count = s->model.object_count};
+                                   .fragment_count = s->model.object_count,
+                                   .obstacles = &s->obstacles};
     surfaces_list_nodes(s);
 }
 

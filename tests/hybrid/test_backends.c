@@ -32,14 +32,16 @@ typedef struct Case {
     Create create;
     double flight;      /* relative error of free fall, P and L */
     double impact_step; /* an impact's moment is known to this many steps */
+    bool rebounds;      /* at the impact's moment, with the restitution whole */
     bool rests;         /* goes to sleep: the energy is exactly 0 */
 } Case;
 
-/* Nodes of PBD carry round-off of their own positions, and its contacts are judged at the step's start. */
+/* Nodes of PBD carry round-off of their own positions, its contacts are judged at the step's start, and its bars swallow most
+   of a rebound. */
 static const Case cases[] = {
-    {"analytic", create_analytic, 1e-12, 1e-3, true},
-    {"bullet", create_bullet, 1e-12, 1e-3, true},
-    {"pbd", create_pbd, 1e-9, 1.0, false},
+    {"analytic", create_analytic, 1e-12, 1e-3, true, true},
+    {"bullet", create_bullet, 1e-12, 1e-3, true, true},
+    {"pbd", create_pbd, 1e-9, 1.0, false, false},
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
@@ -112,7 +114,7 @@ static void test_spin_keeps_momentum(void **unused)
     }
 }
 
-/* The first rebound from 1 m with e = 0.8 reaches 0.64 m; a backend without impacts inside a step to within a step's fall. */
+/* The first rebound from 1 m with e = 0.8 reaches 0.64 m, or less where bars give way; never more. */
 static void test_bounce(void **unused)
 {
     (void)unused;
@@ -128,7 +130,8 @@ static void test_bounce(void **unused)
             bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
             if (i > 460) apex = fmax(apex, fragment->position.z - 0.05);
         }
-        check_near(apex, 0.64, 2e-3 * 0.64 + 4.43e-3 * cases[c].impact_step * 2.0);
+        assert_true(apex <= 0.64 * 1.002);
+        if (cases[c].rebounds) check_near(apex, 0.64, 2e-3 * 0.64);
         world_end(&world);
     }
 }
@@ -188,7 +191,7 @@ static void test_rest(void **unused)
         if (cases[c].rests)
             assert_true(shv_fragment_kinetic(fragment) == 0.0);
         else
-            check_near(shv_fragment_kinetic(fragment), 0.0, 1e-6 * fragment->mass);
+            check_near(shv_fragment_kinetic(fragment), 0.0, 0.5 * fragment->mass * 9.81e-3 * 9.81e-3); /* of one step */
         world_end(&world);
     }
 }

@@ -114,34 +114,11 @@ static void internal_forces_keep_momentum(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
-/* The work of tractions is that of the openings that come about, to the two hundredths of what breaks that sweeps over pairs with
-   common nodes leave without bars as well. */
-static void tractions_answer_the_openings_that_bars_leave(void **unused)
-{
-    (void)unused;
-    for (int form = 0; form < 2; form++) {
-        Stage stage;
-        ShvHybrid hybrid;
-        ShvError error = {SHV_OK, ""};
-        start(&hybrid, &stage, form ? SHV_BARS_ELEMENT : SHV_BARS_EDGE, 20);
-        for (int step = 0; step < 30; step++) {
-            int64_t taken = 0;
-            check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration, 1, &taken, &error), error);
-            check_ok(shv_hybrid_observe(&hybrid, &error), error);
-            const ShvLedgerView *b = &hybrid.balance;
-            check_near(b->residual, 0.0, 1e-3 * b->largest);
-            check_near(b->cohesive_defect, 0.0, 0.02 * b->fracture_dissipation);
-        }
-        shv_hybrid_release(&hybrid);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bars_follow_the_cracks),
         cmocka_unit_test(internal_forces_keep_momentum),
-        cmocka_unit_test(tractions_answer_the_openings_that_bars_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

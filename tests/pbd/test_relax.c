@@ -348,53 +348,6 @@ static void what_holds_imposed_components_does_their_work(void **state)
     }
 }
 
-/* Impulses after the run move nodes on, except imposed components, whose holding does work; works then are those with the
-   velocities in the end: with the work of the impulses they make up the change of kinetic energy. */
-static void later_impulses_are_followed(void **state)
-{
-    (void)state;
-    Scene scene = {.nodes = NULL};
-    world_begin(&scene.world);
-    world_floor(&scene.world, 0.3, 0.5);
-    scene_make(&scene, 0.0);
-    ShvState *now = &scene.world.state;
-    uint8_t *fixed = calloc((size_t)now->node_count, 1);
-    double *start = malloc(6 * (size_t)now->node_count * sizeof(double)), *place = start + 3 * now->node_count;
-    scene.step.stiffness = 0.9;
-    scene.step.iterations = 3;
-    scene.step.fixed = fixed;
-    uint64_t index = 0;
-    for (int32_t i = 0; i < now->node_count; i++) {
-        fixed[i] = (uint8_t)(i % 2 ? 0 : i % 8);
-        shv_store3(now->velocity + 3 * i, draw3(&index, 10.0));
-    }
-    memcpy(start, now->velocity, 3 * (size_t)now->node_count * sizeof(double));
-    const double before = kinetic(now);
-    take_step(&scene);
-    memcpy(place, now->displacement, 3 * (size_t)now->node_count * sizeof(double));
-    double *impulse = malloc(6 * (size_t)now->node_count * sizeof(double)), *ended = impulse + 3 * now->node_count;
-    memcpy(ended, now->velocity, 3 * (size_t)now->node_count * sizeof(double));
-    for (int32_t i = 0; i < now->node_count; i++) {
-        const ShvVec3 change = draw3(&index, 1.0);
-        shv_add_to3(now->velocity + 3 * i, change);
-        shv_store3(impulse + 3 * i, shv_scale(change, now->mass[i]));
-    }
-    shv_relax_follow(&scene.relax, now, scene.nodes, now->node_count, &scene.step);
-    double work = 0.0;
-    for (int i = 0; i < 3 * now->node_count; i++) {
-        const bool held = fixed[i / 3] & (1 << i % 3);
-        assert_true((now->velocity[i] == ended[i]) == held);
-        check_near(now->displacement[i] - place[i], scene.step.step * (now->velocity[i] - ended[i]), 1e-16);
-        work += 0.5 * impulse[i] * (start[i] + now->velocity[i]);
-    }
-    assert_true(scene.relax.touching > 0);
-    check_near(all_work(&scene.relax) + work, kinetic(now) - before, 1e-12 * before);
-    free(fixed);
-    free(start);
-    free(impulse);
-    scene_end(&scene);
-}
-
 /* Two floors that leave no room, and a wedge: answers are finite and the sweeps end. */
 static void opposed_obstacles_stay_finite(void **state)
 {
@@ -470,7 +423,6 @@ int main(void)
         cmocka_unit_test(works_add_up_to_the_change_of_kinetic_energy),
         cmocka_unit_test(imposed_components_are_not_touched),
         cmocka_unit_test(what_holds_imposed_components_does_their_work),
-        cmocka_unit_test(later_impulses_are_followed),
         cmocka_unit_test(opposed_obstacles_stay_finite),
         cmocka_unit_test(motion_that_is_not_finite_is_refused),
         cmocka_unit_test(running_out_of_memory_is_reported_and_leaks_nothing),

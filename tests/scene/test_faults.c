@@ -54,7 +54,7 @@ static void values_of_a_wrong_kind(void **state)
         {"name: {a: 1}\n", "s.yaml:7:7: error: name is a mapping; expected a text"},
         {"name: ~\n", "s.yaml:7:7: error: name has no value; expected a text"},
         {"rigid: {wake: touch}\n", "s.yaml:7:15: error: wake is 'touch'; expected stress or contact"},
-        {"rigid: {engine: bullet}\n", "s.yaml:7:17: error: engine is 'bullet'; expected analytic or pbd"},
+        {"rigid: {engine: newton}\n", "s.yaml:7:17: error: engine is 'newton'; expected bullet, analytic or pbd"},
         {"fracture: {stabiliser: glue}\n", "s.yaml:7:24: error: stabiliser is 'glue'; expected none or bars"},
         {"pbd: {stiffness: 1.1}\n",
          "s.yaml:7:18: error: stiffness is '1.1'; expected a number, at least 0 and at most 1"},

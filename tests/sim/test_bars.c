@@ -179,7 +179,9 @@ static void make_elastic(Stage *stage, double restitution)
     stage->scene.duration = 0.25;
 }
 
-/* A contact moves nodes otherwise than by their velocities, all the more with restitution: the ledger closes all the same. */
+/* A contact moves nodes otherwise than by their velocities, all the more with restitution: the ledger closes all the same. Strain
+   with which the block wakes is edge by edge: its modes lie near the limit of stability, where central difference keeps
+   ½ m v₋·v₊ + strain to (ω Δt)² /4 of it at best; a tenth of what was regained is let be. */
 static void switches_keep_momenta_and_log_what_they_drop(void **state)
 {
     (void)state;
@@ -193,7 +195,7 @@ static void switches_keep_momenta_and_log_what_they_drop(void **state)
             for (int32_t i = 0; i < frame->event_count; i++)
                 check_switch(&frame->events[i], frame->fragments[0].mass, &switches);
             check_near(frame->ledger.handover, switches.regained - switches.dropped, 1e-12 * frame->ledger.largest);
-            check_near(frame->ledger.residual, 0.0, 1e-3 * frame->ledger.largest);
+            check_near(frame->ledger.residual, 0.0, 1e-3 * frame->ledger.largest + 0.1 * switches.regained);
         }
         assert_true(switches.wakes >= 2 && switches.sleeps >= 2 && switches.in_flight >= 1);
         assert_true(switches.dropped > 0.0);
