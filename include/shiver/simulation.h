@@ -108,8 +108,9 @@ typedef struct ShvFrameView {
     int32_t inserted, opened; /* cohesive facets */
     double worst_overshoot;   /* largest criterion / strength at an insertion so far */
     double edge_strain;       /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
-    double bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over the steps of fracture
-                                   mode; NaN without bars: how much of the stiffness seen is the bars' */
+    double bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over all steps, of which those
+                                   of rigid mode have no elastic forces; NaN without bars: how much of the stiffness seen
+                                   is the bars' */
     const ShvCostView *costs;
     int32_t cost_count;
     const ShvBytesView *bytes;

@@ -166,6 +166,7 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"largest_energy", ledger->largest},
                    {"edge_strain_flight", history->edge_strain_flight},
                    {"edge_strain_after_impact", history->edge_strain_after_impact},
+                   {"edge_strain_end", frame->edge_strain},
                    {"bar_work_share", frame->bar_work_share},
                    {"crack_origin_x", history->crack.origin[0]},
                    {"crack_origin_y", history->crack.origin[1]},

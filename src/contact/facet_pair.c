@@ -180,6 +180,7 @@ static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCan
     name_pair(pair, candidate, x);
     pair->gap = at.gap;
     pair->normal = at.normal;
+    pair->centre = at.point;
     for (int k = 0; k < 3; k++) {
         pair->corners[k] = -1;
         pair->weights[k] = 0.0;
@@ -215,6 +216,7 @@ bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, 
     name_pair(pair, candidate, x);
     pair->gap = place.gap;
     pair->normal = place.normal;
+    pair->centre = shv_scale(shv_add(shv_add(corners[0], corners[1]), corners[2]), 1.0 / 3.0);
     for (int k = 0; k < 3; k++) {
         pair->weights[k] = place.weights[k];
         pair->gradients[k] = place.gradients[k];

@@ -19,6 +19,7 @@ typedef struct ShvFacetPair {
     double gap;                  /* m; negative: inside */
     ShvVec3 point;               /* the node's position, m */
     ShvVec3 normal;              /* of the facet, outward */
+    ShvVec3 centre;              /* of the facet, m */
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
     ShvVec3 relative;         /* velocity of the node against the facet before any response, m/s */
@@ -42,7 +43,7 @@ typedef struct ShvSurfaceCandidate {
     double due;           /* m: length of path at which the two may meet */
 } ShvSurfaceCandidate;
 
-/* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than the facet's tet
+/* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far
    any two can come closer in the step. */
 bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,

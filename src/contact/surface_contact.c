@@ -160,7 +160,14 @@ static bool same_plane(const ShvFacetPair *a, const ShvFacetPair *b)
     return shv_dot(a->normal, b->normal) > 1.0 - 1e-9 && fabs(a->gap - b->gap) <= 1e-6 * fabs(a->gap);
 }
 
-/* Of the facets of one body that a node is behind it came in through the one it is least deep behind, and through none
+/* Whether a facet rises above the plane of another, as the walls of a groove do: a node can be behind both. */
+static bool rises_above(const ShvFacetPair *facet, const ShvFacetPair *other)
+{
+    const ShvVec3 way = shv_sub(facet->centre, other->point);
+    return shv_dot(other->normal, way) + other->gap > 1e-3 * shv_norm(way);
+}
+
+/* Of the facets round a ridge that a node is behind it came in through the one it is least deep behind, and through none
    when it stands closer above another. */
 static void exclude_deeper(ShvSurfaceContact *contact)
 {
@@ -170,7 +177,9 @@ static void exclude_deeper(ShvSurfaceContact *contact)
             ShvFacetPair *other = &contact->pairs[k];
             if (other->fragments[1] != pair->fragments[1]) continue;
             ShvFacetPair *farther = fabs(pair->gap) < fabs(other->gap) ? other : pair;
-            if (farther->gap <= 0.0 || same_plane(pair, other)) farther->excluded = true;
+            const ShvFacetPair *nearer = farther == pair ? other : pair;
+            if (same_plane(pair, other) || (farther->gap <= 0.0 && !rises_above(nearer, farther)))
+                farther->excluded = true;
         }
     }
     int32_t kept = 0;
@@ -262,7 +271,7 @@ static void respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, 
     }
     if (rough) open = relax(contact, bodies, step, largest);
     for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += !contact->pairs[k].excluded && excess(&contact->pairs[k], bodies, step) > 1e-3 * largest;
+        contact->unresolved += excess(&contact->pairs[k], bodies, step) > 1e-3 * largest;
 }
 
 /* Friction may have taken the place of a normal impulse. */

@@ -30,9 +30,10 @@ static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
 /* Flight of the present interval, of all that has not flown in it yet. */
 static ShvStatus fly(ShvHybrid *hybrid, ShvError *error)
 {
-    const double now = hybrid->state.time, start = shv_now();
+    const double now = hybrid->state.time, start = shv_now(), by_bars = hybrid->backend->bars_work;
     SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
                                                 shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
+    hybrid->bars_turnover += fabs(hybrid->backend->bars_work - by_bars);
     shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);
     qsort(hybrid->wakes, (size_t)hybrid->wake_count, sizeof(ShvRigidContact), by_time);
     return SHV_OK;

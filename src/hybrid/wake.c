@@ -5,14 +5,13 @@
 
 #include <string.h>
 
-/* Impact stress estimate K ρ c₀ v √max(1, m_other/m_own) against the weakest facet; a fixed obstacle counts as ratio 1,
+/* Impact stress estimate K ρ c₀ v √max(1, m_other/m_own) against the weakest facet; what is held fast counts as ratio 1,
    since the estimate's factor K already holds for a rigid wall. */
 static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
-    const ShvObstacle *obstacle = &hybrid->obstacles.items[contact->obstacle];
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
-    const double ratio = obstacle->motion == SHV_OBSTACLE_FREE ? fmax(1.0, obstacle->mass / fragment->mass) : 1.0;
+    const double ratio = isfinite(contact->other_mass) ? fmax(1.0, contact->other_mass / fragment->mass) : 1.0;
     return hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * contact->closing_speed *
            sqrt(ratio);
 }

@@ -296,8 +296,7 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
                            error);
         bullet->order[bullet->order_count++] = (ShvBulletMoment){bullet->meetings[i].impact, i};
     }
-    if (bullet->order_count > 1)
-        qsort(bullet->order, (size_t)bullet->order_count, sizeof *bullet->order, by_moment);
+    if (bullet->order_count > 1) qsort(bullet->order, (size_t)bullet->order_count, sizeof *bullet->order, by_moment);
     for (int32_t k = 0; k < bullet->order_count; k++) {
         ShvBulletMeeting *meeting = &bullet->meetings[bullet->order[k].meeting];
         ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
