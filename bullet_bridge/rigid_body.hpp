@@ -2,7 +2,6 @@
 #ifndef BULLET_BRIDGE_RIGID_BODY_HPP
 #define BULLET_BRIDGE_RIGID_BODY_HPP
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -20,8 +19,9 @@ struct ShvBulletBody {
     btVector3 low{0, 0, 0}, high{0, 0, 0}; // box in the body's frame, scaled
     btVector3 position{0, 0, 0};           // m, world: not scaled, so that far from the origin nothing is lost
     btMatrix3x3 axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    std::unique_ptr<btRigidBody> body; // with mass only: what the solver sees
-    btBroadphaseProxy *proxy = nullptr;
+    std::unique_ptr<btRigidBody> body;             // with mass only: what the solver sees
+    btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world with its reach, scaled
+    btDbvtNode *leaf = nullptr;                    // not of planes
 };
 
 // Finds contacts of two bodies; lengths inside are scaled by `scale`.

@@ -4,28 +4,18 @@
 #include <cmath>
 #include <new>
 
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
 struct ShvBulletWorld {
-    explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale)
-    {
-        broadphase.setDeferred(true);
-    }
-    ~ShvBulletWorld()
-    {
-        for (auto &body : bodies)
-            if (body && body->proxy) broadphase.destroyProxy(body->proxy, nullptr);
-    }
-    // Pairs are found when they are asked for, not when a body comes.
-    struct Broadphase : public btDbvtBroadphase {
-        void setDeferred(bool deferred) { m_deferedcollide = deferred; }
-    };
+    explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale) {}
     btScalar scale;
-    Broadphase broadphase;
+    // Boxes of all bodies but planes, somewhat larger than they are. (Bullet's broadphase keeps its pairs from step to step,
+    // which costs a search through all of them whenever a body goes.)
+    btDbvt tree;
+    std::vector<const ShvBulletBody *> planes;
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
     ShvCollider collider;
@@ -168,6 +158,12 @@ static void make_mass(ShvBulletBody *body, double inverse_mass, const double inv
     body->body->setInvInertiaDiagLocal(btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]));
 }
 
+static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, double reach)
+{
+    btTransformAabb(body->low, body->high, reach * world->scale, btTransform(body->axes, body->position * world->scale),
+                    body->box_low, body->box_high);
+}
+
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
                                const double inverse_moment[3], ShvError *error)
 {
@@ -180,10 +176,12 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
         if (status != SHV_OK) return status;
         make_mass(body.get(), inverse_mass, inverse_moment);
         if (size_t(number) >= world->bodies.size()) world->bodies.resize(size_t(number) + 1);
-        const bool moves = inverse_mass > 0.0;
-        const int group = moves ? btBroadphaseProxy::DefaultFilter : btBroadphaseProxy::StaticFilter;
-        const int mask = moves ? int(btBroadphaseProxy::AllFilter) : int(btBroadphaseProxy::DefaultFilter);
-        body->proxy = world->broadphase.createProxy(body->low, body->high, 0, body.get(), group, mask, nullptr);
+        if (body->kind == SHV_BULLET_PLANE) {
+            world->planes.push_back(body.get());
+        } else {
+            set_box(world, body.get(), 0);
+            body->leaf = world->tree.insert(btDbvtVolume::FromMM(body->box_low, body->box_high), body.get());
+        }
         world->bodies[size_t(number)] = std::move(body);
         return SHV_OK;
     });
@@ -196,8 +194,9 @@ static ShvBulletBody *body_of(const ShvBulletWorld *world, int32_t number)
 
 void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
-    ShvBulletBody *body = body_of(world, number);
-    world->broadphase.destroyProxy(body->proxy, nullptr);
+    const ShvBulletBody *body = body_of(world, number);
+    if (body->leaf) world->tree.remove(body->leaf);
+    world->planes.erase(std::remove(world->planes.begin(), world->planes.end(), body), world->planes.end());
     world->bodies[size_t(number)].reset();
 }
 
@@ -219,10 +218,9 @@ ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, double r
     return guarded(error, [&] {
         ShvBulletBody *body = body_of(world, number);
         if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
-        btVector3 low, high;
-        btTransformAabb(body->low, body->high, reach * world->scale,
-                        btTransform(body->axes, body->position * world->scale), low, high);
-        world->broadphase.setAabb(body->proxy, low, high, nullptr);
+        set_box(world, body, reach);
+        btDbvtVolume volume = btDbvtVolume::FromMM(body->box_low, body->box_high);
+        world->tree.update(body->leaf, volume, btScalar(0.1) * body->radius);
         return SHV_OK;
     });
 }
@@ -232,20 +230,42 @@ static bool before(const ShvBulletPair &a, const ShvBulletPair &b)
     return a.first != b.first ? a.first < b.first : a.second < b.second;
 }
 
+namespace
+{
+struct PairList : public btDbvt::ICollide {
+    explicit PairList(std::vector<ShvBulletPair> *list) : pairs(list) {}
+    std::vector<ShvBulletPair> *pairs;
+    void add(const ShvBulletBody *a, const ShvBulletBody *b)
+    {
+        pairs->push_back({std::min(a->number, b->number), std::max(a->number, b->number)});
+    }
+    void Process(const btDbvtNode *first, const btDbvtNode *second) override
+    {
+        const auto *a = static_cast<const ShvBulletBody *>(first->data);
+        const auto *b = static_cast<const ShvBulletBody *>(second->data);
+        if (!a->body && !b->body) return;
+        // The tree's boxes depend on what happened before; these do not.
+        if (TestAabbAgainstAabb2(a->box_low, a->box_high, b->box_low, b->box_high)) add(a, b);
+    }
+};
+} // namespace
+
+static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)
+{
+    const btVector3 centre = (body.box_low + body.box_high) / 2, half = (body.box_high - body.box_low) / 2;
+    return plane.normal.dot(centre) - plane.normal.absolute().dot(half) <= plane.offset;
+}
+
 ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error)
 {
     return guarded(error, [&] {
-        world->broadphase.calculateOverlappingPairs(nullptr);
         world->pairs.clear();
-        // The tree keeps pairs of boxes that have parted for a while; which ones depends on what happened before.
-        btOverlappingPairCache *cache = world->broadphase.getOverlappingPairCache();
-        for (int i = 0; i < cache->getNumOverlappingPairs(); i++) {
-            const btBroadphasePair &pair = cache->getOverlappingPairArrayPtr()[i];
-            const btBroadphaseProxy *a = pair.m_pProxy0, *b = pair.m_pProxy1;
-            if (!TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax)) continue;
-            const int32_t first = static_cast<const ShvBulletBody *>(a->m_clientObject)->number;
-            const int32_t second = static_cast<const ShvBulletBody *>(b->m_clientObject)->number;
-            world->pairs.push_back({std::min(first, second), std::max(first, second)});
+        PairList list(&world->pairs);
+        if (world->tree.m_root) world->tree.collideTT(world->tree.m_root, world->tree.m_root, list);
+        for (const auto &body : world->bodies) {
+            if (!body || !body->body) continue;
+            for (const ShvBulletBody *plane : world->planes)
+                if (reaches(*body, *plane)) list.add(body.get(), plane);
         }
         std::sort(world->pairs.begin(), world->pairs.end(), before);
         *pairs = world->pairs.data();

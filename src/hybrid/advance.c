@@ -52,6 +52,7 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
+    SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
     return fly(hybrid, error);
 }
 

@@ -54,6 +54,7 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     mark_batches(hybrid);
     shv_node_contact_invalidate(&hybrid->contact);
+    shv_surface_contact_invalidate(&hybrid->surface);
     hybrid->bars_stale = true;
     if (hybrid->awake.count > 0) hybrid->bulk_step = shv_solid_stable_step(&hybrid->solid, NULL);
     hybrid->awake.stale = false;

@@ -52,13 +52,22 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
+/* Between fragments. */
+static const double fragment_friction = 0.5;
+
 /* Where nothing can meet anything, Bullet is left out. */
 static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, ShvError *error)
 {
     const ShvSceneDefinition *scene = hybrid->scene;
     const bool contact = scene->obstacle_count > 0 || hybrid->fragments.count > 1 || hybrid->model.can_break;
     if (scene->rigid.engine == SHV_RIGID_PBD) return shv_pbd_create(&hybrid->backend, world, &scene->pbd, error);
-    if (scene->rigid.engine == SHV_RIGID_BULLET && contact) return shv_bullet_create(&hybrid->backend, world, error);
+    if (scene->rigid.engine == SHV_RIGID_BULLET && contact) {
+        hybrid->mutual = true;
+        SHV_TRY(shv_bullet_create(&hybrid->backend, world, error));
+        /* Who wakes in mid-step must find free obstacles where they are at that moment. */
+        hybrid->backend->leaves_obstacles = hybrid->model.can_break || scene->rigid.wake == SHV_WAKE_CONTACT;
+        return SHV_OK;
+    }
     return shv_analytic_create(&hybrid->backend, world, error);
 }
 
@@ -77,6 +86,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
     if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
     SHV_TRY(create_backend(hybrid, &world, error));
+    SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, fragment_friction, error));
     return start_fragments(hybrid, error);
 }
 
@@ -101,6 +111,8 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_fragments_release(&hybrid->fragments);
     shv_imposed_release(&hybrid->imposed);
     shv_node_contact_release(&hybrid->contact);
+    shv_surface_contact_release(&hybrid->surface);
+    shv_companions_release(hybrid);
     shv_obstacles_release(&hybrid->obstacles);
     if (hybrid->model.can_break) shv_cohesive_release(&hybrid->cohesive);
     shv_solid_release(&hybrid->solid);

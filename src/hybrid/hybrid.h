@@ -13,6 +13,7 @@
 #include "cohesive/cohesive.h"
 #include "contact/imposed.h"
 #include "contact/node_contact.h"
+#include "contact/surface_contact.h"
 #include "model/ledger.h"
 #include "model/state.h"
 #include "pbd/bars.h"
@@ -20,6 +21,7 @@
 #include "pbd/relax.h"
 #include "rigid/backend.h"
 #include "rigid/fragment.h"
+#include "rigid/free_rotation.h"
 #include "shape/obstacle.h"
 #include "shiver/simulation.h"
 #include "solid/motion.h"
@@ -47,13 +49,26 @@ typedef struct ShvEventLog {
     int32_t count, capacity;
 } ShvEventLog;
 
+/* Fragments in flight that fracture mode moves with it (companions.c). */
+typedef struct ShvCompanions {
+    ShvCompanion *items, *kept; /* kept: while a ghost step is made */
+    ShvFreeRotation *rotations;
+    double *impulses;           /* N·s: Σ of magnitudes since the interval began */
+    int32_t *fragments;         /* index of each */
+    ShvCompanion **by_fragment; /* NULL where none */
+    ShvFragmentTouch *touches;  /* per fragment, of the step */
+    int32_t count, room;
+    double since;      /* s: when the sums of impulses began */
+    double awake_mass; /* kg */
+} ShvCompanions;
+
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
 typedef struct ShvGhost {
     double *before;       /* 3 per node: v(n−1/2) */
     double *displacement; /* 3 per node, with bars only: they move nodes */
     int64_t capacity;
     ShvObstacle *obstacles; /* as they were before the ghost step */
-    double kinetic;         /* J, of awake nodes: Σ ½ m v₋·v₊ */
+    double kinetic;         /* J, of awake nodes and companions: Σ ½ m v₋·v₊ */
     double
         obstacle_exchange; /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
     ShvVec3 obstacle_momentum, obstacle_angular; /* kg m/s, kg m²/s: likewise, so that sums are those of one moment */
@@ -70,6 +85,9 @@ typedef struct ShvHybrid {
     ShvCohesive cohesive; /* only with model.can_break */
     ShvObstacles obstacles;
     ShvNodeContact contact;
+    bool mutual; /* fragments meet one another: */
+    ShvSurfaceContact surface;
+    ShvCompanions companions;
     ShvImposed imposed;
     bool relaxed; /* fracture.stabiliser is bars: */
     ShvBars bars;
@@ -142,9 +160,24 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
-/* Parts that both kicks share: cohesive tractions and closing faces; works of cohesion and conditions. */
+/* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
 void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
+ShvStatus shv_hybrid_look(ShvHybrid *hybrid, double after, ShvError *error);
+ShvStatus shv_hybrid_meet(ShvHybrid *hybrid, double after, ShvError *error);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
+/* companions.c: who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
+   step, and back, with the kinetic energy of the moment. */
+ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error);
+ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
+void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
+void shv_companions_kick(ShvHybrid *hybrid, double kick);
+void shv_companions_drift(ShvHybrid *hybrid, double step);
+void shv_companions_keep(ShvHybrid *hybrid);
+double shv_companions_put_back(ShvHybrid *hybrid);
+/* Those that the step's touches wake. */
+ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error);
+void shv_companions_release(ShvHybrid *hybrid);
+ShvSurfaceBodies shv_hybrid_bodies(ShvHybrid *hybrid);
 /* relaxed.c: the same kick with bars, which also moves the nodes to the next moment; set-up; and the largest |length/rest − 1|
    over all edges. */
 ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);

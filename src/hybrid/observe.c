@@ -40,6 +40,7 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
     }
     /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
     ghost->obstacle_exchange = hybrid->relaxed ? 0.5 * hybrid->relax.obstacle_work : hybrid->contact.obstacle_work[0];
+    if (hybrid->mutual) ghost->obstacle_exchange += hybrid->surface.obstacle_work[0];
 }
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
@@ -50,6 +51,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     ShvGhost *ghost = &hybrid->ghost;
     SHV_TRY(reserve_ghost(hybrid, error));
     memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    shv_companions_keep(hybrid);
     memset(ghost->first, 0, sizeof ghost->first);
     ghost->obstacle_exchange = 0.0;
     ghost->obstacle_momentum = ghost->obstacle_angular = shv_vec3(0.0, 0.0, 0.0);
@@ -68,7 +70,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
         exchange_with_obstacles(hybrid);
         if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
     }
-    ghost->kinetic = 0.0;
+    ghost->kinetic = shv_companions_put_back(hybrid);
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         const int64_t node = hybrid->awake.nodes[k];
         const ShvVec3 before = shv_load3(ghost->before + 3 * node), after = shv_load3(state->velocity + 3 * node);
@@ -105,8 +107,7 @@ static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const Sh
 {
     const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
     const ShvVec3 spin = shv_apply(&inertia, fragment->angular_velocity);
-    balance->kinetic += 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
-                        0.5 * shv_dot(fragment->angular_velocity, spin);
+    if (!fragment->companion) balance->kinetic += shv_fragment_kinetic(fragment);
     balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
     add_momentum(balance, fragment->position, shv_scale(fragment->velocity, fragment->mass), spin);
 }

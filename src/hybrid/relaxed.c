@@ -81,8 +81,11 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(refresh_bars(hybrid, error));
     SHV_TRY(mark_fixed(hybrid, error));
     SHV_TRY(shv_relax_begin(&hybrid->relax, state, awake->nodes, awake->node_count, error));
+    SHV_TRY(shv_hybrid_look(hybrid, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
+    shv_companions_kick(hybrid, kick);
     shv_hybrid_pull_and_close(hybrid, kick, after);
+    SHV_TRY(shv_hybrid_meet(hybrid, after, error));
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     const ShvRelaxStep step = settings_of(hybrid, after);
     SHV_TRY(relax_or_explain(hybrid, &step, error));

@@ -27,6 +27,12 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
     const ShvImposed *imposed = &hybrid->imposed;
     ShvLedger *ledger = &hybrid->ledger;
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
+    if (hybrid->mutual) {
+        const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+        shv_surface_contact_book(&hybrid->surface, &bodies);
+        shv_surface_contact_book_ledger(&hybrid->surface, ledger);
+        shv_ledger_book(ledger, SHV_WORK_CONTACT, hybrid->surface.obstacle_work[0], hybrid->surface.obstacle_work[1]);
+    }
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
 }
@@ -36,6 +42,23 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
     if (!hybrid->model.can_break) return;
     shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, after);
     shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after, crack_friction);
+}
+
+ShvStatus shv_hybrid_look(ShvHybrid *hybrid, double after, ShvError *error)
+{
+    if (!hybrid->mutual) return SHV_OK;
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    return shv_surface_contact_begin(&hybrid->surface, &bodies, after, hybrid->gravity, error);
+}
+
+ShvStatus shv_hybrid_meet(ShvHybrid *hybrid, double after, ShvError *error)
+{
+    if (!hybrid->mutual) return SHV_OK;
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    const double start = shv_now();
+    SHV_TRY(shv_surface_contact_apply(&hybrid->surface, &bodies, after, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    return SHV_OK;
 }
 
 static void book_contact(ShvHybrid *hybrid)
@@ -54,13 +77,17 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     const double kick = 0.5 * (before + after);
     shv_ledger_begin_step(&hybrid->ledger);
     double start = shv_now();
+    SHV_TRY(shv_hybrid_look(hybrid, after, error));
     SHV_TRY(shv_node_contact_begin(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, after,
                                    hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
+    shv_companions_kick(hybrid, kick);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     shv_hybrid_pull_and_close(hybrid, kick, after);
     start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    SHV_TRY(shv_hybrid_meet(hybrid, after, error));
+    start = shv_now();
     SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
                                    after, hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
@@ -104,10 +131,11 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
         hybrid->bars_turnover += fabs(hybrid->relax.work.bars[0] + hybrid->relax.work.bars[1]);
     else
         shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
+    shv_companions_drift(hybrid, step);
     shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     state->time += step;
     state->last_step = step;
     state->step++;
     hybrid->step = step;
-    return SHV_OK;
+    return shv_companions_judge(hybrid, error);
 }

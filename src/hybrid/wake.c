@@ -16,14 +16,37 @@ static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *cont
            sqrt(ratio);
 }
 
+/* Sides of the solid box with the fragment's inertia, longest first: a² = 6 (I₂ + I₃ − I₁)/m. */
+static void extents(const ShvFragment *fragment, double sides[3])
+{
+    double values[3];
+    shv_symmetric_eigen(&fragment->inertia, values, NULL);
+    const double trace = values[0] + values[1] + values[2];
+    for (int i = 0; i < 3; i++) sides[i] = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[i]) / fragment->mass));
+}
+
+/* Load estimate F/A + F L/(4 W) of a simply supported beam: smallest section A = b h, W = b h²/6 of the box. A load that it has
+   borne once does not wake it again. */
+static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    if (!isfinite(fragment->strength) || !(contact->load > 1.1 * fragment->borne)) return false;
+    double sides[3];
+    extents(fragment, sides);
+    const double area = sides[1] * sides[2], bending = area * sides[2] / 6.0;
+    const double stress = contact->load / area + contact->load * sides[0] / (4.0 * bending);
+    return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
+}
+
 bool shv_hybrid_judge(void *data, const ShvRigidContact *contact)
 {
     const ShvHybrid *hybrid = data;
     const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
     const double strength = hybrid->fragments.items[contact->fragment].strength;
-    if (!contact->fresh) return false;
-    if (rigid->wake == SHV_WAKE_CONTACT) return isfinite(strength) || !hybrid->scene->fracture.enabled;
-    return impact_stress(hybrid, contact) >= rigid->wake_fraction * strength;
+    if (rigid->wake == SHV_WAKE_CONTACT)
+        return contact->fresh && (isfinite(strength) || !hybrid->scene->fracture.enabled);
+    if (contact->fresh && impact_stress(hybrid, contact) >= rigid->wake_fraction * strength) return true;
+    return wakes_under_load(hybrid, contact);
 }
 
 /* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with
@@ -56,11 +79,31 @@ static void rigid_momentum(const ShvFragment *fragment, double momentum[3], doub
                shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_cross(fragment->position, linear)));
 }
 
+/* A companion that wakes is still in the backend's list. */
+static void leave_flight(ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    if (!hybrid->fragments.items[contact->fragment].companion) return;
+    shv_companions_remove(hybrid, contact->fragment);
+    hybrid->backend->functions->remove(hybrid->backend, contact->fragment);
+}
+
+/* What it has met, if that is rigid still, goes along with it. */
+static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
+{
+    if (!hybrid->mutual || contact->other < 0) return SHV_OK;
+    const ShvFragment *other = &hybrid->fragments.items[contact->other];
+    bool flies = other->mode == SHV_MODE_FLIGHT && !other->companion;
+    for (int32_t i = hybrid->wake_next; i < hybrid->wake_count; i++) /* its own turn is to come */
+        flies = flies && hybrid->wakes[i].fragment != contact->other;
+    return flies ? shv_companions_add(hybrid, contact->other, error) : SHV_OK;
+}
+
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     const double start = shv_now();
     const bool nodes = hybrid->backend->keeps_nodes;
+    leave_flight(hybrid, contact);
     if (!nodes) shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
     fragment->mode = SHV_MODE_FRACTURE;
     fragment->last_insertion = fmax(hybrid->state.time, contact->expected);
@@ -80,21 +123,13 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     if (nodes) event.strain_after = strain_energy(hybrid, fragment);
     hybrid->ledger.booked[SHV_WORK_HANDOVER] += event.strain_after;
     fragment->wake_energy = event.kinetic_after / fragment->mass;
+    fragment->load = contact->load;
     shv_store3(event.momentum_after, momentum);
     shv_store3(event.angular_after, angular);
     step_back(hybrid, fragment);
+    SHV_TRY(take_partner(hybrid, contact, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return shv_hybrid_log(hybrid, &event, error);
-}
-
-/* Longest and shortest extent of the solid box with the fragment's inertia: a² = 6 (I₂ + I₃ − I₁)/m. */
-static void extents(const ShvFragment *fragment, double *longest, double *shortest)
-{
-    double values[3];
-    shv_symmetric_eigen(&fragment->inertia, values, NULL);
-    const double trace = values[0] + values[1] + values[2];
-    *longest = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[0]) / fragment->mass));
-    *shortest = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[2]) / fragment->mass));
 }
 
 /* How long vibration needs: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate
@@ -102,8 +137,9 @@ static void extents(const ShvFragment *fragment, double *longest, double *shorte
 static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
 {
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
-    double longest, shortest;
-    extents(fragment, &longest, &shortest);
+    double sides[3];
+    extents(fragment, sides);
+    const double longest = sides[0], shortest = sides[2];
     *bar = longest / material->bar_speed;
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
@@ -185,6 +221,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     hybrid->ledger.booked[SHV_WORK_HANDOVER] -= event.value;
     hybrid->ledger.released += released;
     fragment->mode = SHV_MODE_FLIGHT;
+    fragment->borne = fmax(fragment->borne, fragment->load);
     hybrid->awake.stale = true;
     SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
     return shv_hybrid_log(hybrid, &event, error);
@@ -218,6 +255,7 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
         if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
     shv_hybrid_resume(hybrid);
     if (hybrid->awake.stale) SHV_TRY(settle_works(hybrid, error));
+    if (hybrid->awake.count == 0) SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;
 }

@@ -36,7 +36,7 @@ typedef struct ShvRigidFunctions {
     /* A fragment enters flight with the pose and velocities in its record, or leaves it. */
     ShvStatus (*add)(ShvRigidBackend *backend, int32_t fragment, ShvError *error);
     void (*remove)(ShvRigidBackend *backend, int32_t fragment);
-    /* Moves everything in flight from `time` on by `step`; what an earlier call has moved there already (because others
+    /* Moves everything in flight, but for companions (fragment.h), from `time` on by `step`; what an earlier call has moved there already (because others
        came to rest meanwhile) stays. A contact that `judge` accepts stops its fragment at the contact's time: the
        fragment keeps the pose and velocity of that moment (before response), leaves flight, and its contact is appended to
        `wakes` (room for one a fragment in flight). All other contacts are answered by impulses with the pair's

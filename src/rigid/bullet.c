@@ -53,35 +53,49 @@ static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error
     return SHV_OK;
 }
 
-/* What rested on or under a body that goes must find out. */
-static void rouse_neighbours(ShvBullet *bullet, int32_t number)
+static void rouse(ShvBullet *bullet, int32_t number)
+{
+    const int32_t place = shv_bullet_place(bullet, number);
+    if (place == bullet->flyer_count || bullet->flyers[place].number != number) return;
+    bullet->flyers[place].asleep = false;
+    bullet->flyers[place].still = 0;
+}
+
+static bool goes(const ShvBullet *bullet, int32_t number)
+{
+    const int32_t place = shv_bullet_place(bullet, number);
+    return place < bullet->flyer_count && bullet->flyers[place].number == number && bullet->flyers[place].leaves;
+}
+
+/* Takes out all that is marked to leave; what rested on or under it must find out. */
+static void take_out_leaving(ShvBullet *bullet)
 {
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!meeting->touching || (meeting->first != number && meeting->second != number)) continue;
-        const int32_t other = meeting->first == number ? meeting->second : meeting->first;
-        const int32_t place = shv_bullet_place(bullet, other);
-        if (place == bullet->flyer_count || bullet->flyers[place].number != other) continue;
-        bullet->flyers[place].asleep = false;
-        bullet->flyers[place].still = 0;
+        const bool first = goes(bullet, meeting->first), second = goes(bullet, meeting->second);
+        if (!first && !second) continue;
+        if (meeting->touching && !first) rouse(bullet, meeting->first);
+        if (meeting->touching && !second) rouse(bullet, meeting->second);
         meeting->touching = false;
         meeting->allowance = 0.0;
     }
-}
-
-static void erase(ShvBullet *bullet, int32_t place)
-{
-    rouse_neighbours(bullet, bullet->flyers[place].number);
-    shv_bullet_flyer_release(&bullet->flyers[place], bullet->bullet);
-    bullet->flyer_count--;
-    for (int32_t i = place; i < bullet->flyer_count; i++) bullet->flyers[i] = bullet->flyers[i + 1];
+    int32_t kept = 0;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
+        if (bullet->flyers[i].leaves)
+            shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
+        else
+            bullet->flyers[kept++] = bullet->flyers[i];
+    }
+    bullet->flyer_count = kept;
 }
 
 static void take_out(ShvRigidBackend *backend, int32_t fragment)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
     const int32_t number = backend->world.obstacles->count + fragment, place = shv_bullet_place(bullet, number);
-    if (place < bullet->flyer_count && bullet->flyers[place].number == number) erase(bullet, place);
+    if (place == bullet->flyer_count || bullet->flyers[place].number != number) return;
+    bullet->flyers[place].leaves = true;
+    take_out_leaving(bullet);
 }
 
 /* ---- advance ---- */
@@ -151,10 +165,12 @@ static void end(ShvBullet *bullet)
     bullet->traces = traces;
     bullet->trace_room = room;
     bullet->last_step = bullet->step;
-    for (int32_t i = bullet->flyer_count - 1; i >= 0; i--) {
+    bool any = false;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
         bullet->flyers[i].born = false;
-        if (bullet->flyers[i].leaves) erase(bullet, i);
+        any |= bullet->flyers[i].leaves;
     }
+    if (any) take_out_leaving(bullet);
 }
 
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],

@@ -4,7 +4,7 @@
 
 /* Of the smaller radius: gaps below are touches; how near an impact's moment is found; and motion in a step up to which the
    contacts of its start tell the moment of impact. */
-static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.05;
+static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.2;
 
 ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
                             ShvVec3 spin_b)
@@ -154,10 +154,24 @@ static void find_slow_impact(const ShvBullet *bullet, ShvBulletMeeting *meeting)
     }
 }
 
+/* Whether the balls around two bodies touch on their way. */
+static bool paths_meet(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
+{
+    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    const double radii = a->radius + b->radius + 2.0 * shv_norm(bullet->gravity) * bullet->step * bullet->step;
+    if (!isfinite(radii)) return true;
+    const ShvVec3 apart = shv_sub(a->position, b->position);
+    const ShvVec3 way = shv_scale(shv_sub(a->velocity, b->velocity), bullet->step);
+    const double length = shv_dot(way, way);
+    const double share = length > 0.0 ? fmin(1.0, fmax(0.0, -shv_dot(apart, way) / length)) : 0.0;
+    return shv_norm(shv_madd(apart, share, way)) <= radii;
+}
+
 /* Here, and only here, pairs whose relative motion in the step is large against their size are asked for their time of impact:
    the contacts of the start say nothing of what they will meet. */
 static ShvStatus find_fast_impact(ShvBullet *bullet, ShvBulletMeeting *meeting, ShvError *error)
 {
+    if (!paths_meet(bullet, meeting)) return SHV_OK;
     ShvImpactBody bodies[2];
     const ShvRigidWorld *world = &bullet->backend.world;
     SHV_TRY(shv_bullet_flyer_impact_body(&bullet->flyers[meeting->a], world, bullet->gravity, &bodies[0], error));

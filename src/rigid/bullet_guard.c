@@ -1,7 +1,7 @@
 #include "rigid/bullet_step.h"
 
 /* Of the smaller radius: motion after an impact that is looked at again. */
-static const double small_motion_of_radius = 0.05;
+static const double small_motion_of_radius = 0.2;
 
 /* The body as it flies on from a moment of the step, after the solution. */
 static ShvBulletFlyer from_moment(const ShvBullet *bullet, const ShvBulletFlyer *flyer, double moment)

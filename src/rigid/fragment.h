@@ -29,6 +29,12 @@ typedef struct ShvFragment {
     double strength;                    /* Pa: weakest facet; infinity: nothing can break */
     int32_t quiet;                      /* checks in a row without insertion; children inherit */
     bool cracked;                       /* a facet of it has been inserted; children inherit */
+    double load;        /* N: contact force under which it woke last */
+    double borne;       /* N: largest such force that did not break it */
+    /* It stays rigid, but whoever advances the awake moves it in their steps; its contacts with what is in flight then act as
+       this mean force and torque about the centre over the backend's step (N, N m; zero otherwise). */
+    bool companion;
+    ShvVec3 contact_force, contact_torque;
     double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
 } ShvFragment;
 

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/narrowphase/continuous_collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include "bullet_bridge/oracle/guard.hpp"
+#include "bullet_bridge/oracle/oracle.h"
+
+namespace
+{
+
+fcl::Transform3d pose_of(const ShvConvex *body)
+{
+    fcl::Transform3d pose = fcl::Transform3d::Identity();
+    const double *m = body->rotation;
+    pose.linear() << m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8];
+    pose.translation() = fcl::Vector3d(body->position[0], body->position[1], body->position[2]);
+    return pose;
+}
+
+// FCL wants faces to walk along when there are more than 32 points; it then searches all points. GJK needs none.
+fcl::Convexd hull_of(const ShvConvex *body)
+{
+    auto points = std::make_shared<std::vector<fcl::Vector3d>>();
+    for (int32_t i = 0; i < body->count; i++) {
+        const double *p = body->points + 3 * static_cast<int64_t>(i);
+        points->emplace_back(p[0], p[1], p[2]);
+    }
+    return fcl::Convexd(points, 0, std::make_shared<std::vector<int>>());
+}
+
+// The first contact on the way from share `from` to share `to`, as a share of the whole way; `to` and false without.
+bool advance(const fcl::Convexd &one, const fcl::Convexd &other, const fcl::Transform3d &fixed,
+             const fcl::Transform3d &moved, const fcl::Vector3d &move, double from, double to, double &share)
+{
+    fcl::Transform3d begin = moved, end = moved;
+    begin.translation() += from * move;
+    end.translation() += to * move;
+    const fcl::ContinuousCollisionRequestd request(10, 1e-4, fcl::CCDM_TRANS, fcl::GST_LIBCCD,
+                                                   fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
+    fcl::ContinuousCollisionResultd result;
+    fcl::continuousCollide(&one, fixed, fixed, &other, begin, end, request, result);
+    share = result.is_collide ? from + result.time_of_contact * (to - from) : to;
+    return result.is_collide;
+}
+
+// A box that is nothing but a box.
+class Extent final : public fcl::CollisionGeometryd
+{
+public:
+    explicit Extent(const double *box)
+        : given_(fcl::Vector3d(box[0], box[1], box[2]), fcl::Vector3d(box[3], box[4], box[5]))
+    {
+    }
+    void computeLocalAABB() override
+    {
+        aabb_local = given_;
+        aabb_center = given_.center();
+        aabb_radius = (given_.max_ - aabb_center).norm();
+    }
+
+private:
+    fcl::AABBd given_;
+};
+
+struct Found {
+    std::vector<std::pair<int32_t, int32_t>> pairs;
+};
+
+int32_t index_of(const fcl::CollisionObjectd *object)
+{
+    return *static_cast<const int32_t *>(object->getUserData());
+}
+
+bool note(fcl::CollisionObjectd *one, fcl::CollisionObjectd *other, void *data)
+{
+    static_cast<Found *>(data)->pairs.push_back(std::minmax({index_of(one), index_of(other)}));
+    return false; // go on
+}
+
+Found pairs_of(const double *boxes, int32_t box_count)
+{
+    std::vector<int32_t> indices(static_cast<size_t>(box_count));
+    std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+    fcl::DynamicAABBTreeCollisionManagerd manager;
+    for (int32_t i = 0; i < box_count; i++) {
+        int32_t &index = indices[static_cast<size_t>(i)];
+        index = i;
+        objects.emplace_back(new fcl::CollisionObjectd(std::make_shared<Extent>(boxes + 6 * static_cast<int64_t>(i))));
+        objects.back()->setUserData(&index);
+        manager.registerObject(objects.back().get());
+    }
+    manager.setup();
+    Found found;
+    manager.collide(&found, note);
+    std::sort(found.pairs.begin(), found.pairs.end());
+    return found;
+}
+
+} // namespace
+
+ShvStatus shv_oracle_distance(const ShvConvex *first, const ShvConvex *second, bool *apart, double *distance,
+                              ShvError *error)
+{
+    if (!shiver::is_hull(first) || !shiver::is_hull(second)) return shiver::refuse(error);
+    return shiver::guarded(error, [&] {
+        const fcl::Convexd one = hull_of(first), other = hull_of(second);
+        fcl::DistanceRequestd request;
+        request.gjk_solver_type = fcl::GST_LIBCCD;
+        request.distance_tolerance = 1e-9;
+        fcl::DistanceResultd result;
+        const double seen = fcl::distance(&one, pose_of(first), &other, pose_of(second), request, result);
+        *apart = seen > 0.0;
+        *distance = *apart ? seen : 0.0;
+    });
+}
+
+// FCL stops where a step would be less than 1e-4 of the way. The way that is left there is searched anew in a window a
+// thousandth as wide, until that is below round-off.
+ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, const double move[3], bool *found,
+                            double *share, ShvError *error)
+{
+    if (!shiver::is_hull(first) || !shiver::is_hull(second)) return shiver::refuse(error);
+    return shiver::guarded(error, [&] {
+        const fcl::Convexd one = hull_of(first), other = hull_of(second);
+        const fcl::Transform3d fixed = pose_of(first), moved = pose_of(second);
+        const fcl::Vector3d way(move[0], move[1], move[2]);
+        *found = false;
+        *share = 0.0;
+        for (double window = 1.0; window > 1e-12 && *share < 1.0;) {
+            const double end = std::min(1.0, *share + window);
+            *found = advance(one, other, fixed, moved, way, *share, end, *share);
+            window = *found ? 1e-3 * window : 1.0;
+        }
+    });
+}
+
+ShvStatus shv_oracle_pairs(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity, int64_t *count,
+                           ShvError *error)
+{
+    return shiver::guarded(error, [&] {
+        const Found found = pairs_of(boxes, box_count);
+        *count = static_cast<int64_t>(found.pairs.size());
+        for (int64_t i = 0; i < std::min(*count, capacity); i++) {
+            pairs[2 * i] = found.pairs[static_cast<size_t>(i)].first;
+            pairs[2 * i + 1] = found.pairs[static_cast<size_t>(i)].second;
+        }
+    });
+}
