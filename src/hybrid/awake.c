@@ -51,6 +51,7 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
 {
     if (!hybrid->awake.stale) return SHV_OK;
     SHV_TRY(shv_awake_reserve(hybrid, error));
+    if (hybrid->companions.count > 0) SHV_TRY(shv_companions_reserve(hybrid, error));
     list_nodes(hybrid);
     mark_batches(hybrid);
     shv_node_contact_invalidate(&hybrid->contact);

@@ -14,7 +14,7 @@
         (block) = grown_;                                                                                              \
     } while (0)
 
-static ShvStatus reserve(ShvHybrid *hybrid, ShvError *error)
+ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvCompanions *companions = &hybrid->companions;
     const int32_t room = hybrid->fragments.capacity;
@@ -66,7 +66,7 @@ static ShvMat3 world_inverse(const ShvFragment *fragment, const ShvFreeRotation 
 
 ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
-    SHV_TRY(reserve(hybrid, error));
+    SHV_TRY(shv_companions_reserve(hybrid, error));
     ShvCompanions *companions = &hybrid->companions;
     ShvFragment *fragment = &hybrid->fragments.items[index];
     const int32_t place = companions->count++;

@@ -165,8 +165,9 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
 ShvStatus shv_hybrid_look(ShvHybrid *hybrid, double after, ShvError *error);
 ShvStatus shv_hybrid_meet(ShvHybrid *hybrid, double after, ShvError *error);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
-/* companions.c: who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
+/* companions.c: room for the present fragments; who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
    step, and back, with the kinetic energy of the moment. */
+ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error);
 ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
 void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
@@ -196,5 +197,8 @@ ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError 
    latter back again. */
 ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_resume(ShvHybrid *hybrid);
+/* Velocities of the present moment for a fragment that leaves the others: with elastic forces and gravity, without the impulses
+   of the step that it will not take, which nobody else will get from it either; likewise into state.velocity. */
+ShvStatus shv_hybrid_part_ways(ShvHybrid *hybrid, ShvError *error);
 
 #endif

@@ -80,6 +80,18 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
+ShvStatus shv_hybrid_part_ways(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    SHV_TRY(reserve_ghost(hybrid, error));
+    memcpy(hybrid->ghost.before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    const double half = 0.5 * state->last_step;
+    if (half == 0.0) return SHV_OK;
+    SHV_TRY(shv_hybrid_forces(hybrid, error));
+    shv_motion_kick(state, hybrid->awake.nodes, hybrid->awake.node_count, half, hybrid->gravity, hybrid->model.threads);
+    return SHV_OK;
+}
+
 void shv_hybrid_resume(ShvHybrid *hybrid)
 {
     memcpy(hybrid->state.velocity, hybrid->ghost.before, 3 * (size_t)hybrid->state.node_count * sizeof(double));

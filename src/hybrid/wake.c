@@ -168,8 +168,8 @@ static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return !shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time);
 }
 
-/* What a fragment carries in the terms of the ledger, after synchronising: kinetic energy ½ m v₋·v₊ with
-   v₊ = 2 v − v₋, and strain. */
+/* What a fragment carries in the terms of the ledger, without the others' impulses (shv_hybrid_part_ways): kinetic energy
+   ½ m v₋·v₊ with v₊ = 2 v − v₋, and strain. */
 static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment, double *kinetic, double *strain)
 {
     const ShvState *state = &hybrid->state;
@@ -227,20 +227,6 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     return shv_hybrid_log(hybrid, &event, error);
 }
 
-/* First halves of the works of the step to come are known only while a fragment is awake: those of what has gone to sleep
-   since the velocities were synchronised are booked. */
-static ShvStatus settle_works(ShvHybrid *hybrid, ShvError *error)
-{
-    ShvGhost *ghost = &hybrid->ghost;
-    double first[SHV_WORK_COUNT];
-    memcpy(first, ghost->first, sizeof first);
-    SHV_TRY(shv_awake_refresh(hybrid, error));
-    SHV_TRY(shv_hybrid_synchronise(hybrid, error));
-    shv_hybrid_resume(hybrid);
-    for (int i = 0; i < SHV_WORK_COUNT; i++) hybrid->ledger.booked[i] += first[i] - ghost->first[i];
-    return SHV_OK;
-}
-
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
 {
     hybrid->quiet_looks = 0;
@@ -250,11 +236,11 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
     if (!any) return SHV_OK;
-    SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    SHV_TRY(shv_hybrid_part_ways(hybrid, error));
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
     shv_hybrid_resume(hybrid);
-    if (hybrid->awake.stale) SHV_TRY(settle_works(hybrid, error));
+    SHV_TRY(shv_awake_refresh(hybrid, error));
     if (hybrid->awake.count == 0) SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;

@@ -95,6 +95,8 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
     const int32_t number = backend->world.obstacles->count + fragment, place = shv_bullet_place(bullet, number);
     if (place == bullet->flyer_count || bullet->flyers[place].number != number) return;
     bullet->flyers[place].leaves = true;
+    ShvFragment *record = &backend->world.fragments->items[fragment];
+    record->contact_force = record->contact_torque = shv_vec3(0.0, 0.0, 0.0);
     take_out_leaving(bullet);
 }
 
@@ -128,6 +130,7 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         const bool changed = shv_bullet_flyer_read(flyer, &bullet->backend.world);
         flyer->settled &= !changed;
+        shv_bullet_companion_begin(bullet, flyer);
         if (flyer->asleep && (changed || !same_gravity(bullet, flyer))) {
             flyer->asleep = false;
             flyer->still = 0;
@@ -189,6 +192,7 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     shv_bullet_judge(bullet, judge, judge_data, wakes, wake_count);
     SHV_TRY(shv_bullet_solve(bullet, error));
     SHV_TRY(shv_bullet_guard(bullet, error));
+    shv_bullet_companions_take(bullet);
     shv_bullet_move(bullet);
     end(bullet);
     return SHV_OK;

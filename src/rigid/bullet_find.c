@@ -15,7 +15,7 @@ ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a,
 
 ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlyer *a, const ShvBulletFlyer *b)
 {
-    return shv_scale(bullet->gravity, (a->moves ? 1.0 : 0.0) - (b->moves ? 1.0 : 0.0));
+    return shv_scale(bullet->gravity, (a->moves ? a->fall : 0.0) - (b->moves ? b->fall : 0.0));
 }
 
 /* ---- pairs ---- */
@@ -87,6 +87,7 @@ static ShvStatus list_meetings(ShvBullet *bullet, ShvError *error)
     SHV_BULLET_RESERVE(bullet, bullet->meetings, bullet->meeting_room, count, "pairs of bodies", error);
     for (int32_t i = 0, k = 0; i < count; i++) {
         ShvBulletMeeting meeting = meeting_of(bullet, &pairs[i]);
+        if (shv_bullet_leaves_pair(&bullet->flyers[meeting.a], &bullet->flyers[meeting.b])) continue;
         const ShvBulletMeeting *last = bullet->last_meetings;
         while (k < bullet->last_count &&
                (last[k].first < meeting.first || (last[k].first == meeting.first && last[k].second < meeting.second)))

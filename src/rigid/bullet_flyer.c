@@ -30,6 +30,7 @@ ShvStatus shv_bullet_flyer_fragment(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
                               .fragment = fragment,
                               .obstacle = -1,
                               .moves = true,
+                              .fall = 1.0,
                               .mass = record->mass,
                               .born = true};
     if (!(record->mass > 0.0) || !isfinite(record->mass))
@@ -87,6 +88,7 @@ ShvStatus shv_bullet_flyer_obstacle(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
                               .fragment = -1,
                               .obstacle = index,
                               .moves = obstacle->motion == SHV_OBSTACLE_FREE,
+                              .fall = 1.0,
                               .round = obstacle->shape == SHV_OBSTACLE_SPHERE,
                               .mass = obstacle->mass,
                               .friction = obstacle->friction,
@@ -169,7 +171,7 @@ void shv_bullet_flyer_write(ShvBulletFlyer *flyer, const ShvRigidWorld *world)
 ShvVec3 shv_bullet_flyer_position(const ShvBulletFlyer *flyer, double time, ShvVec3 gravity)
 {
     const ShvVec3 straight = shv_madd(flyer->position, time, flyer->velocity);
-    return flyer->moves ? shv_madd(straight, 0.5 * time * time, gravity) : straight;
+    return flyer->moves ? shv_madd(straight, 0.5 * time * time * flyer->fall, gravity) : straight;
 }
 
 ShvQuat shv_bullet_flyer_orientation(const ShvBulletFlyer *flyer, double time)
@@ -182,7 +184,7 @@ ShvQuat shv_bullet_flyer_orientation(const ShvBulletFlyer *flyer, double time)
 
 ShvVec3 shv_bullet_flyer_velocity(const ShvBulletFlyer *flyer, double time, ShvVec3 gravity)
 {
-    return flyer->moves ? shv_madd(flyer->velocity, time, gravity) : flyer->velocity;
+    return flyer->moves ? shv_madd(flyer->velocity, time * flyer->fall, gravity) : flyer->velocity;
 }
 
 ShvVec3 shv_bullet_flyer_spin(const ShvBulletFlyer *flyer, ShvQuat orientation)
@@ -258,7 +260,7 @@ ShvStatus shv_bullet_flyer_impact_body(ShvBulletFlyer *flyer, const ShvRigidWorl
     ShvImpactMotion *motion = &body->motion;
     shv_store3(motion->position, flyer->position);
     shv_store3(motion->velocity, flyer->velocity);
-    if (flyer->moves) shv_store3(motion->acceleration, gravity);
+    if (flyer->moves) shv_store3(motion->acceleration, shv_scale(gravity, flyer->fall));
     motion->orientation[0] = flyer->orientation.w;
     motion->orientation[1] = flyer->orientation.x;
     motion->orientation[2] = flyer->orientation.y;

@@ -34,8 +34,12 @@ typedef struct ShvBulletFlyer {
     ShvVec3 asleep_gravity;
     bool settled; /* Bullet knows the pose in which it stays */
     bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
+    ShvVec3 last_velocity, last_angular_momentum; /* at the start of the last step */
+    ShvVec3 passed, passed_angular; /* N s, N m s about its centre: from fragments in flight in that step */
 
     /* of the present step */
+    bool companion;             /* moved by somebody else meanwhile */
+    double fall;                /* share of gravity, and of contacts' impulses, that it follows */
     double fastest;             /* bound of |ω|, rad/s */
     double impact_time;         /* s since its start at which it meets something fast; −1: nothing */
     double until;               /* s since its start: goes no further */

@@ -18,7 +18,8 @@ static ShvBulletFlyer from_moment(const ShvBullet *bullet, const ShvBulletFlyer 
     later.angular_momentum = shv_add(flyer->angular_momentum,
                                      shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
     /* what holds it against gravity does so evenly */
-    later.velocity = shv_madd(flyer->new_velocity, flyer->stopped ? 0.0 : moment - bullet->step, bullet->gravity);
+    later.velocity =
+        shv_madd(flyer->new_velocity, flyer->stopped ? 0.0 : (moment - bullet->step) * flyer->fall, bullet->gravity);
     later.position = shv_bullet_flyer_position(flyer, own, bullet->gravity);
     later.position = shv_madd(later.position, moment - own, later.velocity);
     later.orientation =

@@ -19,7 +19,7 @@ static void find_heaps(ShvBullet *bullet)
     ShvBulletFlyer *flyers = bullet->flyers;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         flyers[i].island = i;
-        flyers[i].heap_mass = flyers[i].mass;
+        flyers[i].heap_mass = shv_bullet_flyer_holds(&flyers[i]) ? (double)INFINITY : flyers[i].mass;
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
@@ -94,14 +94,15 @@ static ShvRigidContact report(ShvBullet *bullet, const ShvBulletMeeting *meeting
 static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double moment)
 {
     ShvBulletFlyer *flyer = &bullet->flyers[own], *partner = &bullet->flyers[other];
+    flyer->leaves = true;
+    if (partner->moves && partner->impact_time >= 0.0) partner->until = fmin(partner->until, moment);
+    if (flyer->companion) return; /* it will be there when somebody else has led it there */
     const ShvQuat orientation = shv_bullet_flyer_orientation(flyer, moment);
     const bool supported = shv_bullet_flyer_load(flyer) > 0.0;
     flyer->position = shv_bullet_flyer_position(flyer, moment, bullet->gravity);
     if (!supported) flyer->velocity = shv_bullet_flyer_velocity(flyer, moment, bullet->gravity);
     flyer->orientation = orientation;
     shv_bullet_flyer_write(flyer, &bullet->backend.world);
-    flyer->leaves = true;
-    if (partner->moves && partner->impact_time >= 0.0) partner->until = fmin(partner->until, moment);
 }
 
 static void judge_meeting(ShvBullet *bullet, const ShvBulletMeeting *meeting, ShvWakeJudge judge, void *judge_data,

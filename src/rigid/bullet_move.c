@@ -59,7 +59,7 @@ static void find_holds(ShvBullet *bullet)
             pair[side]->impulse += sum;
             if (!meeting->struck && sum > 0.0) pair[side]->held = true;
         }
-        if (sum > 0.0 && (!pair[0]->moves || !pair[1]->moves))
+        if (sum > 0.0 && (shv_bullet_flyer_holds(pair[0]) || shv_bullet_flyer_holds(pair[1])))
             bullet->flyers[mover_of(bullet, meeting)->island].supported = true;
     }
 }
@@ -148,7 +148,7 @@ static double energy(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
     return shv_bullet_flyer_kinetic(flyer) - flyer->mass * shv_dot(bullet->gravity, flyer->position);
 }
 
-/* Friction's impulses on the mean velocities of their points. */
+/* Friction's impulses on the mean velocities of the points of what moves here. */
 static double friction_work(const ShvBullet *bullet)
 {
     double work = 0.0;
@@ -157,14 +157,14 @@ static double friction_work(const ShvBullet *bullet)
         if (!was_solved(bullet, meeting)) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
+        const bool own_a = a->moves && !a->companion, own_b = b->moves && !b->companion;
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            const ShvVec3 before =
-                shv_bullet_relative(contact, a->moves ? a->velocity : none, a->moves ? a->spin : none,
-                                    b->moves ? b->velocity : none, b->moves ? b->spin : none);
+            const ShvVec3 before = shv_bullet_relative(contact, own_a ? a->velocity : none, own_a ? a->spin : none,
+                                                       own_b ? b->velocity : none, own_b ? b->spin : none);
             const ShvVec3 after =
-                shv_bullet_relative(contact, a->moves ? a->new_velocity : none, a->moves ? a->new_spin : none,
-                                    b->moves ? b->new_velocity : none, b->moves ? b->new_spin : none);
+                shv_bullet_relative(contact, own_a ? a->new_velocity : none, own_a ? a->new_spin : none,
+                                    own_b ? b->new_velocity : none, own_b ? b->new_spin : none);
             work += 0.5 * shv_dot(shv_load3(contact->friction_impulse), shv_add(before, after));
         }
     }
@@ -173,11 +173,15 @@ static double friction_work(const ShvBullet *bullet)
 
 /* ---- rest ---- */
 
-static void note_load(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void note_loads(ShvBullet *bullet)
 {
-    flyer->loads[flyer->load_next] = flyer->impulse / bullet->step;
-    flyer->load_next = (flyer->load_next + 1) % SHV_LOAD_STEPS;
-    if (flyer->load_count < SHV_LOAD_STEPS) flyer->load_count++;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
+        ShvBulletFlyer *flyer = &bullet->flyers[i];
+        if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
+        flyer->loads[flyer->load_next] = flyer->impulse / bullet->step;
+        flyer->load_next = (flyer->load_next + 1) % SHV_LOAD_STEPS;
+        if (flyer->load_count < SHV_LOAD_STEPS) flyer->load_count++;
+    }
 }
 
 static void count_still_steps(ShvBullet *bullet)
@@ -187,7 +191,8 @@ static void count_still_steps(ShvBullet *bullet)
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->asleep) continue;
         const ShvVec3 spin = shv_free_rotation_velocity(&flyer->rotation, flyer->orientation, flyer->angular_momentum);
-        const bool still = flyer->impulse > 0.0 && shv_norm(flyer->velocity) + shv_norm(spin) * flyer->radius <= none;
+        const bool still = !flyer->companion && flyer->impulse > 0.0 &&
+                           shv_norm(flyer->velocity) + shv_norm(spin) * flyer->radius <= none;
         flyer->still = still ? flyer->still + 1 : 0;
         bullet->flyers[flyer->island].restless |= flyer->still < STILL_STEPS;
     }
@@ -241,18 +246,18 @@ void shv_bullet_move(ShvBullet *bullet)
     double change = 0.0;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
+        if (!flyer->moves || flyer->leaves || flyer->asleep || flyer->companion) continue;
         flyer->energy = energy(bullet, flyer);
         if (flyer->obstacle >= 0 && bullet->backend.leaves_obstacles)
             leave_obstacle(bullet, flyer);
         else
             move_body(bullet, flyer);
-        note_load(bullet, flyer);
     }
+    note_loads(bullet);
     put_to_rest(bullet);
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || (flyer->asleep && !flyer->solved)) continue;
+        if (!flyer->moves || flyer->leaves || flyer->companion || (flyer->asleep && !flyer->solved)) continue;
         if (flyer->solved) change += energy(bullet, flyer) - flyer->energy;
         shv_bullet_flyer_write(flyer, &bullet->backend.world);
     }

@@ -5,6 +5,8 @@ static const double undone_share = 0.2, largest_shift = 0.05;
 /* Of the radius: a contact this close at the moment of impact takes part in it; contacts this close are the same from step to
    step. */
 static const double impact_band = 1e-4, same_place = 0.05;
+/* Of the mass's own answer to impulses, that of a companion which is held. */
+static const double least_give = 1e-6;
 /* At most: small islands are solved to the tolerance, of large ones each step goes on from the last one's impulses. */
 enum { ROW_BUDGET = 10000, FEWEST_ITERATIONS = 30, MOST_ITERATIONS = 1000 };
 
@@ -188,6 +190,7 @@ static void gather_motions(ShvBullet *bullet, const int32_t *members, int32_t co
         const ShvBulletFlyer *flyer = &bullet->flyers[members[i]];
         ShvBulletMotion *motion = &bullet->motions[i];
         motion->body = flyer->number;
+        motion->give = flyer->companion && flyer->impact_time < 0.0 ? fmax(least_give, flyer->fall) : 1.0;
         shv_store3(motion->velocity, flyer->new_velocity);
         shv_store3(motion->spin, flyer->new_spin);
     }

@@ -6,6 +6,8 @@
      guard   what has been struck and meets something fast again in the same step waits there          (bullet_guard.c)
      move    poses at the end, works, rest                                                              (bullet_move.c)
 
+   Companions (fragment.h) take part in all but the last, with what is in flight alone               (bullet_companions.c)
+
    Each body has one moment of impact in a step, or none: it flies freely until then, and the solver sees it in the pose of that
    moment. What else it meets in the step is held off by the velocity that just closes the gap, without rebound. */
 #ifndef SHV_RIGID_BULLET_STEP_H
@@ -82,6 +84,15 @@ ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a,
                             ShvVec3 spin_b);
 /* Acceleration of a's centre against b's, without contacts. */
 ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlyer *a, const ShvBulletFlyer *b);
+
+/* A flyer whose record has just been read: whether it is a companion in this step, and what then holds it. */
+void shv_bullet_companion_begin(const ShvBullet *bullet, ShvBulletFlyer *flyer);
+/* Whether the pair is somebody else's to keep apart. */
+bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b);
+/* Whether a body gives no way to what rests on it. */
+bool shv_bullet_flyer_holds(const ShvBulletFlyer *flyer);
+/* Companions' shares of the impulses. */
+void shv_bullet_companions_take(ShvBullet *bullet);
 
 ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error);
 void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,

@@ -349,6 +349,45 @@ static void check_events(Checker *checker)
     }
 }
 
+/* ---- reference ---------------------------------------------------------------------------------------- */
+
+static void check_reference_plane(Checker *checker, const ShvReferenceDefinition *reference)
+{
+    const ShvNode *root = checker->scene->head.node;
+    const ShvSceneDefinition *scene = &checker->assembly->definition;
+    for (int32_t i = 0; i < scene->obstacle_count; i++) {
+        if (strcmp(scene->obstacles[i].name, reference->on) != 0) continue;
+        if (scene->obstacles[i].shape != SHV_OBSTACLE_PLANE)
+            fault(checker, root, "reference.on", "%s is no plane; the closed forms know planes only", reference->on);
+        return;
+    }
+    shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(root, "reference.on"), "on",
+                                  reference->on, "plane among the obstacles");
+}
+
+static void check_reference(Checker *checker)
+{
+    const ShvReferenceDefinition *reference = &checker->scene->definition.reference;
+    const ShvNode *root = checker->scene->head.node;
+    if (reference->law == SHV_REFERENCE_NONE) return;
+    const bool meets = reference->law == SHV_REFERENCE_BOUNCE || reference->law == SHV_REFERENCE_SLIDE ||
+                       reference->law == SHV_REFERENCE_ROLL;
+    if (reference->body) {
+        const ShvNameEntry *found = shv_name_index_find(&checker->bodies, reference->body);
+        if (!found)
+            shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(root, "reference.body"),
+                                          "body", reference->body, "object or free obstacle of the scene");
+        else if (!found->usable)
+            fault(checker, root, "reference.body", "%s is not free to move; give an object or an obstacle with mass",
+                  reference->body);
+    } else if (meets) {
+        fault(checker, root, "reference", "this law needs 'body', the object or free obstacle that follows it");
+    }
+    if (meets && !reference->on) fault(checker, root, "reference", "this law needs 'on', the plane that the body meets");
+    if (!meets && reference->on) fault(checker, root, "reference.on", "this law meets no plane; remove 'on'");
+    if (meets && reference->on) check_reference_plane(checker, reference);
+}
+
 static void check_fracture(Checker *checker)
 {
     const ShvFractureDefinition *fracture = &checker->scene->definition.fracture;
@@ -389,6 +428,7 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_conditions(&checker);
     check_obstacles(&checker);
     check_events(&checker);
+    check_reference(&checker);
     check_fracture(&checker);
     check_pbd(&checker);
 }

@@ -30,7 +30,7 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
                    sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
                    sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvBarForm) == sizeof(int) &&
-                   sizeof(ShvMeshPattern) == sizeof(int),
+                   sizeof(ShvMeshPattern) == sizeof(int) && sizeof(ShvReferenceLaw) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -663,6 +663,28 @@ static const ShvKey output_keys[] = {
 static const ShvTable output_table = {
     .name = "output", .sentence = "What is recorded.", .keys = output_keys, .key_count = LENGTH_OF(output_keys)};
 
+static const ShvChoice law_of_motion_choices[] = {
+    {"flight", SHV_REFERENCE_FLIGHT}, {"bounce", SHV_REFERENCE_BOUNCE}, {"slide", SHV_REFERENCE_SLIDE},
+    {"roll", SHV_REFERENCE_ROLL},     {"rest", SHV_REFERENCE_REST},     {NULL, 0}};
+static const ShvKey reference_keys[] = {
+    {"law", SHV_KEY_CHOICE, .flags = SHV_KEY_REQUIRED, .choices = law_of_motion_choices,
+     .offset = SCENE(reference.law), .absent = "",
+     .sentence =
+         "`flight`: a parabola and torque-free rotation. `bounce`: straight down on to a plane, which it meets below "
+         "its centre, and up again. `slide`: along a plane, or stuck to it, without turning. `roll`: a sphere that "
+         "slips on a plane until it rolls. `rest`: nothing moves."},
+    {"body", SHV_KEY_TEXT, .offset = SCENE(reference.body), .absent = "every one, with `flight` and `rest`",
+     .sentence = "Name of the object or free obstacle that follows it."},
+    {"on", SHV_KEY_TEXT, .offset = SCENE(reference.on), .absent = "none, with `flight` and `rest`",
+     .sentence = "Name of the plane that it meets."},
+};
+static const ShvTable reference_table = {
+    .name = "reference",
+    .sentence = "A motion known in closed form that `shiver compare` measures errors from; its numbers are the "
+                "scene's. Without it the finest run is what the others are compared with.",
+    .keys = reference_keys,
+    .key_count = LENGTH_OF(reference_keys)};
+
 #define ITEMS(member) offsetof(ShvSceneItem, member)
 static const ShvKey scene_keys[] = {
     {"shiver", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = offsetof(ShvSceneItem, version),
@@ -692,6 +714,7 @@ static const ShvKey scene_keys[] = {
     {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
     {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},
+    {"reference", SHV_KEY_MAPPING, .table = &reference_table, .sentence = "The exact motion, where one is known."},
 };
 static void start_scene(void *item)
 {

@@ -1,0 +1,35 @@
+/* Inside of a comparison, for the files of this folder. */
+#ifndef SHV_STUDY_COMPARE_H
+#define SHV_STUDY_COMPARE_H
+
+#include "shiver/study.h"
+#include "study/closed_form.h"
+#include "study/track.h"
+
+typedef struct ShvComparedTrack {
+    ShvComparedRun view;
+    ShvTrack track;
+} ShvComparedTrack;
+
+struct ShvComparison {
+    const ShvSceneDefinition *scene;
+    ShvCompareOptions options;
+    ShvMemory *memory;
+    ShvComparedTrack *runs;
+    int32_t count;
+    ShvBodies bodies;
+    ShvClosedForm *forms; /* one a body that is chosen and NULL without a closed form */
+    ShvBodyState *finest; /* without one: frame by frame, all bodies of the finest run */
+    int32_t finest_frames, finest_capacity;
+    int32_t finest_run; /* −1 with a closed form */
+    char reference[200];
+};
+
+/* refuse.c: what a comparison cannot be made of. */
+ShvStatus shv_compare_check(const ShvSceneDefinition *scene, const ShvCompareOptions *options, ShvError *error);
+/* measure.c: the row of the present frame, whose number is `index`; and the figures of a run from its rows. */
+ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, int32_t index, ShvTrackRow *row,
+                          ShvError *error);
+void shv_compare_summarise(const ShvComparison *comparison, ShvComparedTrack *run);
+
+#endif

@@ -1,0 +1,165 @@
+#include "study/compare.h"
+
+/* What the body is compared with at this frame. */
+static ShvBodyState reference_state(ShvComparison *comparison, int32_t body, int32_t index, double time,
+                                    const ShvBodyState *own)
+{
+    if (comparison->forms) return shv_closed_form_at(&comparison->forms[body], time);
+    if (index >= comparison->finest_frames) return *own;
+    return comparison->finest[(int64_t)index * comparison->bodies.count + body];
+}
+
+static double energy_of(const ShvBody *body, const ShvBodyState *state, ShvVec3 gravity)
+{
+    return shv_body_kinetic(body, state) - body->mass * shv_dot(gravity, state->position);
+}
+
+static void add_body(ShvTrackRow *row, const ShvBody *body, const ShvBodyState *state, const ShvBodyState *exact,
+                     ShvVec3 gravity)
+{
+    const double moved = shv_norm(shv_sub(state->position, exact->position));
+    const double turned = shv_turn_between(state->orientation, exact->orientation);
+    const ShvVec3 spin = shv_body_spin_momentum(body, state), linear = shv_scale(state->velocity, body->mass);
+    row->position = fmax(row->position, moved);
+    row->orientation = fmax(row->orientation, turned);
+    row->velocity = fmax(row->velocity, shv_norm(shv_sub(state->velocity, exact->velocity)));
+    row->surface = fmax(row->surface, moved + body->radius * turned);
+    row->spin = fmax(row->spin, shv_norm(shv_sub(spin, shv_body_spin_momentum(body, exact))));
+    row->energy += energy_of(body, state, gravity);
+    row->reference_energy += energy_of(body, exact, gravity);
+    row->momentum = shv_add(row->momentum, linear);
+    row->angular_momentum = shv_add(row->angular_momentum, shv_add(spin, shv_cross(state->position, linear)));
+}
+
+/* The first run to be measured without a closed form is the finest: its states are kept. */
+static ShvStatus keep(ShvComparison *comparison, const ShvFrameView *frame, ShvError *error)
+{
+    const size_t count = (size_t)comparison->bodies.count;
+    if (comparison->finest_frames == comparison->finest_capacity) {
+        const size_t capacity = 2 * (size_t)comparison->finest_capacity + 64;
+        ShvBodyState *states =
+            shv_reallocate(comparison->memory, SHV_PART_RECORD, comparison->finest, capacity * count, sizeof *states);
+        if (!states) return shv_fail_memory(error, "the finest run", capacity * count * sizeof *states);
+        comparison->finest = states;
+        comparison->finest_capacity = (int32_t)capacity;
+    }
+    ShvBodyState *row = comparison->finest + (size_t)comparison->finest_frames++ * count;
+    for (size_t i = 0; i < count; i++) row[i] = shv_body_state(&comparison->bodies.items[i], frame);
+    return SHV_OK;
+}
+
+ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, int32_t index, ShvTrackRow *row,
+                          ShvError *error)
+{
+    const ShvVec3 gravity = shv_load3(comparison->scene->gravity);
+    const bool first = !comparison->forms && comparison->runs[comparison->finest_run].track.count == index &&
+                       comparison->finest_frames == index;
+    if (first) SHV_TRY(keep(comparison, frame, error));
+    *row = (ShvTrackRow){.time = frame->time};
+    bool any = false;
+    for (int32_t i = 0; i < comparison->bodies.count; i++) {
+        const ShvBody *body = &comparison->bodies.items[i];
+        if (!body->chosen) continue;
+        const ShvBodyState state = shv_body_state(body, frame);
+        const ShvBodyState exact = reference_state(comparison, i, index, frame->time, &state);
+        add_body(row, body, &state, &exact, gravity);
+        if (any) continue;
+        row->state = state;
+        row->reference = exact;
+        any = true;
+    }
+    return SHV_OK;
+}
+
+/* ---- figures of a run ---- */
+
+static const ShvBody *first_chosen(const ShvBodies *bodies)
+{
+    int32_t i = 0;
+    while (!bodies->items[i].chosen) i++;
+    return &bodies->items[i];
+}
+
+/* What energies are measured by: the largest kinetic energy of the reference or change of its potential energy; of what stays
+   at rest, the weight times the radius. */
+static double energy_scale(const ShvComparison *comparison, const ShvTrack *track)
+{
+    const ShvVec3 gravity = shv_load3(comparison->scene->gravity);
+    const ShvBody *body = first_chosen(&comparison->bodies);
+    double largest = 0.0, weight = 0.0;
+    for (int32_t i = 0; i < track->count; i++) {
+        const ShvTrackRow *row = &track->rows[i];
+        /* One body stands for all where there are several. */
+        const double fallen = shv_dot(gravity, shv_sub(row->reference.position, track->rows[0].reference.position));
+        largest = fmax(largest, fmax(shv_body_kinetic(body, &row->reference), body->mass * fabs(fallen)));
+    }
+    for (int32_t i = 0; i < comparison->bodies.count; i++) {
+        const ShvBody *each = &comparison->bodies.items[i];
+        if (each->chosen) weight += each->mass * shv_norm(gravity) * each->radius;
+    }
+    return largest > 0.0 ? largest : weight;
+}
+
+static double over(double value, double scale)
+{
+    return scale > 0.0 ? value / scale : (double)NAN;
+}
+
+static void count_impacts(const ShvComparison *comparison, ShvComparedTrack *run)
+{
+    enum { MOST = 8 };
+    const ShvClosedForm *form = comparison->forms;
+    while (form->law == SHV_REFERENCE_NONE) form++;
+    double found[MOST], exact[MOST];
+    const ShvTrack *track = &run->track;
+    ShvComparedRun *view = &run->view;
+    view->moments = shv_track_impacts(track, false, form->direction, form->gravity, found, MOST);
+    view->reference_moments = shv_track_impacts(track, true, form->direction, form->gravity, exact, MOST);
+    view->moment = view->moments > 0 ? 0.0 : (double)NAN;
+    for (int i = 0; i < view->moments && i < view->reference_moments; i++)
+        view->moment = fmax(view->moment, fabs(found[i] - exact[i]));
+    const int heights = shv_track_apices(track, false, form->direction, form->gravity, found, MOST);
+    const int wanted = shv_track_apices(track, true, form->direction, form->gravity, exact, MOST);
+    view->apex = heights > 0 ? 0.0 : (double)NAN;
+    for (int i = 0; i < heights && i < wanted; i++)
+        view->apex = fmax(view->apex, fabs(found[i] - exact[i]) / exact[i]);
+}
+
+static void count_flips(const ShvComparison *comparison, ShvComparedTrack *run)
+{
+    enum { MOST = 8 };
+    double found[MOST], exact[MOST];
+    const ShvBody *body = first_chosen(&comparison->bodies);
+    ShvComparedRun *view = &run->view;
+    view->moments = shv_track_flips(&run->track, false, &body->inertia, found, MOST);
+    view->reference_moments = shv_track_flips(&run->track, true, &body->inertia, exact, MOST);
+    view->moment = view->moments > 0 ? 0.0 : (double)NAN;
+    for (int i = 0; i < view->moments && i < view->reference_moments; i++)
+        view->moment = fmax(view->moment, fabs(found[i] - exact[i]));
+}
+
+void shv_compare_summarise(const ShvComparison *comparison, ShvComparedTrack *run)
+{
+    ShvComparedRun *view = &run->view;
+    const ShvTrack *track = &run->track;
+    double energy = 0.0, spin = 0.0, largest_spin = 0.0;
+    for (int32_t i = 0; i < track->count; i++) {
+        const ShvTrackRow *row = &track->rows[i];
+        view->position = fmax(view->position, row->position);
+        view->orientation = fmax(view->orientation, row->orientation);
+        view->velocity = fmax(view->velocity, row->velocity);
+        view->surface = fmax(view->surface, row->surface);
+        energy = fmax(energy, fabs(row->energy - row->reference_energy));
+        spin = fmax(spin, row->spin);
+        largest_spin =
+            fmax(largest_spin, shv_norm(shv_body_spin_momentum(first_chosen(&comparison->bodies), &row->reference)));
+    }
+    const double scale = energy_scale(comparison, track);
+    view->energy = over(energy, scale);
+    view->energy_gain = over(shv_track_gain(track), scale);
+    view->angular_momentum = over(spin, largest_spin);
+    view->moment = view->apex = (double)NAN;
+    if (!comparison->forms) return;
+    if (comparison->scene->reference.law == SHV_REFERENCE_BOUNCE) count_impacts(comparison, run);
+    if (comparison->scene->reference.law == SHV_REFERENCE_FLIGHT) count_flips(comparison, run);
+}
