@@ -1,8 +1,4 @@
-/* When, within a step, two moving bodies first touch: conservative advancement with rotation. Nothing tunnels.
-
-   (FCL's continuous collision would be the alternative. With rotation its conservative advancement stops within 1e-4 of the
-   step, whatever error is asked for; bodies that overlap at the start and part count as a hit at 0; a sphere against a
-   half-space crashes; acceleration and free rotation are unknown to it.) */
+/* When, within a step, two moving bodies first touch: conservative advancement with rotation. Nothing tunnels. */
 #ifndef BULLET_BRIDGE_IMPACT_TIME_H
 #define BULLET_BRIDGE_IMPACT_TIME_H
 

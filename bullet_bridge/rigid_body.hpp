@@ -19,7 +19,10 @@ struct ShvBulletBody {
     btVector3 low{0, 0, 0}, high{0, 0, 0}; // box in the body's frame, scaled
     btVector3 position{0, 0, 0};           // m, world: not scaled, so that far from the origin nothing is lost
     btMatrix3x3 axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    std::unique_ptr<btRigidBody> body;             // with mass only: what the solver sees
+    std::unique_ptr<btRigidBody> body; // with mass only: what the solver sees
+    btScalar mass = 0, give = 1;
+    btVector3 inverse_moment{0, 0, 0};
+    void yield(btScalar share);                    // to impulses
     btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world with its reach, scaled
     btDbvtNode *leaf = nullptr;                    // not of planes
 };

@@ -176,6 +176,7 @@ void ShvSolver::solve(const std::vector<ShvBulletBody *> &bodies, ShvBulletMotio
     objects.clear();
     for (size_t i = 0; i < bodies.size(); i++) {
         btRigidBody *body = bodies[i]->body.get();
+        bodies[i]->yield(motions[i].give);
         body->setWorldTransform(btTransform(bodies[i]->axes, btVector3(0, 0, 0)));
         body->updateInertiaTensor();
         body->setLinearVelocity(load(motions[i].velocity));

@@ -152,10 +152,20 @@ static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, co
 static void make_mass(ShvBulletBody *body, double inverse_mass, const double inverse_moment[3])
 {
     if (!(inverse_mass > 0.0)) return;
-    btRigidBody::btRigidBodyConstructionInfo info(1.0 / inverse_mass, nullptr, nullptr);
+    body->mass = 1.0 / inverse_mass;
+    body->inverse_moment = btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]);
+    btRigidBody::btRigidBodyConstructionInfo info(body->mass, nullptr, nullptr);
     body->body = std::make_unique<btRigidBody>(info);
     body->body->setFlags(0); // no gyroscopic term: free rotation is the caller's
-    body->body->setInvInertiaDiagLocal(btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]));
+    body->body->setInvInertiaDiagLocal(body->inverse_moment);
+}
+
+void ShvBulletBody::yield(btScalar share)
+{
+    if (share == give) return;
+    give = share;
+    body->setMassProps(mass / share, btVector3(0, 0, 0));
+    body->setInvInertiaDiagLocal(inverse_moment * share);
 }
 
 static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, double reach)

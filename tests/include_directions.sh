@@ -20,6 +20,7 @@ allowed()
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;
+    study) echo base export study ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
     esac
@@ -37,6 +38,6 @@ for folder in src/*/; do
     done
 done
 for file in include/shiver/*.h; do
-    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|cli)/' "$file" && bad=1
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|study|cli)/' "$file" && bad=1
 done
 exit $bad

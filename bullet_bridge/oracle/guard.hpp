@@ -17,7 +17,8 @@ inline bool is_hull(const ShvConvex *body)
 
 inline ShvStatus refuse(ShvError *error)
 {
-    return shv_fail(error, SHV_BAD_INPUT, "the oracles know hulls of points only: give both bodies points and radius 0");
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "the oracles know hulls of points only: give both bodies points and radius 0");
 }
 
 template <typename Work> ShvStatus guarded(ShvError *error, const Work &work)

@@ -13,19 +13,19 @@
 extern "C" {
 #endif
 
-/* FCL's GJK: distance in m, or `apart` is false. Above the true one by at most 1e-9 of it; closer than 1e-9 m counts as
-   touching. */
+/* FCL's GJK: distance in m, to 1e-9 of it, if *apart. Closer than 1e-6 of the bodies' size it may be wrong about `apart`. */
 ShvStatus shv_oracle_distance(const ShvConvex *first, const ShvConvex *second, bool *apart, double *distance,
                               ShvError *error);
-/* FCL's conservative advancement while the second body makes the way `move` (m) at constant speed and does not turn:
-   the share of the way at which they touch, if *found. */
+/* By FCL's distances: the share of the way `move` (m) that the second body has made, without turning, when they are within
+   1e-9 m of each other, if *found. */
 ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, const double move[3], bool *found,
                             double *share, ShvError *error);
 /* FCL's dynamic AABB tree: arguments and answer as shv_impact_candidates, finite boxes only. */
 ShvStatus shv_oracle_pairs(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity, int64_t *count,
                            ShvError *error);
 
-/* libccd's GJK: whether the bodies meet. */
+/* libccd's GJK: whether the bodies meet. Closer than √(its round-off), 1.5e-8 m, they do; flat ones that overlap by less than
+   1e-5 of their size may not. */
 ShvStatus shv_oracle_overlap(const ShvConvex *first, const ShvConvex *second, bool *overlap, ShvError *error);
 /* libccd's MPR: a way (m) by which the second gets clear of the first so that they just touch, not always the shortest.
    *overlap is false when there is none. */
