@@ -79,6 +79,9 @@ typedef struct ShvCohesive {
     /* work space of insertion and criterion */
     int32_t *corner_label, *corner_queue, *corner_copy; /* largest number of corners at a node */
     double *element_bound, *facet_value;                /* element_count, interior_count */
+    int32_t *watched,
+        *watched_nodes; /* facets, and with the principal criterion nodes, that checks look at; increasing */
+    int32_t watched_count, watched_node_count;
     double
         *node_value; /* 2 × node_capacity, principal criterion only: largest principal stress or a bound, lower bound */
 } ShvCohesive;
@@ -96,12 +99,14 @@ double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet);
 /* Weakest facet strength of a set of elements' interior facets (elements NULL: all), Pa; infinity when none can break. */
 double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
 
-/* Criterion value / facet strength of every intact interior facet whose two elements are in awake fragments
-   (awake: one byte per fragment index, NULL: all); returns the largest. Fills `candidates` (room for interior_count) with
+/* From now on checks look at the intact facets whose two elements are in awake fragments (awake: one byte per fragment index,
+   NULL: all). To be called before the first check and whenever fragments wake, sleep or come apart. */
+void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* Criterion value / facet strength of every watched facet that is intact; returns the largest. Fills `candidates` (room for interior_count) with
    facets at or above settings->threshold, ordered by descending overstress, ties by facet number. `stress` from
    shv_solid_stress; `nodal` (6 per node) only for the principal criterion. */
 double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
-                               const uint8_t *awake, int32_t *candidates, double *overstress, int32_t *count);
+                               int32_t *candidates, double *overstress, int32_t *count);
 
 /* Inserts facets: makes them cohesive and duplicates nodes by the rule that a node is split among the groups of its
    elements that are still joined across intact facets. Order of facets does not matter. Copies inherit position and

@@ -62,10 +62,9 @@ static double traction_value(const ShvCohesive *cohesive, const ShvState *state,
     return shv_facet_overstress(material, strength, shv_facet_traction(stress, elements[0], elements[1], normal));
 }
 
-static bool judged(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, const uint8_t *awake)
+static bool judged(const ShvCohesive *cohesive, int32_t facet)
 {
-    return cohesive->facet_cohesive[facet] < 0 && !isinf(cohesive->facet_strength[facet]) &&
-           awake_elements(state, cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet, awake);
+    return cohesive->facet_cohesive[facet] < 0;
 }
 
 /* Least of the values of a facet's nodes against its strength; of each node's two values the one at `offset`. */
@@ -100,16 +99,18 @@ static void bound_principal(const double *voigt, double bounds[2])
     bounds[1] = mean + part - margin;
 }
 
-static void bound_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal, const uint8_t *awake)
+static void bound_nodes(const ShvCohesive *cohesive, const double *nodal)
 {
     const int32_t threads = cohesive->model->threads;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int32_t i = 0; i < state->node_count; i++)
-        if (awake_node(state, i, awake)) bound_principal(nodal + 6 * (int64_t)i, cohesive->node_value + 2 * (int64_t)i);
+    for (int32_t i = 0; i < cohesive->watched_node_count; i++) {
+        const int64_t node = cohesive->watched_nodes[i];
+        bound_principal(nodal + 6 * node, cohesive->node_value + 2 * node);
+    }
 }
 
 /* The stress below which a node decides nothing: facets that need it are neither candidates nor the largest. */
-static double idle_stress(const ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+static double idle_stress(const ShvCohesive *cohesive, const ShvState *state)
 {
     const int32_t threads = cohesive->model->threads;
     double largest = 0.0, weakest = (double)INFINITY;
@@ -117,8 +118,9 @@ static double idle_stress(const ShvCohesive *cohesive, const ShvState *state, co
                                                                                           : largest)                   \
     reduction(min                                                                                                      \
               : weakest)
-    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
-        if (!judged(cohesive, state, facet, awake)) continue;
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int32_t facet = cohesive->watched[i];
+        if (!judged(cohesive, facet)) continue;
         largest = shv_larger(largest, principal_value(cohesive, state, facet, 1));
         weakest = shv_smaller(weakest, cohesive->facet_strength[facet]);
     }
@@ -126,31 +128,32 @@ static double idle_stress(const ShvCohesive *cohesive, const ShvState *state, co
 }
 
 /* Eigenvalues of the nodes that matter; the others keep their bounds. */
-static void principal_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal,
-                            const uint8_t *awake)
+static void principal_nodes(const ShvCohesive *cohesive, const ShvState *state, const double *nodal)
 {
     const int32_t threads = cohesive->model->threads;
-    bound_nodes(cohesive, state, nodal, awake);
-    const double idle = idle_stress(cohesive, state, awake);
+    bound_nodes(cohesive, nodal);
+    const double idle = idle_stress(cohesive, state);
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int32_t i = 0; i < state->node_count; i++) {
-        double *value = cohesive->node_value + 2 * (int64_t)i;
-        if (awake_node(state, i, awake) && !(*value < idle)) *value = shv_largest_principal(nodal + 6 * (int64_t)i);
+    for (int32_t i = 0; i < cohesive->watched_node_count; i++) {
+        const int64_t node = cohesive->watched_nodes[i];
+        double *value = cohesive->node_value + 2 * node;
+        if (!(*value < idle)) *value = shv_largest_principal(nodal + 6 * node);
     }
 }
 
-/* Values of all facets; returns the largest. A facet is left out only when it can neither be a candidate nor the largest,
+/* Values of all watched facets; returns the largest. A facet is left out only when it can neither be a candidate nor the largest,
    so the result does not depend on what each thread has seen. */
-static double evaluate(const ShvCohesive *cohesive, const ShvState *state, const double *stress, const uint8_t *awake)
+static double evaluate(const ShvCohesive *cohesive, const ShvState *state, const double *stress)
 {
     const bool principal = cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL;
     const double threshold = cohesive->settings->threshold;
     const int32_t threads = cohesive->model->threads;
     double largest = 0.0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max : largest)
-    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int32_t facet = cohesive->watched[i];
         double value = left_out;
-        if (judged(cohesive, state, facet, awake))
+        if (judged(cohesive, facet))
             value = principal ? principal_value(cohesive, state, facet, 0)
                               : traction_value(cohesive, state, stress, facet, fmin(largest, threshold));
         cohesive->facet_value[facet] = value;
@@ -196,20 +199,34 @@ static void sort(int32_t *facets, double *values, int32_t count)
     }
 }
 
+void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    cohesive->watched_count = cohesive->watched_node_count = 0;
+    for (int32_t facet = 0; facet < adjacency->interior_count; facet++)
+        if (judged(cohesive, facet) && !isinf(cohesive->facet_strength[facet]) &&
+            awake_elements(state, adjacency->facet_elements + 2 * (int64_t)facet, awake))
+            cohesive->watched[cohesive->watched_count++] = facet;
+    if (cohesive->settings->criterion != SHV_CRITERION_PRINCIPAL) return;
+    for (int32_t i = 0; i < state->node_count; i++)
+        if (awake_node(state, i, awake)) cohesive->watched_nodes[cohesive->watched_node_count++] = i;
+}
+
 double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
-                               const uint8_t *awake, int32_t *candidates, double *overstress, int32_t *count)
+                               int32_t *candidates, double *overstress, int32_t *count)
 {
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL)
-        principal_nodes(cohesive, state, nodal, awake);
+        principal_nodes(cohesive, state, nodal);
     else
         bound_elements(cohesive, stress);
-    const double largest = evaluate(cohesive, state, stress, awake);
+    const double largest = evaluate(cohesive, state, stress);
     *count = 0;
-    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++)
-        if (cohesive->facet_value[facet] >= cohesive->settings->threshold) {
-            candidates[*count] = facet;
-            overstress[(*count)++] = cohesive->facet_value[facet];
-        }
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int32_t facet = cohesive->watched[i];
+        if (cohesive->facet_value[facet] < cohesive->settings->threshold) continue;
+        candidates[*count] = facet;
+        overstress[(*count)++] = cohesive->facet_value[facet];
+    }
     sort(candidates, overstress, *count);
     return largest;
 }

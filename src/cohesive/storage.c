@@ -54,6 +54,10 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
             shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, 2 * (size_t)nodes, size);
         if (!value) return shv_fail_memory(error, "principal stresses of nodes", bytes);
         cohesive->node_value = value;
+        int32_t *watched = shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->watched_nodes, (size_t)nodes,
+                                          sizeof *cohesive->watched_nodes);
+        if (!watched) return shv_fail_memory(error, "nodes to look at", 4 * (size_t)nodes);
+        cohesive->watched_nodes = watched;
     }
     cohesive->node_capacity = nodes;
     return SHV_OK;
@@ -92,10 +96,11 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
     cohesive->element_bound = shv_allocate(memory, SHV_PART_STRESS, elements, sizeof *cohesive->element_bound);
+    cohesive->watched = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->watched);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
         !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->facet_value ||
-        !cohesive->element_bound)
-        return shv_fail_memory(error, "facets that may break", facets * 20 + elements * 8 + corners * 12 + nodes * 8);
+        !cohesive->element_bound || !cohesive->watched)
+        return shv_fail_memory(error, "facets that may break", facets * 24 + elements * 8 + corners * 12 + nodes * 8);
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
@@ -134,5 +139,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->facet_value);
     shv_release(cohesive->element_bound);
     shv_release(cohesive->node_value);
+    shv_release(cohesive->watched);
+    shv_release(cohesive->watched_nodes);
     *cohesive = (ShvCohesive){0};
 }

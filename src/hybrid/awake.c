@@ -54,6 +54,7 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     if (hybrid->companions.count > 0) SHV_TRY(shv_companions_reserve(hybrid, error));
     list_nodes(hybrid);
     mark_batches(hybrid);
+    if (hybrid->model.can_break) shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
     shv_node_contact_invalidate(&hybrid->contact);
     shv_surface_contact_invalidate(&hybrid->surface);
     hybrid->bars_stale = true;

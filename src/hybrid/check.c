@@ -148,7 +148,7 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
     shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
     SHV_TRY(nodal_stress(hybrid, error));
     const double largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
-                                                   hybrid->awake.flags, hybrid->candidates, hybrid->overstress, &count);
+                                                   hybrid->candidates, hybrid->overstress, &count);
     SHV_TRY(look_for_inversion(hybrid, error));
     set_clock(hybrid, largest);
     shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);

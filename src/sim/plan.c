@@ -65,9 +65,11 @@ static double time_step_cost(ShvHybrid *hybrid)
             const double begin = shv_now();
             int32_t count = 0;
             shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
-            if (hybrid->scene->fracture.criterion == SHV_CRITERION_TRACTION)
-                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, NULL,
-                                        hybrid->candidates, hybrid->overstress, &count);
+            if (hybrid->scene->fracture.criterion == SHV_CRITERION_TRACTION) {
+                shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, NULL);
+                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, hybrid->candidates,
+                                        hybrid->overstress, &count);
+            }
             const int32_t every = hybrid->scene->fracture.check_every > 0 ? hybrid->scene->fracture.check_every : 5;
             check = (shv_now() - begin) / every;
         }

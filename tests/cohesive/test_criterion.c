@@ -48,7 +48,8 @@ static void matches_brute_force(void **state)
         const int32_t facets = f.model.adjacency.interior_count;
         int32_t *found = calloc((size_t)facets, sizeof *found), count, expected = 0;
         double *over = calloc((size_t)facets, sizeof *over), largest = 0.0;
-        const double got = shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, found, over, &count);
+        shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+        const double got = shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found, over, &count);
         for (int32_t i = 0; i < facets; i++) {
             const double value = brute(&f, i, f.material.cohesive_strength_shear / 40e6);
             largest = fmax(largest, value);
@@ -81,8 +82,8 @@ static void same_bits_for_any_threads(void **state)
         const size_t facets = (size_t)f.model.adjacency.interior_count;
         found[run] = calloc(facets, sizeof(int32_t));
         over[run] = calloc(facets, sizeof(double));
-        largest[run] =
-            shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, found[run], over[run], &counts[run]);
+        largest[run] = shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+        shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found[run], over[run], &counts[run]);
         fixture_release(&f);
     }
     assert_int_equal(counts[0], counts[1]);
@@ -108,7 +109,8 @@ static void uniform_tension_and_rotation(void **state)
             again;
     double *over = calloc((size_t)facets, sizeof *over);
     fixture_stress(&f, 38e6, 0.0, 0.0, 0.0, 0.0, 0.0);
-    check_near(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, found, over, &count), 0.95, 1e-12);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    check_near(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found, over, &count), 0.95, 1e-12);
     assert_int_equal(count, 7 * 4 * 4 * 2);
     for (int32_t i = 0; i < count; i++) check_near(facet_normal(&f, found[i]).y, 0.0, 1e-12);
     /* everything turned by 90° about z: x → y */
@@ -117,17 +119,20 @@ static void uniform_tension_and_rotation(void **state)
         shv_store3(f.state.displacement + 3 * i, shv_vec3(-x[1] - x[0], x[0] - x[1], 0.0));
     }
     fixture_stress(&f, 0.0, 38e6, 0.0, 0.0, 0.0, 0.0);
-    check_near(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, turned, over, &again), 0.95, 1e-12);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    check_near(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, turned, over, &again), 0.95, 1e-12);
     assert_int_equal(again, count);
     uint8_t *hit = calloc((size_t)facets, 1);
     for (int32_t i = 0; i < count; i++) hit[found[i]] = 1;
     for (int32_t i = 0; i < count; i++) assert_true(hit[turned[i]]);
     /* nothing is judged in what sleeps */
     const uint8_t awake[1] = {0};
-    assert_true(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, awake, found, over, &count) == 0.0);
+    shv_cohesive_watch(&f.cohesive, &f.state, awake);
+    assert_true(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found, over, &count) == 0.0);
     assert_int_equal(count, 0);
     fixture_stress(&f, -1e9, -1e9, -1e9, 0.0, 0.0, 0.0);
-    assert_true(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, found, over, &count) < 1e-12);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    assert_true(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found, over, &count) < 1e-12);
     free(hit);
     free(found);
     free(turned);
@@ -149,8 +154,8 @@ static void zero_and_infinite_strength(void **state)
         int32_t *found = calloc((size_t)facets, sizeof *found), count;
         double *over = calloc((size_t)facets, sizeof *over);
         fixture_stress(&f, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0);
-        const double largest =
-            shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, NULL, found, over, &count);
+        const double largest = shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+        shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, found, over, &count);
         assert_int_equal(count, run == 0 ? facets : 0);
         assert_true(run == 0 ? isinf(largest) : largest == 0.0);
         assert_true(run == 0 ? shv_cohesive_weakest(&f.cohesive, NULL, 0) == 0.0
@@ -184,7 +189,8 @@ static void principal_takes_the_weakest_corner(void **state)
     /* equal in all directions: the principal stress is known without an eigenvalue solver */
     for (int32_t i = 0; i < nodes; i++)
         for (int c = 0; c < 3; c++) nodal[6 * i + c] = 60e6 * (shv_random_uniform(2, (uint64_t)i) - 0.05);
-    const double got = shv_cohesive_candidates(&f.cohesive, &f.state, NULL, nodal, NULL, found, over, &count);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    const double got = shv_cohesive_candidates(&f.cohesive, &f.state, NULL, nodal, found, over, &count);
     for (int32_t i = 0; i < facets; i++) {
         const int32_t e = f.model.adjacency.facet_elements[2 * i];
         const uint8_t *c = shv_face_corners[f.model.adjacency.facet_faces[2 * i]];
@@ -222,7 +228,8 @@ static void principal_matches_brute_force(void **state)
                 s[c] = (run < 2 ? 5e6 : 80e6) * (shv_random_uniform(9, (uint64_t)(6 * i + c)) - (c < 3 ? 0.3 : 0.5));
             principal[i] = shv_largest_principal(s);
         }
-        const double got = shv_cohesive_candidates(&f.cohesive, &f.state, NULL, nodal, NULL, found, over, &count);
+        shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+        const double got = shv_cohesive_candidates(&f.cohesive, &f.state, NULL, nodal, found, over, &count);
         for (int32_t i = 0; i < facets; i++) {
             const int32_t e = f.model.adjacency.facet_elements[2 * i];
             const uint8_t *c = shv_face_corners[f.model.adjacency.facet_faces[2 * i]];
