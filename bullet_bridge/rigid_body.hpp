@@ -23,8 +23,9 @@ struct ShvBulletBody {
     btScalar mass = 0, give = 1;
     btVector3 inverse_moment{0, 0, 0};
     void yield(btScalar share);                    // to impulses
-    btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world with its reach, scaled
-    btDbvtNode *leaf = nullptr;                    // not of planes
+    btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world on its way, scaled
+    btVector3 way{0, 0, 0};                        // scaled
+    btScalar ball = 0;                             // radius with its drift, scaled
 };
 
 // Finds contacts of two bodies; lengths inside are scaled by `scale`.

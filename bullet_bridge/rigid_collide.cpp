@@ -163,11 +163,12 @@ void ShvCollider::plane_body(const ShvBulletBody &plane, const ShvBulletBody &bo
         emit(plane.normal * side);
         return;
     }
+    const btVector3 local = plane.normal * body.axes; // in the body's frame
     for (const ShvConvex &part : body.parts) {
+        if (local.dot(part.centre) - part.radius - height > limit) continue;
         for (const btVector3 &vertex : part.vertices) {
-            const btVector3 arm = body.axes * vertex;
-            const btScalar gap = plane.normal.dot(arm) - height;
-            if (gap <= limit) points.push_back({origin + arm - plane.normal * (gap / 2), gap});
+            const btScalar gap = local.dot(vertex) - height;
+            if (gap <= limit) points.push_back({origin + body.axes * vertex - plane.normal * (gap / 2), gap});
         }
         emit(plane.normal * side);
     }

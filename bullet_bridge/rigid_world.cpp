@@ -9,15 +9,24 @@
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
+namespace
+{
+struct Extent {
+    btVector3 low, high;
+    const ShvBulletBody *body;
+};
+} // namespace
+
 struct ShvBulletWorld {
     explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale) {}
     btScalar scale;
-    // Boxes of all bodies but planes, somewhat larger than they are. (Bullet's broadphase keeps its pairs from step to step,
-    // which costs a search through all of them whenever a body goes.)
-    btDbvt tree;
+    std::vector<Extent>
+        extents; // of all bodies but planes, by their lower ends on one axis; since the last call for pairs
+    int axis = 0;
     std::vector<const ShvBulletBody *> planes;
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
+    std::vector<int32_t> others;
     ShvCollider collider;
     ShvSolver solver;
     std::vector<ShvBulletBody *> moved, firsts, seconds;
@@ -168,10 +177,18 @@ void ShvBulletBody::yield(btScalar share)
     body->setInvInertiaDiagLocal(inverse_moment * share);
 }
 
-static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, double reach)
+static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &way, double drift, double turn)
 {
-    btTransformAabb(body->low, body->high, reach * world->scale, btTransform(body->axes, body->position * world->scale),
-                    body->box_low, body->box_high);
+    body->way = way;
+    body->ball = body->radius + drift * world->scale;
+    btTransformAabb(body->low, body->high, (drift + turn) * world->scale,
+                    btTransform(body->axes, body->position * world->scale), body->box_low, body->box_high);
+    const btVector3 none(0, 0, 0);
+    btVector3 back = way, ahead = way;
+    back.setMin(none);
+    ahead.setMax(none);
+    body->box_low += back;
+    body->box_high += ahead;
 }
 
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
@@ -189,8 +206,7 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
         if (body->kind == SHV_BULLET_PLANE) {
             world->planes.push_back(body.get());
         } else {
-            set_box(world, body.get(), 0);
-            body->leaf = world->tree.insert(btDbvtVolume::FromMM(body->box_low, body->box_high), body.get());
+            set_box(world, body.get(), btVector3(0, 0, 0), 0, 0);
         }
         world->bodies[size_t(number)] = std::move(body);
         return SHV_OK;
@@ -205,8 +221,8 @@ static ShvBulletBody *body_of(const ShvBulletWorld *world, int32_t number)
 void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
     const ShvBulletBody *body = body_of(world, number);
-    if (body->leaf) world->tree.remove(body->leaf);
     world->planes.erase(std::remove(world->planes.begin(), world->planes.end(), body), world->planes.end());
+    world->extents.clear();
     world->bodies[size_t(number)].reset();
 }
 
@@ -223,14 +239,13 @@ double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t number)
     return body->kind == SHV_BULLET_PLANE ? double(INFINITY) : body->radius / world->scale;
 }
 
-ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, double reach, ShvError *error)
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const double way[3], double drift, double turn,
+                                 ShvError *error)
 {
     return guarded(error, [&] {
         ShvBulletBody *body = body_of(world, number);
         if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
-        set_box(world, body, reach);
-        btDbvtVolume volume = btDbvtVolume::FromMM(body->box_low, body->box_high);
-        world->tree.update(body->leaf, volume, btScalar(0.1) * body->radius);
+        set_box(world, body, scaled(world, way), drift, turn);
         return SHV_OK;
     });
 }
@@ -240,25 +255,58 @@ static bool before(const ShvBulletPair &a, const ShvBulletPair &b)
     return a.first != b.first ? a.first < b.first : a.second < b.second;
 }
 
-namespace
+static bool balls_meet(const ShvBulletBody &a, const ShvBulletBody &b, btScalar scale)
 {
-struct PairList : public btDbvt::ICollide {
-    explicit PairList(std::vector<ShvBulletPair> *list) : pairs(list) {}
-    std::vector<ShvBulletPair> *pairs;
-    void add(const ShvBulletBody *a, const ShvBulletBody *b)
-    {
-        pairs->push_back({std::min(a->number, b->number), std::max(a->number, b->number)});
+    const btVector3 apart = (a.position - b.position) * scale, way = a.way - b.way;
+    const btScalar length = way.length2(), reach = a.ball + b.ball;
+    const btScalar share = length > 0 ? btMin(btScalar(1), btMax(btScalar(0), -apart.dot(way) / length)) : 0;
+    return (apart + share * way).length2() <= reach * reach;
+}
+
+static bool boxes_meet(const Extent &a, const Extent &b, int axis)
+{
+    return a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
+}
+
+// In the order of their lower ends on the axis along which they are scattered most. (A tree of boxes costs more: in rubble
+// everything moves in every step.)
+static void sort_extents(ShvBulletWorld *world)
+{
+    world->extents.clear();
+    btVector3 sum(0, 0, 0), squares(0, 0, 0);
+    for (const auto &body : world->bodies) {
+        if (!body || body->kind == SHV_BULLET_PLANE) continue;
+        world->extents.push_back({body->box_low, body->box_high, body.get()});
+        const btVector3 centre = (body->box_low + body->box_high) / 2;
+        sum += centre;
+        squares += centre * centre;
     }
-    void Process(const btDbvtNode *first, const btDbvtNode *second) override
-    {
-        const auto *a = static_cast<const ShvBulletBody *>(first->data);
-        const auto *b = static_cast<const ShvBulletBody *>(second->data);
-        if (!a->body && !b->body) return;
-        // The tree's boxes depend on what happened before; these do not.
-        if (TestAabbAgainstAabb2(a->box_low, a->box_high, b->box_low, b->box_high)) add(a, b);
+    const btScalar count = btScalar(btMax(size_t(1), world->extents.size()));
+    const int axis = world->axis = (squares / count - sum * sum / (count * count)).maxAxis();
+    std::sort(world->extents.begin(), world->extents.end(), [axis](const Extent &a, const Extent &b) {
+        return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.body->number < b.body->number;
+    });
+}
+
+static void add_pair(ShvBulletWorld *world, const ShvBulletBody *a, const ShvBulletBody *b)
+{
+    world->pairs.push_back({std::min(a->number, b->number), std::max(a->number, b->number)});
+}
+
+static void sweep(ShvBulletWorld *world)
+{
+    const std::vector<Extent> &extents = world->extents;
+    const int axis = world->axis, second = (axis + 1) % 3, third = (axis + 2) % 3;
+    for (size_t i = 0; i < extents.size(); i++) {
+        const Extent &own = extents[i];
+        for (size_t k = i + 1; k < extents.size() && extents[k].low[axis] <= own.high[axis]; k++) {
+            const Extent &other = extents[k];
+            if (!boxes_meet(own, other, second) || !boxes_meet(own, other, third)) continue;
+            if (!own.body->body && !other.body->body) continue;
+            if (balls_meet(*own.body, *other.body, world->scale)) add_pair(world, own.body, other.body);
+        }
     }
-};
-} // namespace
+}
 
 static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)
 {
@@ -270,16 +318,36 @@ ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pa
 {
     return guarded(error, [&] {
         world->pairs.clear();
-        PairList list(&world->pairs);
-        if (world->tree.m_root) world->tree.collideTT(world->tree.m_root, world->tree.m_root, list);
+        sort_extents(world);
+        sweep(world);
         for (const auto &body : world->bodies) {
             if (!body || !body->body) continue;
             for (const ShvBulletBody *plane : world->planes)
-                if (reaches(*body, *plane)) list.add(body.get(), plane);
+                if (reaches(*body, *plane)) add_pair(world, body.get(), plane);
         }
         std::sort(world->pairs.begin(), world->pairs.end(), before);
         *pairs = world->pairs.data();
         *count = int32_t(world->pairs.size());
+        return SHV_OK;
+    });
+}
+
+ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int32_t **others, int32_t *count,
+                                ShvError *error)
+{
+    return guarded(error, [&] {
+        const ShvBulletBody *body = body_of(world, number);
+        world->others.clear();
+        // Others may have been told new ways since: their boxes are read afresh.
+        for (const Extent &extent : world->extents)
+            if (extent.body != body &&
+                TestAabbAgainstAabb2(body->box_low, body->box_high, extent.body->box_low, extent.body->box_high))
+                world->others.push_back(extent.body->number);
+        for (const ShvBulletBody *plane : world->planes)
+            if (reaches(*body, *plane)) world->others.push_back(plane->number);
+        std::sort(world->others.begin(), world->others.end());
+        *others = world->others.data();
+        *count = int32_t(world->others.size());
         return SHV_OK;
     });
 }

@@ -1,4 +1,4 @@
-/* Bullet as a kit for rigid flight: its broadphase, its GJK, its hulls and its sequential impulses, without its integrator.
+/* Bullet as a kit for rigid flight: its GJK, its hulls and its sequential impulses, without its integrator.
    The caller owns the motion (positions, free rotation, what a contact is worth); the world answers which pairs may meet,
    where two bodies touch in the poses given, and which impulses keep them apart. Nothing here depends on the order in which
    bodies came, nor on earlier steps: pairs are sorted by the caller's numbers, contacts are found afresh, impulses to start
@@ -83,10 +83,17 @@ void shv_bullet_world_remove(ShvBulletWorld *world, int32_t body);
 void shv_bullet_world_place(ShvBulletWorld *world, int32_t body, const double position[3], const double axes[9]);
 /* Radius of the body about its origin, m; infinite for a plane. */
 double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t body);
-/* How far the body's points may get from where they are before the next call, m, for the pairs. */
-ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, double reach, ShvError *error);
-/* Pairs whose boxes, grown by their reach, overlap, in increasing order; valid until the next call. */
+/* What the pairs are to reckon with before the next call, m: the body's origin goes a straight `way`, is off it by at most
+   `drift`, and turning carries no point farther than `turn`. */
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, const double way[3], double drift, double turn,
+                                 ShvError *error);
+/* Pairs that may touch on their ways (by their boxes, and by the balls around them at each moment, as all go evenly), in
+   increasing order; valid until the next call. */
 ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error);
+/* What a body that has been told a new way since the last call for pairs may meet on it, by boxes alone, in increasing order;
+   valid until the next call. */
+ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t body, const int32_t **others, int32_t *count,
+                                ShvError *error);
 /* Contacts of a pair whose gap is at most `reach` (at most four of each two convex parts), valid until the next call. */
 ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
                                    ShvBulletContact **contacts, int32_t *count, ShvError *error);

@@ -1,6 +1,5 @@
 #include "bullet_bridge/bench/plain_world.h"
 
-#include <algorithm>
 #include <exception>
 #include <memory>
 #include <vector>
@@ -13,7 +12,7 @@ struct PlainWorld {
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-    btScalar friction = 0, margin = 0;
+    btScalar friction = 0, scale = 1;
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
     ~PlainWorld()
@@ -27,13 +26,13 @@ static btVector3 load(const double *p)
     return btVector3(p[0], p[1], p[2]);
 }
 
-PlainWorld *plain_world_create(const double gravity[3], double friction, double margin)
+PlainWorld *plain_world_create(const double gravity[3], double friction, double length)
 {
     try {
         auto plain = std::make_unique<PlainWorld>();
-        plain->world.setGravity(load(gravity));
+        plain->scale = 1 / length;
+        plain->world.setGravity(load(gravity) * plain->scale);
         plain->friction = friction;
-        plain->margin = margin;
         return plain.release();
     } catch (const std::exception &) {
         return nullptr;
@@ -56,7 +55,7 @@ static void add(PlainWorld *plain, btScalar mass, btCollisionShape *shape, const
 int plain_world_add_plane(PlainWorld *plain, const double normal[3], double offset)
 {
     try {
-        plain->shapes.push_back(std::make_unique<btStaticPlaneShape>(load(normal), offset));
+        plain->shapes.push_back(std::make_unique<btStaticPlaneShape>(load(normal), offset * plain->scale));
         const btVector3 none(0, 0, 0);
         add(plain, 0, plain->shapes.back().get(), none, btTransform::getIdentity(), none, none);
         return 1;
@@ -69,9 +68,8 @@ static btCollisionShape *add_hull(PlainWorld *plain, const PlainBody *body, int3
 {
     auto shape = std::make_unique<btConvexHullShape>();
     for (int32_t i = body->vertex_begin[hull]; i < body->vertex_begin[hull + 1]; i++)
-        shape->addPoint(load(body->vertices + 3 * size_t(i)), false);
+        shape->addPoint(load(body->vertices + 3 * size_t(i)) * plain->scale, false);
     shape->recalcLocalAabb();
-    shape->setMargin(plain->margin);
     plain->shapes.push_back(std::move(shape));
     return plain->shapes.back().get();
 }
@@ -90,8 +88,10 @@ int plain_world_add_body(PlainWorld *plain, const PlainBody *body)
             plain->shapes.push_back(std::move(compound));
         }
         const double *m = body->axes;
-        const btTransform pose(btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]), load(body->position));
-        add(plain, body->mass, whole, load(body->moments), pose, load(body->velocity), load(body->spin));
+        const btTransform pose(btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]),
+                               load(body->position) * plain->scale);
+        add(plain, body->mass, whole, load(body->moments) * (plain->scale * plain->scale), pose,
+            load(body->velocity) * plain->scale, load(body->spin));
         return 1;
     } catch (const std::exception &) {
         return 0;
@@ -117,15 +117,7 @@ double plain_world_kinetic(const PlainWorld *plain)
         sum += body->getMass() * body->getLinearVelocity().length2() / 2;
         sum += (spin * spin).dot(body->getLocalInertia()) / 2;
     }
-    return sum;
-}
-
-double plain_world_lowest(const PlainWorld *plain)
-{
-    btScalar lowest = BT_LARGE_FLOAT;
-    for (const auto &body : plain->bodies)
-        if (!body->isStaticObject()) lowest = std::min(lowest, body->getWorldTransform().getOrigin().z());
-    return lowest;
+    return sum / (plain->scale * plain->scale);
 }
 
 void plain_world_destroy(PlainWorld *plain)

@@ -20,14 +20,13 @@ typedef struct PlainBody {
     double velocity[3], spin[3];
 } PlainBody;
 
-/* NULL when memory is out, as the other functions' false. */
-PlainWorld *plain_world_create(const double gravity[3], double friction, double margin);
+/* NULL when memory is out, as the other functions' 0. Bullet's constants (margins, breaking distance, speeds of rest) are made
+   for bodies of about 1: `length`, m, is that unit. */
+PlainWorld *plain_world_create(const double gravity[3], double friction, double length);
 int plain_world_add_plane(PlainWorld *world, const double normal[3], double offset);
 int plain_world_add_body(PlainWorld *world, const PlainBody *body);
 int plain_world_step(PlainWorld *world, double step);
-/* J; and the height of the lowest centre of mass, m. */
-double plain_world_kinetic(const PlainWorld *world);
-double plain_world_lowest(const PlainWorld *world);
+double plain_world_kinetic(const PlainWorld *world); /* J */
 void plain_world_destroy(PlainWorld *world);
 
 #ifdef __cplusplus

@@ -198,7 +198,7 @@ ShvEventDefinition shv_event_default(void);
 typedef enum ShvRigidEngine {
     SHV_RIGID_ANALYTIC, /* flight in closed form; contacts with obstacles by impulses, none between fragments */
     SHV_RIGID_PBD,      /* nodes held together by bars and damped towards rigid motion; none between fragments */
-    SHV_RIGID_BULLET    /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
+    SHV_RIGID_BULLET /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
 } ShvRigidEngine;
 
 typedef enum ShvBarForm {
@@ -221,12 +221,22 @@ typedef enum ShvWake {
     SHV_WAKE_STRESS /* a new contact wakes when its impact stress estimate K ρ c₀ v reaches wake_fraction × strength */
 } ShvWake;
 
+typedef enum ShvDust {
+    SHV_DUST_KEEP,     /* a rigid body like any other */
+    SHV_DUST_PARTICLE, /* flies for good: meets obstacles, but no fragment, and does not wake */
+    SHV_DUST_BIN       /* stays where it is, out of motion and contact; its momentum is booked */
+} ShvDust;
+
 typedef struct ShvRigidDefinition {
     ShvRigidEngine engine;
     double time_step; /* s */
     ShvWake wake;
     double wake_fraction; /* of the weakest facet's strength; 0.5 */
     double wake_factor;   /* K; 6 */
+    double friction;      /* between fragments, where they see each other, Coulomb coefficient, ≥ 0; 0.5 */
+    double restitution;   /* between fragments in flight, 0…1; 0 */
+    ShvDust dust;         /* of fragments that would go to rest and are smaller than */
+    double dust_size; /* m: diameter of the sphere about the centre of mass that holds the fragment; 0: none is dust */
 } ShvRigidDefinition;
 
 typedef enum ShvStabiliser {
@@ -245,6 +255,11 @@ typedef enum ShvActivation {
     SHV_ACTIVATION_STRENGTH  /* the law starts at the strength (plain extrinsic law, jumps) */
 } ShvActivation;
 
+typedef enum ShvDeformation {
+    SHV_DEFORMATION_DROP, /* a fragment that leaves fracture mode is as it was made; strain energy is dropped, and booked */
+    SHV_DEFORMATION_KEEP /* it wakes as deformed as it came to rest: strain and open cracks go on where they were */
+} ShvDeformation;
+
 typedef struct ShvFractureDefinition {
     bool enabled; /* false: bodies deform but nothing opens */
     ShvStabiliser stabiliser;
@@ -257,11 +272,22 @@ typedef struct ShvFractureDefinition {
     double
         regularisation; /* ε of PPR: slip below ε × final slip meets only part of the shear traction, whose direction it
                                  fixes; costs 2ε/3 of the work of separation in pure opening; 0.005 */
-    int32_t quiet_checks; /* checks without insertion that end fracture mode when no contact is closing; 20 */
-    double longest;       /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
+    int32_t quiet_checks;       /* checks without insertion that end fracture mode when no contact is closing; 20 */
+    double longest;             /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
                                  20 transits of the slowest bending wave */
-    double energy_bound;  /* the run stops when the ledger's residual exceeds this share of the largest energy; 0.05 */
+    ShvDeformation deformation; /* over a rigid phase */
+    double energy_bound; /* the run stops when the ledger's residual exceeds this share of the largest energy; 0.05 */
 } ShvFractureDefinition;
+
+/* Bounds on what a mode switch may change; one exceeded stops the run with SHV_DIVERGED. Infinity: no bound. */
+typedef struct ShvAuditDefinition {
+    double
+        momentum; /* |change of P| / Σ m|v| and |change of L| / Σ m|r||v| over a fragment's nodes, about the origin */
+    double
+        dropped_share; /* energy dropped when a fragment goes to rest, of all that it carries (potential aside), or of
+                             what it woke with where that was more */
+    double hull_error; /* space that convex pieces hold without tets, and tets in none of them, of the volume */
+} ShvAuditDefinition;
 
 typedef struct ShvOutputDefinition {
     const char *file;       /* run file; NULL: from the scene's name */
@@ -269,6 +295,22 @@ typedef struct ShvOutputDefinition {
     int64_t fracture_every; /* also record a frame every so many steps of fracture mode; 0: off */
     bool nodes;             /* node positions and facet damage of every frame */
 } ShvOutputDefinition;
+
+/* A motion that is known in closed form and follows from the scene's own numbers: what `shiver compare` measures errors from. */
+typedef enum ShvReferenceLaw {
+    SHV_REFERENCE_NONE,   /* the finest run instead */
+    SHV_REFERENCE_FLIGHT, /* parabola and torque-free rotation, no contact */
+    SHV_REFERENCE_BOUNCE, /* falls straight on to a plane, hits it below its centre, rebounds with the plane's restitution */
+    SHV_REFERENCE_SLIDE, /* slides on a plane or sticks to it, Coulomb friction; does not turn */
+    SHV_REFERENCE_ROLL,  /* sphere: slips on a plane until friction makes it roll */
+    SHV_REFERENCE_REST   /* stays where it is */
+} ShvReferenceLaw;
+
+typedef struct ShvReferenceDefinition {
+    ShvReferenceLaw law;
+    const char *body; /* object or free obstacle that follows it; NULL: every one (flight and rest alone) */
+    const char *on;   /* obstacle, a plane: bounce, slide, roll; else NULL */
+} ShvReferenceDefinition;
 
 typedef struct ShvSceneDefinition {
     uint32_t cookie;
@@ -287,7 +329,9 @@ typedef struct ShvSceneDefinition {
     ShvRigidDefinition rigid;
     ShvPbdDefinition pbd;
     ShvFractureDefinition fracture;
+    ShvAuditDefinition audit;
     ShvOutputDefinition output;
+    ShvReferenceDefinition reference;
     double duration; /* s */
     uint64_t seed;   /* Weibull strengths */
     int32_t threads; /* 0: as many processors as have work */

@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-#define SHV_RUN_FILE_FORMAT 1
+/* 2: /events tell mass, reason, scales, cohesive and dropped energies and hulls of every mode switch. */
+#define SHV_RUN_FILE_FORMAT 2
 
 typedef struct ShvRecord ShvRecord;
 

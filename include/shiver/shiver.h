@@ -9,6 +9,7 @@
 #include "shiver/scene.h"
 #include "shiver/simulation.h"
 #include "shiver/status.h"
+#include "shiver/study.h"
 #include "shiver/version.h"
 
 #endif

@@ -17,7 +17,8 @@ typedef struct ShvSimulation ShvSimulation;
 typedef enum ShvFragmentMode {
     SHV_FRAGMENT_FLIGHT = 0,
     SHV_FRAGMENT_FRACTURE = 1,
-    SHV_FRAGMENT_DEAD = 2
+    SHV_FRAGMENT_DEAD = 2,
+    SHV_FRAGMENT_BINNED = 3 /* dust that stays where it is, out of motion and contact */
 } ShvFragmentMode;
 
 /* One fragment, alive or dead; `id` is its index in the list of all and never used again. */
@@ -66,8 +67,21 @@ typedef enum ShvRunEvent {
     SHV_RUN_SPLIT,     /* a fragment ended and became others; value: number of children */
     SHV_RUN_INSERTION, /* first insertion in a fragment; value: criterion / strength */
     SHV_RUN_INVERSION, /* an element turned inside out; value: element */
-    SHV_RUN_SCENE      /* an event of the scene's time line; value: its index */
+    SHV_RUN_SCENE,     /* an event of the scene's time line; value: its index */
+    SHV_RUN_BIN        /* dust was put away instead of going back to flight; value: energy dropped, J */
 } ShvRunEvent;
+
+/* Why a fragment went from one mode to the other. */
+typedef enum ShvSwitchReason {
+    SHV_REASON_NONE,    /* no switch */
+    SHV_REASON_CONTACT, /* wakes: every new contact does (rigid.wake: contact) */
+    SHV_REASON_IMPACT,  /* wakes: the estimate of impact stress */
+    SHV_REASON_LOAD,    /* wakes: the estimate of stress under load */
+    SHV_REASON_AUDIT,   /* wakes: taken for harmless, to see whether that is true (audit_wakes) */
+    SHV_REASON_QUIET,   /* rests: nothing has broken for long enough, and what is dropped is little */
+    SHV_REASON_CHECKS,  /* rests: enough checks without insertion (rigid.wake: contact) */
+    SHV_REASON_LONGEST  /* rests: fracture.longest is over */
+} ShvSwitchReason;
 
 typedef struct ShvEventView {
     double time;
@@ -78,6 +92,17 @@ typedef struct ShvEventView {
     double kinetic_before, kinetic_after, strain_before, strain_after; /* J, of the fragment */
     double momentum_before[3], momentum_after[3];                      /* kg m/s */
     double angular_before[3], angular_after[3];                        /* kg m²/s about the origin */
+    /* mode switches only (wake, sleep, bin): */
+    ShvSwitchReason reason;
+    int32_t hulls; /* convex pieces that stand for the fragment in flight; 0: the rigid engine makes none */
+    double mass;   /* kg */
+    double momentum_scale, angular_scale; /* kg m/s, kg m²/s: Σ m|v|, Σ m|r||v| over the nodes, r from the origin */
+    double cohesive_before, cohesive_after; /* J, recoverable energy of its cohesive facets, those to others included */
+    /* J that the switch took from the energies above (negative: gave): motion other than rigid (of dust that is binned all
+       motion), strain, and open cracks whose faces a rigid body keeps shut or that nothing holds any more */
+    double dropped_vibration, dropped_strain, dropped_cohesive;
+    /* shares of the volume: space in hulls without tets, tets in no hull */
+    double hull_outside, hull_missing;
 } ShvEventView;
 
 typedef struct ShvCostView {
@@ -106,9 +131,12 @@ typedef struct ShvFrameView {
     int64_t steps;            /* of fracture mode so far */
     double step, courant;     /* s: last step of fracture mode; its ratio to the stable step */
     int32_t inserted, opened; /* cohesive facets */
-    double worst_overshoot;   /* largest criterion / strength at an insertion so far */
-    double edge_strain;       /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
-    double bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over all steps, of which those
+    int32_t audited,
+        missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
+    double worst_overshoot; /* largest criterion / strength at an insertion so far */
+    double edge_strain;     /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
+    double
+        bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over all steps, of which those
                                    of rigid mode have no elastic forces; NaN without bars: how much of the stiffness seen
                                    is the bars' */
     const ShvCostView *costs;
@@ -136,6 +164,10 @@ typedef struct ShvSimulationOptions {
     uint32_t cookie;
     const char *folder;       /* what relative file names of the scene start from; NULL: working directory */
     struct ShvMemory *memory; /* counter of allocations; NULL: one of its own */
+    /* The first so many impacts that the wake rule takes for harmless (of what can break, faster than gravity makes anything in a
+       rigid step) go to fracture mode all the same: those that then break something before they come to rest are the rule's
+       misses. The run takes the course that the fracture solver gives it. */
+    int32_t audit_wakes;
     /* Asked now and then (at least every few milliseconds of work): true stops with SHV_INTERRUPTED at a consistent state. */
     bool (*stop)(void *data);
     void *stop_data;

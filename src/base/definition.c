@@ -66,7 +66,8 @@ static ShvRigidDefinition rigid_default(void)
                                 .time_step = 1e-3,
                                 .wake = SHV_WAKE_STRESS,
                                 .wake_fraction = 0.5,
-                                .wake_factor = 6.0};
+                                .wake_factor = 6.0,
+                                .friction = 0.5};
 }
 
 static ShvFractureDefinition fracture_default(void)
@@ -91,6 +92,7 @@ ShvSceneDefinition shv_scene_default(void)
                                 .rigid = rigid_default(),
                                 .pbd = {.stiffness = 1.0, .iterations = 4, .damping = 1.0},
                                 .fracture = fracture_default(),
+                                .audit = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
                                 .output = {.rate = 240.0},
                                 .duration = unset};
 }

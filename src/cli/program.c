@@ -7,8 +7,9 @@
 
 #include "base/names.h"
 
-static const ShvCommand *const commands[] = {&shv_command_run,  &shv_command_check, &shv_command_plan,
-                                             &shv_command_mesh, &shv_command_info,  &shv_command_export};
+static const ShvCommand *const commands[] = {&shv_command_run,    &shv_command_check, &shv_command_plan,
+                                             &shv_command_mesh,   &shv_command_info,  &shv_command_export,
+                                             &shv_command_compare};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_overview(FILE *stream)

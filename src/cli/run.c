@@ -9,7 +9,7 @@
 #include "base/timer.h"
 #include "cli/progress.h"
 
-enum { OUTPUT, FORCE, JSON, QUIET };
+enum { OUTPUT, FORCE, JSON, QUIET, AUDIT_WAKE };
 
 static volatile sig_atomic_t interrupted;
 
@@ -114,6 +114,10 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
         printf("  stress at insertion at most %.3f of the strength%s\n", frame->worst_overshoot,
                frame->worst_overshoot > 1.1 ? ": more than 10 % above it; see docs/scene.md, fracture.check_every"
                                             : "");
+    if (frame->audited > 0)
+        printf("  wake audit: %d impacts that the wake rule takes for harmless were solved in fracture mode; %d broke "
+               "something: missed-fracture rate %.3g\n",
+               (int)frame->audited, (int)frame->missed, (double)frame->missed / frame->audited);
     print_costs(frame, wall);
 }
 
@@ -175,12 +179,12 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
     printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, "
-           "\"steps\": %lld",
+           "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d",
            status == SHV_OK            ? "finished"
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened,
-           (long long)frame->steps);
+           (long long)frame->steps, (int)frame->audited, (int)frame->missed);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
@@ -240,9 +244,25 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
     return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
 }
 
+/* The number of --audit-wake, 0 without it, −1 where it is none. */
+static int32_t audit_wakes(const ShvArguments *arguments)
+{
+    const char *text = arguments->values[AUDIT_WAKE];
+    if (!text) return 0;
+    int32_t number = 0;
+    for (; *text >= '0' && *text <= '9' && number < 100000000; text++) number = 10 * number + (*text - '0');
+    return *text == '\0' && number > 0 ? number : -1;
+}
+
 static int run(const ShvArguments *arguments)
 {
     const double start = shv_now();
+    const int32_t audits = audit_wakes(arguments);
+    if (audits < 0) {
+        fprintf(stderr, "shiver: --audit-wake takes a whole number of impacts from 1 on, not '%s'\n",
+                arguments->values[AUDIT_WAKE]);
+        return SHV_EXIT_INPUT;
+    }
     ShvScene *scene = shv_cli_load_scene(arguments);
     if (!scene) return SHV_EXIT_INPUT;
     catch_signals();
@@ -251,6 +271,7 @@ static int run(const ShvArguments *arguments)
     ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->values[QUIET] != NULL);
     ShvSimulationOptions options = shv_simulation_options_default();
     options.folder = shv_scene_folder(scene);
+    options.audit_wakes = audits;
     options.stop = asked_to_stop;
     options.stop_data = &progress;
     const ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
@@ -273,9 +294,13 @@ const ShvCommand shv_command_run = {
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
-    .options = {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
-                {"--force", NULL, "replace an existing run file"},
-                {"--json", NULL, "print the summary as JSON"},
-                {"--quiet", NULL, "no progress, no summary"}},
+    .options =
+        {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
+         {"--force", NULL, "replace an existing run file"},
+         {"--json", NULL, "print the summary as JSON"},
+         {"--quiet", NULL, "no progress, no summary"},
+         {"--audit-wake", "N",
+          "solve the first N impacts that the wake rule takes for harmless in fracture mode, and report how many "
+          "of them broke something; the run goes on from there"}},
     .run = run,
 };

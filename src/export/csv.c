@@ -11,27 +11,9 @@ typedef ShvStatus (*WriteTable)(ShvRunFile *file, const ShvExportOptions *option
 
 /* ---- fields ---- */
 
-enum { NUMBER_SIZE = 32 };
-
-/* The shortest of 15, 16 and 17 digits that gives the same number back. */
-static void format_number(char *text, double value)
-{
-    for (int digits = 15; digits <= 17; digits++) {
-        shv_format(text, NUMBER_SIZE, "%.*g", digits, value);
-        if (shv_text_to_double(text, NULL) == value) break;
-    }
-}
-
-static void put_number(FILE *stream, double value)
-{
-    char text[NUMBER_SIZE] = "";
-    if (isfinite(value)) format_number(text, value);
-    shv_print(stream, ",%s", text);
-}
-
 static void put_numbers(FILE *stream, const double *values, int count)
 {
-    for (int i = 0; i < count; i++) put_number(stream, values[i]);
+    for (int i = 0; i < count; i++) shv_output_number(stream, values[i]);
 }
 
 /* A text in quotes, its own quotes doubled (RFC 4180). */
@@ -58,8 +40,8 @@ static ShvStatus put_poses(ShvRunFile *file, const ShvExportOptions *options, FI
         double time;
         SHV_TRY(shv_run_file_frame(file, frame, &time, NULL, poses->alive, poses->position, poses->orientation,
                                    poses->velocity, poses->angular, error));
-        char start[NUMBER_SIZE];
-        format_number(start, time);
+        char start[SHV_OUTPUT_NUMBER];
+        shv_output_format(start, time);
         for (int64_t i = 0; i < info->fragment_count; i++) {
             if (!poses->alive[i]) continue;
             shv_print(stream, "%s,%lld", start, (long long)i);
@@ -104,10 +86,10 @@ static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options
         const ShvFragmentView *fragment = &fragments[i];
         shv_print(stream, "%d,%d", (int)fragment->id, (int)fragment->parent);
         put_text(stream, shv_run_file_object_name(file, fragment->object));
-        put_number(stream, fragment->birth);
-        put_number(stream, fragment->death);
-        put_number(stream, fragment->mass);
-        put_number(stream, fragment->volume);
+        shv_output_number(stream, fragment->birth);
+        shv_output_number(stream, fragment->death);
+        shv_output_number(stream, fragment->mass);
+        shv_output_number(stream, fragment->volume);
         shv_print(stream, ",%d\n", (int)fragment->tets);
     }
     shv_release(fragments);
@@ -153,8 +135,8 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
         put_numbers(stream, values, (int)(sizeof values / sizeof values[0]));
         put_numbers(stream, row.momentum, 3);
         put_numbers(stream, row.angular_momentum, 3);
-        put_number(stream, row.residual);
-        put_number(stream, row.largest);
+        shv_output_number(stream, row.residual);
+        shv_output_number(stream, row.largest);
         shv_print(stream, "\n");
     }
     return SHV_OK;
@@ -175,8 +157,43 @@ static const char *kind_name(ShvRunEvent kind)
         return "inversion";
     case SHV_RUN_SCENE:
         return "scene";
+    case SHV_RUN_BIN:
+        return "bin";
     }
     return "unknown";
+}
+
+static const char *reason_name(ShvSwitchReason reason)
+{
+    switch (reason) {
+    case SHV_REASON_NONE:
+        return "";
+    case SHV_REASON_CONTACT:
+        return "contact";
+    case SHV_REASON_IMPACT:
+        return "impact";
+    case SHV_REASON_LOAD:
+        return "load";
+    case SHV_REASON_AUDIT:
+        return "audit";
+    case SHV_REASON_QUIET:
+        return "quiet";
+    case SHV_REASON_CHECKS:
+        return "checks";
+    case SHV_REASON_LONGEST:
+        return "longest";
+    }
+    return "unknown";
+}
+
+static void put_switch(FILE *stream, const ShvEventView *event)
+{
+    shv_print(stream, ",%s,%d", reason_name(event->reason), (int)event->hulls);
+    const double figures[] = {
+        event->mass,           event->momentum_scale,    event->angular_scale,  event->cohesive_before,
+        event->cohesive_after, event->dropped_vibration, event->dropped_strain, event->dropped_cohesive,
+        event->hull_outside,   event->hull_missing};
+    put_numbers(stream, figures, (int)(sizeof figures / sizeof figures[0]));
 }
 
 static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
@@ -187,12 +204,14 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
         "time [s],kind,fragment,obstacle,value,kinetic_before [J],kinetic_after [J],strain_before [J],strain_after [J],"
         "momentum_before.x [kg m/s],momentum_before.y [kg m/s],momentum_before.z [kg m/s],momentum_after.x [kg m/s],"
         "momentum_after.y [kg m/s],momentum_after.z [kg m/s],angular_before.x [kg m2/s],angular_before.y [kg m2/s],"
-        "angular_before.z [kg m2/s],angular_after.x [kg m2/s],angular_after.y [kg m2/s],angular_after.z [kg m2/s]\n");
+        "angular_before.z [kg m2/s],angular_after.x [kg m2/s],angular_after.y [kg m2/s],angular_after.z [kg m2/s],"
+        "reason,hulls,mass [kg],momentum_scale [kg m/s],angular_scale [kg m2/s],cohesive_before [J],cohesive_after [J],"
+        "dropped_vibration [J],dropped_strain [J],dropped_cohesive [J],hull_outside [1],hull_missing [1]\n");
     for (int64_t i = 0; i < shv_run_file_info(file)->event_count; i++) {
         ShvEventView event;
         SHV_TRY(shv_run_file_event(file, i, &event, error));
-        char start[NUMBER_SIZE];
-        format_number(start, event.time);
+        char start[SHV_OUTPUT_NUMBER];
+        shv_output_format(start, event.time);
         shv_print(stream, "%s,%s,%d,%d", start, kind_name(event.kind), (int)event.fragment, (int)event.obstacle);
         const double energies[] = {event.value, event.kinetic_before, event.kinetic_after, event.strain_before,
                                    event.strain_after};
@@ -201,6 +220,7 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
         put_numbers(stream, event.momentum_after, 3);
         put_numbers(stream, event.angular_before, 3);
         put_numbers(stream, event.angular_after, 3);
+        put_switch(stream, &event);
         shv_print(stream, "\n");
     }
     return SHV_OK;

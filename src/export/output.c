@@ -1,5 +1,6 @@
 #include "export/output.h"
 
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -85,4 +86,19 @@ ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, S
     shv_release(output->path);
     *output = (ShvOutput){NULL, NULL, NULL};
     return status;
+}
+
+void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value)
+{
+    for (int digits = 15; digits <= 17; digits++) {
+        shv_format(text, SHV_OUTPUT_NUMBER, "%.*g", digits, value);
+        if (shv_text_to_double(text, NULL) == value) break;
+    }
+}
+
+void shv_output_number(FILE *stream, double value)
+{
+    char text[SHV_OUTPUT_NUMBER] = "";
+    if (isfinite(value)) shv_output_format(text, value);
+    shv_print(stream, ",%s", text);
 }

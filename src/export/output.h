@@ -25,6 +25,13 @@ ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, co
    of both failures. `output` may be zeroed. */
 ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error);
 
+/* Room for a number as text. */
+enum { SHV_OUTPUT_NUMBER = 32 };
+/* The shortest of 15, 16 and 17 digits that gives the same number back; and that as a field behind a comma, empty where the
+   number is not finite. */
+void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value);
+void shv_output_number(FILE *stream, double value);
+
 /* The options given, checked: the defaults for NULL. */
 ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error);
 

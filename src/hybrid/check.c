@@ -59,6 +59,8 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
         ShvFragment *fragment = &hybrid->fragments.items[index];
         fragment->last_insertion = hybrid->state.time;
         fragment->quiet = 0;
+        hybrid->missed += fragment->audited;
+        fragment->audited = false;
         if (fragment->cracked) continue;
         fragment->cracked = true;
         const ShvEventView event = {.time = hybrid->state.time,

@@ -206,7 +206,9 @@ static ShvStatus choose_beside(ShvHybrid *hybrid, const Near *near, double inter
 {
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        if (fragment->mode != SHV_MODE_FLIGHT || wanted[i] || !comes_near(hybrid, fragment, near, interval)) continue;
+        if (fragment->mode != SHV_MODE_FLIGHT || fragment->dust || wanted[i] ||
+            !comes_near(hybrid, fragment, near, interval))
+            continue;
         wanted[i] = 1;
         if (!fragment->companion) SHV_TRY(shv_companions_add(hybrid, i, error));
     }

@@ -52,9 +52,6 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
-/* Between fragments. */
-static const double fragment_friction = 0.5;
-
 /* Where nothing can meet anything, Bullet is left out. */
 static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, ShvError *error)
 {
@@ -86,7 +83,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
     if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
     SHV_TRY(create_backend(hybrid, &world, error));
-    SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, fragment_friction, error));
+    SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, scene->rigid.friction, error));
     return start_fragments(hybrid, error);
 }
 

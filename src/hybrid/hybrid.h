@@ -98,6 +98,7 @@ typedef struct ShvHybrid {
     double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
     ShvFragments fragments;
     ShvRigidBackend *backend;
+    double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
 
     ShvAwake awake;
     ShvRigidContact *wakes; /* pending in the present interval, by time */
@@ -117,6 +118,10 @@ typedef struct ShvHybrid {
     int64_t nodal_capacity;
     int32_t *candidates;
     double *overstress;
+
+    /* audit of the wake rule: impacts taken for harmless that wake all the same; how many have, and how many of these broke
+       something before they came to rest */
+    int32_t audit_wakes, audited, missed;
 
     ShvLedger ledger;
     ShvCohesiveEnergy cohesive_energy;    /* of the last observed moment */
@@ -151,9 +156,22 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 /* awake.c: lists of what is awake, rebuilt when stale. */
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
-/* wake.c */
+/* wake.c; and the sides of the solid box with a fragment's inertia, longest first. */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
+void shv_hybrid_extents(const ShvFragment *fragment, double sides[3]);
+/* audit.c: an event with the fragment's mass and hulls; hulls as they are now; momenta of the rigid motion and of nodes, with
+   the sums of magnitudes into `scales` (may be NULL); strain, recoverable energy. `close` finds what was dropped, books and
+   logs it, and fails with SHV_DIVERGED above the scene's bounds. */
+ShvEventView shv_audit_event(const ShvHybrid *hybrid, ShvRunEvent kind, int32_t fragment);
+void shv_audit_hulls(const ShvFragment *fragment, ShvEventView *event);
+void shv_audit_rigid(const ShvFragment *fragment, double momentum[3], double angular[3]);
+void shv_audit_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, double momentum[3], double angular[3],
+                     ShvEventView *scales);
+double shv_audit_strain(const ShvHybrid *hybrid, const ShvFragment *fragment);
+double shv_audit_cohesive(const ShvHybrid *hybrid, const ShvFragment *fragment);
+ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *error);
+/* rest.c */
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 /* substep.c: forces of the present moment into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
    `after` around it, all impulses and conditions, works booked; and a whole step of at most `limit` seconds. */

@@ -141,6 +141,28 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
     balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
 }
 
+/* Strain that a deformed fragment keeps in flight; what of it lies in batches with awake elements has been counted. */
+static void add_kept_strain(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    if (!fragment->deformed) return;
+    balance->strain += fragment->strain;
+    for (int32_t k = 0; k < fragment->element_count && hybrid->awake.count > 0; k++) {
+        const int32_t element = hybrid->fragments.elements[fragment->element_begin + k];
+        if (hybrid->solid.batch_active[element / SHV_LANES])
+            balance->strain -= shv_solid_element_energy(&hybrid->solid, &hybrid->state, element);
+    }
+}
+
+/* Whatever is not awake. */
+static void add_fragment(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    if (fragment->mode == SHV_MODE_BINNED)
+        balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    if (fragment->mode != SHV_MODE_FLIGHT) return;
+    (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, balance, fragment);
+    add_kept_strain(hybrid, balance, fragment);
+}
+
 static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvObstacle *obstacle)
 {
     if (obstacle->motion != SHV_OBSTACLE_FREE) return;
@@ -279,10 +301,9 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
         add_awake(hybrid, &balance);
         shv_hybrid_resume(hybrid);
     }
-    for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT)
-            (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, &balance,
-                                                                           &hybrid->fragments.items[i]);
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) add_fragment(hybrid, &balance, &hybrid->fragments.items[i]);
+    shv_add_to3(balance.momentum, shv_load3(hybrid->binned_momentum));
+    shv_add_to3(balance.angular_momentum, shv_load3(hybrid->binned_angular));
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, &hybrid->obstacles.items[i]);
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);

@@ -10,7 +10,8 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid)
 
 static bool of_object(const ShvHybrid *hybrid, const ShvFragment *fragment, const char *name)
 {
-    return fragment->mode != SHV_MODE_DEAD && strcmp(hybrid->model.objects[fragment->object].name, name) == 0;
+    return fragment->mode != SHV_MODE_DEAD && fragment->mode != SHV_MODE_BINNED &&
+           strcmp(hybrid->model.objects[fragment->object].name, name) == 0;
 }
 
 static double mass_of_object(const ShvHybrid *hybrid, const char *name)

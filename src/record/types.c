@@ -32,15 +32,34 @@ static const Field FRAGMENT_FIELDS[] = {
 };
 
 static const Field EVENT_FIELDS[] = {
-    FIELD(ShvEventView, time, 1, FIELD_DOUBLE),           FIELD(ShvEventView, kind, 1, FIELD_INT),
-    FIELD(ShvEventView, fragment, 1, FIELD_INT),          FIELD(ShvEventView, obstacle, 1, FIELD_INT),
-    FIELD(ShvEventView, value, 1, FIELD_DOUBLE),          FIELD(ShvEventView, kinetic_before, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, kinetic_after, 1, FIELD_DOUBLE),  FIELD(ShvEventView, strain_before, 1, FIELD_DOUBLE),
-    FIELD(ShvEventView, strain_after, 1, FIELD_DOUBLE),   FIELD(ShvEventView, momentum_before, 3, FIELD_DOUBLE),
-    FIELD(ShvEventView, momentum_after, 3, FIELD_DOUBLE), FIELD(ShvEventView, angular_before, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, time, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, kind, 1, FIELD_INT),
+    FIELD(ShvEventView, fragment, 1, FIELD_INT),
+    FIELD(ShvEventView, obstacle, 1, FIELD_INT),
+    FIELD(ShvEventView, value, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, kinetic_before, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, kinetic_after, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, strain_before, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, strain_after, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, momentum_before, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, momentum_after, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, angular_before, 3, FIELD_DOUBLE),
     FIELD(ShvEventView, angular_after, 3, FIELD_DOUBLE),
+    FIELD(ShvEventView, reason, 1, FIELD_INT),
+    FIELD(ShvEventView, hulls, 1, FIELD_INT),
+    FIELD(ShvEventView, mass, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, momentum_scale, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, angular_scale, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, cohesive_before, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, cohesive_after, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, dropped_vibration, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, dropped_strain, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, dropped_cohesive, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, hull_outside, 1, FIELD_DOUBLE),
+    FIELD(ShvEventView, hull_missing, 1, FIELD_DOUBLE),
 };
 _Static_assert(sizeof(ShvRunEvent) == sizeof(int), "the kind of an event is stored as an int");
+_Static_assert(sizeof(ShvSwitchReason) == sizeof(int), "the reason of a switch is stored as an int");
 
 #define LEDGER(member) FIELD(ShvLedgerView, member, 1, FIELD_DOUBLE)
 static const Field LEDGER_FIELDS[] = {

@@ -1,5 +1,7 @@
 #include "rigid/bullet_step.h"
 
+#include <stdlib.h>
+
 /* ---- bodies ---- */
 
 static ShvMemory *memory_of(const ShvBullet *bullet)
@@ -21,83 +23,88 @@ ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *roo
     return SHV_OK;
 }
 
-int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
+static int by_number(const void *x, const void *y)
 {
-    int32_t low = 0, high = bullet->flyer_count;
-    while (low < high) {
-        const int32_t middle = low + (high - low) / 2;
-        if (bullet->flyers[middle].number < number)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    const ShvBulletFlyer *a = x, *b = y;
+    return (a->number > b->number) - (a->number < b->number);
 }
 
-static void insert(ShvBullet *bullet, const ShvBulletFlyer *flyer)
+/* Flyers by number again, without those that have gone. */
+static void tidy(ShvBullet *bullet)
 {
-    const int32_t place = shv_bullet_place(bullet, flyer->number);
-    for (int32_t i = bullet->flyer_count; i > place; i--) bullet->flyers[i] = bullet->flyers[i - 1];
-    bullet->flyers[place] = *flyer;
-    bullet->flyer_count++;
+    if (!bullet->untidy) return;
+    bullet->untidy = false;
+    int32_t kept = 0;
+    bool sorted = true;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
+        if (bullet->flyers[i].gone) continue;
+        if (kept < i) bullet->flyers[kept] = bullet->flyers[i];
+        sorted = sorted && (kept == 0 || bullet->flyers[kept - 1].number < bullet->flyers[kept].number);
+        kept++;
+    }
+    bullet->flyer_count = kept;
+    if (!sorted) qsort(bullet->flyers, (size_t)kept, sizeof *bullet->flyers, by_number);
+    for (int32_t i = 0; i < bullet->place_count; i++) bullet->places[i] = 0;
+    for (int32_t i = 0; i < kept; i++) bullet->places[bullet->flyers[i].number] = i + 1;
+}
+
+static ShvStatus reserve_flyer(ShvBullet *bullet, int32_t number, ShvError *error)
+{
+    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
+                       "the fragments in flight", error);
+    SHV_BULLET_RESERVE(bullet, bullet->places, bullet->place_room, (int64_t)number + 1, "the fragments in flight",
+                       error);
+    while (bullet->place_count <= number) bullet->places[bullet->place_count++] = 0;
+    return SHV_OK;
 }
 
 static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
-    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
-                       "the fragments in flight", error);
+    SHV_TRY(reserve_flyer(bullet, backend->world.obstacles->count + fragment, error));
     ShvBulletFlyer flyer;
     SHV_TRY(shv_bullet_flyer_fragment(&flyer, bullet->bullet, &backend->world, fragment, error));
-    insert(bullet, &flyer);
+    ShvFragment *record = &backend->world.fragments->items[fragment];
+    record->hulls = flyer.pieces.count;
+    record->hull_outside = flyer.pieces.outside;
+    record->hull_missing = flyer.pieces.missing;
+    bullet->flyers[bullet->flyer_count++] = flyer;
+    bullet->places[flyer.number] = bullet->flyer_count;
+    bullet->untidy = true;
     return SHV_OK;
 }
 
 static void rouse(ShvBullet *bullet, int32_t number)
 {
     const int32_t place = shv_bullet_place(bullet, number);
-    if (place == bullet->flyer_count || bullet->flyers[place].number != number) return;
+    if (place < 0) return;
     bullet->flyers[place].asleep = false;
     bullet->flyers[place].still = 0;
 }
 
-static bool goes(const ShvBullet *bullet, int32_t number)
-{
-    const int32_t place = shv_bullet_place(bullet, number);
-    return place < bullet->flyer_count && bullet->flyers[place].number == number && bullet->flyers[place].leaves;
-}
-
-/* Takes out all that is marked to leave; what rested on or under it must find out. */
-static void take_out_leaving(ShvBullet *bullet)
+/* Takes a flyer out; what rested on or under it must find out. */
+static void let_go(ShvBullet *bullet, ShvBulletFlyer *flyer)
 {
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         ShvBulletMeeting *meeting = &bullet->meetings[i];
-        const bool first = goes(bullet, meeting->first), second = goes(bullet, meeting->second);
-        if (!first && !second) continue;
-        if (meeting->touching && !first) rouse(bullet, meeting->first);
-        if (meeting->touching && !second) rouse(bullet, meeting->second);
+        if (meeting->first != flyer->number && meeting->second != flyer->number) continue;
+        if (meeting->touching) rouse(bullet, meeting->first == flyer->number ? meeting->second : meeting->first);
         meeting->touching = false;
         meeting->allowance = 0.0;
     }
-    int32_t kept = 0;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        if (bullet->flyers[i].leaves)
-            shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
-        else
-            bullet->flyers[kept++] = bullet->flyers[i];
-    }
-    bullet->flyer_count = kept;
+    bullet->places[flyer->number] = 0;
+    shv_bullet_flyer_release(flyer, bullet->bullet);
+    flyer->gone = bullet->untidy = true;
 }
 
 static void take_out(ShvRigidBackend *backend, int32_t fragment)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
-    const int32_t number = backend->world.obstacles->count + fragment, place = shv_bullet_place(bullet, number);
-    if (place == bullet->flyer_count || bullet->flyers[place].number != number) return;
-    bullet->flyers[place].leaves = true;
+    const int32_t place = shv_bullet_place(bullet, backend->world.obstacles->count + fragment);
+    if (place < 0) return;
     ShvFragment *record = &backend->world.fragments->items[fragment];
     record->contact_force = record->contact_torque = shv_vec3(0.0, 0.0, 0.0);
-    take_out_leaving(bullet);
+    let_go(bullet, &bullet->flyers[place]);
 }
 
 /* ---- advance ---- */
@@ -140,7 +147,7 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
                              : shv_norm(flyer->spin);
         flyer->impact_time = -1.0;
         flyer->until = bullet->step;
-        flyer->leaves = flyer->stopped = flyer->held = flyer->solved = flyer->bumped = false;
+        flyer->leaves = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = flyer->bumped = false;
         flyer->restless = flyer->supported = false;
         flyer->push = flyer->turn = shv_vec3(0.0, 0.0, 0.0);
         flyer->impulse = 0.0;
@@ -168,12 +175,18 @@ static void end(ShvBullet *bullet)
     bullet->traces = traces;
     bullet->trace_room = room;
     bullet->last_step = bullet->step;
-    bool any = false;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         bullet->flyers[i].born = false;
-        any |= bullet->flyers[i].leaves;
+        if (bullet->flyers[i].leaves) let_go(bullet, &bullet->flyers[i]);
     }
-    if (any) take_out_leaving(bullet);
+}
+
+/* All that flies sleeps and nothing moves among it: what is remembered of it stays. */
+static bool all_at_rest(ShvBullet *bullet)
+{
+    for (int32_t i = 0; i < bullet->flyer_count; i++)
+        if (shv_bullet_is_active(&bullet->flyers[i]) || !bullet->flyers[i].settled) return false;
+    return true;
 }
 
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
@@ -186,7 +199,9 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     bullet->time = time;
     bullet->step = step;
     bullet->rest = shv_norm(bullet->gravity) * step;
+    tidy(bullet);
     SHV_TRY(begin(bullet, error));
+    if (all_at_rest(bullet)) return SHV_OK;
     SHV_TRY(shv_bullet_find(bullet, error));
     SHV_TRY(reserve_traces(bullet, error));
     shv_bullet_judge(bullet, judge, judge_data, wakes, wake_count);
@@ -204,9 +219,11 @@ static void destroy(ShvRigidBackend *backend)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
     if (!bullet) return;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
+    for (int32_t i = 0; i < bullet->flyer_count; i++)
+        if (!bullet->flyers[i].gone) shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
     shv_bullet_world_destroy(bullet->bullet);
     shv_release(bullet->flyers);
+    shv_release(bullet->places);
     shv_release(bullet->meetings);
     shv_release(bullet->last_meetings);
     shv_release(bullet->contacts);
@@ -234,10 +251,10 @@ static double typical_length(const ShvRigidWorld *world)
 static ShvStatus add_obstacles(ShvBullet *bullet, ShvError *error)
 {
     const ShvRigidWorld *world = &bullet->backend.world;
-    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, world->obstacles->count, "the obstacles", error);
     for (int32_t i = 0; i < world->obstacles->count; i++) {
+        SHV_TRY(reserve_flyer(bullet, i, error));
         SHV_TRY(shv_bullet_flyer_obstacle(&bullet->flyers[i], bullet->bullet, world, i, error));
-        bullet->flyer_count++;
+        bullet->places[i] = ++bullet->flyer_count;
     }
     return SHV_OK;
 }
@@ -253,7 +270,8 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.world = *world;
     bullet->backend.moves_obstacles = true;
     bullet->backend.whole_steps = true;
-    bullet->backend.fragment_friction = 0.5;
+    bullet->backend.fragment_friction = world->settings->friction;
+    bullet->backend.fragment_restitution = world->settings->restitution;
     ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), error);
     if (status == SHV_OK) status = add_obstacles(bullet, error);
     if (status == SHV_OK)

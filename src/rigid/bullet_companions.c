@@ -42,6 +42,7 @@ bool shv_bullet_flyer_holds(const ShvBulletFlyer *flyer)
 
 bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b)
 {
+    if ((a->dust || b->dust) && a->fragment >= 0 && b->fragment >= 0) return true;
     return (a->companion && (b->companion || b->obstacle >= 0)) || (b->companion && a->obstacle >= 0);
 }
 

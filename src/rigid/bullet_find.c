@@ -3,8 +3,9 @@
 #include <stdlib.h>
 
 /* Of the smaller radius: gaps below are touches; how near an impact's moment is found; and motion in a step up to which the
-   contacts of its start tell the moment of impact. */
-static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.2;
+   contacts of its start tell the moment of impact; the same of bodies that touch already. */
+static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.2,
+                    touching_motion_of_radius = 0.5;
 
 ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
                             ShvVec3 spin_b)
@@ -20,13 +21,18 @@ ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlye
 
 /* ---- pairs ---- */
 
-/* Bound of how far a point of the surface gets in the step. */
-static double travel(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
+/* Beside the straight way: what gravity and supports that give way make of it in a step; and a share of the radius, so that
+   near neighbours are pairs, whatever pushes them together. */
+static const double beside_of_radius = 0.02;
+
+ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletFlyer *flyer, double time, ShvError *error)
 {
-    const double fall = flyer->moves ? 2.0 * shv_norm(bullet->gravity) * bullet->step : 0.0;
-    const double way = (shv_norm(flyer->velocity) + fall) * bullet->step;
-    if (flyer->round || flyer->fastest == 0.0) return way;
-    return way + fmin(2.0, flyer->fastest * bullet->step) * flyer->radius;
+    double way[3];
+    shv_store3(way, shv_scale(flyer->velocity, time));
+    const double fall = flyer->moves ? 2.0 * shv_norm(bullet->gravity) * bullet->step * time : 0.0;
+    const double beside = isfinite(flyer->radius) ? beside_of_radius * flyer->radius : 0.0;
+    const double turn = flyer->round || flyer->fastest == 0.0 ? 0.0 : fmin(2.0, flyer->fastest * time) * flyer->radius;
+    return shv_bullet_world_reach(bullet->bullet, flyer->number, way, fall + beside, turn, error);
 }
 
 /* Bound of the relative motion of two surfaces; supports that give way let a body come nearer by the fall of a step, of which
@@ -40,7 +46,7 @@ static double relative_travel(const ShvBullet *bullet, const ShvBulletFlyer *a, 
     return way;
 }
 
-static bool is_active(const ShvBulletFlyer *flyer)
+bool shv_bullet_is_active(const ShvBulletFlyer *flyer)
 {
     return flyer->moves ? !flyer->asleep : shv_norm(flyer->velocity) > 0.0 || shv_norm(flyer->spin) > 0.0;
 }
@@ -49,12 +55,11 @@ static ShvStatus place_all(ShvBullet *bullet, ShvError *error)
 {
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
-        const bool stays = !is_active(flyer);
+        const bool stays = !shv_bullet_is_active(flyer);
         if (stays && flyer->settled) continue;
         flyer->settled = stays;
         shv_bullet_flyer_place(flyer, bullet->bullet, flyer->position, flyer->orientation);
-        SHV_TRY(shv_bullet_world_reach(bullet->bullet, flyer->number,
-                                       travel(bullet, flyer) + 2.0 * slop_of_radius * flyer->radius, error));
+        SHV_TRY(shv_bullet_reach(bullet, flyer, bullet->step, error));
     }
     return SHV_OK;
 }
@@ -195,7 +200,8 @@ static ShvStatus find_meeting(ShvBullet *bullet, ShvBulletMeeting *meeting, ShvE
     for (int32_t i = 0; i < meeting->contact_count; i++)
         meeting->touching |= bullet->contacts[meeting->contact_begin + i].gap + meeting->allowance <= meeting->slop;
     if (a->born || b->born) meeting->touched = meeting->touching;
-    if (meeting->reach > small)
+    const double told = meeting->touching ? touching_motion_of_radius * fmin(a->radius, b->radius) : small;
+    if (meeting->reach > told)
         SHV_TRY(find_fast_impact(bullet, meeting, error));
     else
         find_slow_impact(bullet, meeting);
@@ -211,7 +217,7 @@ static ShvStatus find_contacts(ShvBullet *bullet, ShvError *error)
         for (int32_t i = 0; i < bullet->meeting_count; i++) {
             ShvBulletMeeting *meeting = &bullet->meetings[i];
             ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-            if (meeting->found || (!is_active(a) && !is_active(b))) continue;
+            if (meeting->found || (!shv_bullet_is_active(a) && !shv_bullet_is_active(b))) continue;
             SHV_TRY(find_meeting(bullet, meeting, error));
             if (meeting->contact_count == 0 && meeting->impact < 0.0) continue;
             for (int side = 0; side < 2; side++) {

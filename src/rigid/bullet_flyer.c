@@ -32,6 +32,7 @@ ShvStatus shv_bullet_flyer_fragment(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
                               .moves = true,
                               .fall = 1.0,
                               .mass = record->mass,
+                              .dust = record->dust,
                               .born = true};
     if (!(record->mass > 0.0) || !isfinite(record->mass))
         return shv_fail(error, SHV_BAD_INPUT, "fragment %d has the mass %g kg and cannot fly: check the density",
@@ -114,7 +115,8 @@ ShvStatus shv_bullet_flyer_obstacle(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
     flyer->radius = shv_bullet_world_radius(bullet, flyer->number);
     shv_bullet_flyer_read(flyer, world);
     shv_bullet_flyer_place(flyer, bullet, flyer->position, flyer->orientation);
-    return shv_bullet_world_reach(bullet, flyer->number, 0.0, error);
+    const double none[3] = {0.0, 0.0, 0.0};
+    return shv_bullet_world_reach(bullet, flyer->number, none, 0.0, 0.0, error);
 }
 
 void shv_bullet_flyer_release(ShvBulletFlyer *flyer, ShvBulletWorld *bullet)

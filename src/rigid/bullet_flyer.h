@@ -33,17 +33,20 @@ typedef struct ShvBulletFlyer {
     bool asleep;
     ShvVec3 asleep_gravity;
     bool settled; /* Bullet knows the pose in which it stays */
+    bool gone;    /* has left; its shapes are released */
     bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
     ShvVec3 last_velocity, last_angular_momentum; /* at the start of the last step */
     ShvVec3 passed, passed_angular; /* N s, N m s about its centre: from fragments in flight in that step */
 
     /* of the present step */
+    bool dust;                  /* fragments: meets obstacles alone */
     bool companion;             /* moved by somebody else meanwhile */
     double fall;                /* share of gravity, and of contacts' impulses, that it follows */
     double fastest;             /* bound of |ω|, rad/s */
     double impact_time;         /* s since its start at which it meets something fast; −1: nothing */
     double until;               /* s since its start: goes no further */
     bool leaves;                /* wakes */
+    bool thrown;                /* by its impact, off its foreseen way */
     bool stopped;               /* its impact did not throw it back */
     bool held;                  /* pushed by contacts other than its impact */
     bool solved;                /* has contacts in the solver */

@@ -253,7 +253,7 @@ static ShvStatus solve_island(ShvBullet *bullet, const int32_t *meetings, int32_
     for (int32_t i = 0; i < member_count; i++)
         fastest = fmax(fastest, shv_norm(bullet->flyers[members[i]].new_velocity));
     const ShvBulletSolve settings = {.iterations = most_iterations(contacts),
-                                     .tolerance = fmax(1e-6 * bullet->rest, 1e-10 * fastest)};
+                                     .tolerance = fmax(1e-5 * bullet->rest, 1e-10 * fastest)};
     SHV_TRY(shv_bullet_world_solve(bullet->bullet, bullet->motions, member_count, bullet->island_contacts, contacts,
                                    &settings, error));
     take_motions(bullet, members, member_count);

@@ -45,8 +45,11 @@ typedef struct ShvBulletTrace {
 typedef struct ShvBullet {
     ShvRigidBackend backend; /* first: the interface's pointer is this one's */
     ShvBulletWorld *bullet;
-    ShvBulletFlyer *flyers; /* by number */
+    ShvBulletFlyer *flyers; /* by number in a step; between steps what is new comes last, and some may be gone */
     int32_t flyer_count, flyer_room;
+    int32_t *places; /* of numbers among the flyers, + 1; 0: not there */
+    int32_t place_count, place_room;
+    bool untidy;                                /* the flyers are */
     ShvBulletMeeting *meetings, *last_meetings; /* by numbers */
     int32_t meeting_count, last_count, meeting_room, last_room;
     ShvBulletContact *contacts;
@@ -76,8 +79,11 @@ ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *roo
         (block) = grown_;                                                                                              \
         if (grow_ != SHV_OK) return grow_;                                                                             \
     } while (0)
-/* Place of a number among the flyers; when it is not there, where it would be. */
-int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number);
+/* Place of a number among the flyers; −1 when it is not there. */
+static inline int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
+{
+    return number < bullet->place_count ? bullet->places[number] - 1 : -1;
+}
 
 /* Velocity of the first against the second at a contact, for velocities and spins of the two. */
 ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
@@ -87,12 +93,17 @@ ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlye
 
 /* A flyer whose record has just been read: whether it is a companion in this step, and what then holds it. */
 void shv_bullet_companion_begin(const ShvBullet *bullet, ShvBulletFlyer *flyer);
-/* Whether the pair is somebody else's to keep apart. */
+/* Whether the pair is somebody else's to keep apart, or nobody's. */
 bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b);
 /* Whether a body gives no way to what rests on it. */
 bool shv_bullet_flyer_holds(const ShvBulletFlyer *flyer);
 /* Companions' shares of the impulses. */
 void shv_bullet_companions_take(ShvBullet *bullet);
+
+/* Whether it may move in this step. */
+bool shv_bullet_is_active(const ShvBulletFlyer *flyer);
+/* Tells Bullet where a flyer gets in a time from its present state. */
+ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletFlyer *flyer, double time, ShvError *error);
 
 ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error);
 void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,

@@ -5,7 +5,12 @@
 
 #include "model/state.h"
 
-typedef enum ShvMode { SHV_MODE_FLIGHT, SHV_MODE_FRACTURE, SHV_MODE_DEAD } ShvMode;
+typedef enum ShvMode {
+    SHV_MODE_FLIGHT,
+    SHV_MODE_FRACTURE,
+    SHV_MODE_DEAD,
+    SHV_MODE_BINNED /* alive, but out of motion and contact for good */
+} ShvMode;
 
 typedef struct ShvFragment {
     int32_t id, parent; /* parent −1: an object's first fragment; id = index in ShvFragments */
@@ -25,10 +30,11 @@ typedef struct ShvFragment {
     ShvVec3 position;                   /* centre of mass, m */
     ShvQuat orientation;                /* reference axes → world */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
-    double last_insertion; /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
-    double strength;                    /* Pa: weakest facet; infinity: nothing can break */
-    int32_t quiet;                      /* checks in a row without insertion; children inherit */
-    bool cracked;                       /* a facet of it has been inserted; children inherit */
+    double
+        last_insertion; /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
+    double strength;    /* Pa: weakest facet; infinity: nothing can break */
+    int32_t quiet;      /* checks in a row without insertion; children inherit */
+    bool cracked;       /* a facet of it has been inserted; children inherit */
     double load;        /* N: contact force under which it woke last */
     double borne;       /* N: largest such force that did not break it */
     /* It stays rigid, but whoever advances the awake moves it in their steps; its contacts with what is in flight then act as
@@ -36,6 +42,17 @@ typedef struct ShvFragment {
     bool companion;
     ShvVec3 contact_force, contact_torque;
     double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
+    bool audited;       /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
+    bool dust;          /* in flight for good, meets obstacles alone */
+    /* Its nodes stand deformed, in the pose that it had when it went to rest, and carry that strain energy (J). */
+    bool deformed;
+    ShvVec3 rest_position;
+    ShvQuat rest_orientation;
+    double strain;
+    /* convex pieces that stand for it in flight, as the backend made them last, and where they are off, m³
+       (ShvConvexPieces); 0 where it makes none */
+    int32_t hulls;
+    double hull_outside, hull_missing;
 } ShvFragment;
 
 typedef struct ShvFragments {
@@ -80,6 +97,10 @@ ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *mo
 void shv_fragment_fit(ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state);
 /* Writes positions and velocities of the rigid motion to the fragment's nodes. */
 void shv_fragment_scatter(const ShvFragment *fragment, const ShvFragments *fragments, ShvState *state);
+/* Turns and moves the nodes of a deformed fragment from the pose at rest to that of the record, with the velocities of a rigid
+   motion that has the record's momentum and angular momentum. What the deformation does to the inertia changes the kinetic
+   energy in proportion to the strain. */
+void shv_fragment_unfold(const ShvFragment *fragment, const ShvFragments *fragments, ShvState *state);
 /* Momentum and angular momentum (about the origin) of the fragment's nodes, kinetic energy of them. */
 void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state,
                            ShvVec3 *momentum, ShvVec3 *angular_momentum, double *kinetic);

@@ -104,6 +104,44 @@ void shv_fragment_scatter(const ShvFragment *fragment, const ShvFragments *fragm
     }
 }
 
+/* Inertia about the centre of a fragment whose nodes are where they are. */
+static ShvMat3 inertia_of_nodes(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state)
+{
+    ShvMat3 inertia = {{{0}}};
+    for (int32_t i = 0; i < fragment->node_count; i++) {
+        const int32_t node = fragments->nodes[fragment->node_begin + i];
+        const ShvVec3 arm = shv_sub(shv_state_position(state, node), fragment->position);
+        const double x[3] = {arm.x, arm.y, arm.z}, square = shv_dot(arm, arm);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) inertia.m[a][b] += state->mass[node] * ((a == b ? square : 0.0) - x[a] * x[b]);
+    }
+    return inertia;
+}
+
+void shv_fragment_unfold(const ShvFragment *fragment, const ShvFragments *fragments, ShvState *state)
+{
+    const int32_t *nodes = fragments->nodes + fragment->node_begin;
+    const ShvVec3 move = shv_sub(fragment->position, fragment->rest_position);
+    const ShvVec3 rest_shift = shv_sub(fragment->rest_position, fragment->reference_centre);
+    const ShvQuat q =
+        shv_quat_unit(shv_quat_multiply(fragment->orientation, shv_quat_conjugate(fragment->rest_orientation)));
+    const ShvVec3 axis = shv_vec3(q.x, q.y, q.z);
+    for (int32_t i = 0; i < fragment->node_count; i++) {
+        double *u = state->displacement + 3 * (int64_t)nodes[i];
+        const ShvVec3 arm = shv_add(reference_arm(fragment, state, nodes[i]), shv_sub(shv_load3(u), rest_shift));
+        const ShvVec3 t = shv_scale(shv_cross(axis, arm), 2.0); /* (R − 1) arm, as in scatter */
+        shv_add_to3(u, shv_add(move, shv_madd(shv_cross(axis, t), q.w, t)));
+    }
+    const ShvMat3 rigid = shv_fragment_world_inertia(fragment), now = inertia_of_nodes(fragment, fragments, state);
+    const ShvFreeRotation rotation = shv_free_rotation_make(&now);
+    const ShvVec3 spin =
+        shv_free_rotation_velocity(&rotation, shv_quat_identity(), shv_apply(&rigid, fragment->angular_velocity));
+    for (int32_t i = 0; i < fragment->node_count; i++) {
+        const ShvVec3 arm = shv_sub(shv_state_position(state, nodes[i]), fragment->position);
+        shv_store3(state->velocity + 3 * (int64_t)nodes[i], shv_add(fragment->velocity, shv_cross(spin, arm)));
+    }
+}
+
 void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state,
                            ShvVec3 *momentum, ShvVec3 *angular_momentum, double *kinetic)
 {

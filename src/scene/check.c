@@ -361,8 +361,8 @@ static void check_reference_plane(Checker *checker, const ShvReferenceDefinition
             fault(checker, root, "reference.on", "%s is no plane; the closed forms know planes only", reference->on);
         return;
     }
-    shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(root, "reference.on"), "on",
-                                  reference->on, "plane among the obstacles");
+    fault(checker, root, "reference.on", "there is no obstacle %s; give a plane of the scene",
+          shv_quoted(reference->on).text);
 }
 
 static void check_reference(Checker *checker)
@@ -383,7 +383,8 @@ static void check_reference(Checker *checker)
     } else if (meets) {
         fault(checker, root, "reference", "this law needs 'body', the object or free obstacle that follows it");
     }
-    if (meets && !reference->on) fault(checker, root, "reference", "this law needs 'on', the plane that the body meets");
+    if (meets && !reference->on)
+        fault(checker, root, "reference", "this law needs 'on', the plane that the body meets");
     if (!meets && reference->on) fault(checker, root, "reference.on", "this law meets no plane; remove 'on'");
     if (meets && reference->on) check_reference_plane(checker, reference);
 }
@@ -394,6 +395,20 @@ static void check_fracture(Checker *checker)
     const ShvNode *root = checker->scene->head.node;
     if (fracture->time_step > checker->scene->definition.duration)
         fault(checker, root, "fracture.time_step", "time_step is longer than the whole run, see duration");
+}
+
+static void check_dust(Checker *checker)
+{
+    const ShvRigidDefinition *rigid = &checker->scene->definition.rigid;
+    const ShvNode *root = checker->scene->head.node;
+    if (rigid->dust != SHV_DUST_KEEP && rigid->dust_size == 0.0)
+        fault(checker, root, "rigid.dust",
+              "nothing is dust without a size; give dust_size, the diameter below which a "
+              "piece is, or 'dust: keep'");
+    if (rigid->dust == SHV_DUST_KEEP && rigid->dust_size > 0.0)
+        doubt(checker, root, "rigid.dust_size",
+              "dust is kept, so that its size says nothing; give 'dust: particles' or "
+              "'dust: bin'");
 }
 
 /* Keys of `pbd` that nothing in the scene listens to: more likely a forgotten switch than a wish. */
@@ -431,4 +446,5 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_reference(&checker);
     check_fracture(&checker);
     check_pbd(&checker);
+    check_dust(&checker);
 }

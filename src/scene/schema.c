@@ -30,7 +30,8 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
                    sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
                    sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvBarForm) == sizeof(int) &&
-                   sizeof(ShvMeshPattern) == sizeof(int) && sizeof(ShvReferenceLaw) == sizeof(int),
+                   sizeof(ShvMeshPattern) == sizeof(int) && sizeof(ShvReferenceLaw) == sizeof(int) &&
+                   sizeof(ShvDust) == sizeof(int) && sizeof(ShvDeformation) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -564,11 +565,14 @@ static const ShvTable event_table = {.name = "events.<index>",
 static const ShvChoice engine_choices[] = {
     {"bullet", SHV_RIGID_BULLET}, {"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
+static const ShvChoice dust_choices[] = {
+    {"keep", SHV_DUST_KEEP}, {"particles", SHV_DUST_PARTICLE}, {"bin", SHV_DUST_BIN}, {NULL, 0}};
 static const ShvKey rigid_keys[] = {
     {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
-     .sentence = "What moves bodies between impacts. `bullet`: convex pieces that meet obstacles and each other, by Bullet, "
-                 "with flight and free rotation in closed form. `analytic`: the same flight, nodes against obstacles, "
-                 "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
+     .sentence =
+         "What moves bodies between impacts. `bullet`: convex pieces that meet obstacles and each other, by Bullet, "
+         "with flight and free rotation in closed form. `analytic`: the same flight, nodes against obstacles, "
+         "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
@@ -577,6 +581,20 @@ static const ShvKey rigid_keys[] = {
      .sentence = "Share of the weakest facet's strength that the estimate must reach."},
     {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),
      .sentence = "Factor K of the impact stress estimate K ρ c v."},
+    {"friction", SHV_KEY_NUMBER, .range = &not_negative, .offset = SCENE(rigid.friction),
+     .sentence =
+         "Coefficient of friction between fragments, where they meet each other: with `engine: bullet`, in flight "
+         "and in fracture mode."},
+    {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = SCENE(rigid.restitution),
+     .sentence = "Coefficient of restitution between fragments in flight. In fracture mode they rebound by their own "
+                 "elasticity."},
+    {"dust", SHV_KEY_CHOICE, .choices = dust_choices, .offset = SCENE(rigid.dust),
+     .sentence =
+         "What becomes of pieces smaller than `dust_size` when they leave fracture mode. `keep`: rigid bodies like all "
+         "others. `particles`: they fly for good and meet obstacles, but no other piece, and never break again. `bin`: "
+         "they stay where they are, out of motion and contact, and their momentum is booked in the ledger's sums."},
+    {"dust_size", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &not_negative, .offset = SCENE(rigid.dust_size),
+     .sentence = "Diameter, about its centre of mass, below which a piece is dust."},
 };
 static const ShvTable rigid_table = {.name = "rigid",
                                      .sentence = "Bodies while nothing can break.",
@@ -587,6 +605,8 @@ static const ShvChoice criterion_choices[] = {
     {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
 static const ShvChoice activation_choices[] = {
     {"traction", SHV_ACTIVATION_TRACTION}, {"strength", SHV_ACTIVATION_STRENGTH}, {NULL, 0}};
+static const ShvChoice deformation_choices[] = {
+    {"drop", SHV_DEFORMATION_DROP}, {"keep", SHV_DEFORMATION_KEEP}, {NULL, 0}};
 static const ShvKey fracture_keys[] = {
     {"enabled", SHV_KEY_BOOLEAN, .offset = SCENE(fracture.enabled),
      .sentence = "Whether facets open; bodies deform in any case."},
@@ -618,6 +638,11 @@ static const ShvKey fracture_keys[] = {
      .sentence =
          "A body leaves fracture mode so long after its last insertion; `auto` (or 0) takes 20 transits of the slowest "
          "bending wave."},
+    {"deformation", SHV_KEY_CHOICE, .choices = deformation_choices, .offset = SCENE(fracture.deformation),
+     .sentence =
+         "What becomes of a body's deformation while it is rigid. `drop`: it goes back to its shape at the start, and "
+         "the energy of strain and open cracks is dropped and booked. `keep`: it wakes as deformed as it came to rest. "
+         "With `rigid.engine: pbd` nodes keep their places in any case."},
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
      .sentence = "The run stops when the residual of the energy ledger exceeds this share of the largest energy."},
 };
@@ -650,6 +675,26 @@ static const ShvTable pbd_table = {.name = "pbd",
                                        "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
                                    .keys = pbd_keys,
                                    .key_count = LENGTH_OF(pbd_keys)};
+static const ShvKey audit_keys[] = {
+    {"momentum", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive, .offset = SCENE(audit.momentum),
+     .sentence = "Change of momentum and of angular momentum about the origin, as shares of Σ m|v| and Σ m|r||v| over "
+                 "the body's nodes."},
+    {"dropped_share", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive,
+     .offset = SCENE(audit.dropped_share),
+     .sentence = "Energy of vibration, strain and open cracks that is dropped when a body becomes rigid, as a share of "
+                 "all that "
+                 "it carries, potential energy aside, or of what it woke with, where that was more."},
+    {"hull_error", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive, .offset = SCENE(audit.hull_error),
+     .sentence = "Space in the convex pieces that no tet fills, and of tets in none of them, as a share of the body's "
+                 "volume. Boxes and other convex bodies have none; only `engine: bullet` makes convex pieces."},
+};
+static const ShvTable audit_table = {
+    .name = "audit",
+    .sentence =
+        "Bounds on what the switch of a body between rigid and fracture mode may change. Every switch is in the "
+        "run file's events with these figures; one above its bound ends the run as diverged. `.inf` is no bound.",
+    .keys = audit_keys,
+    .key_count = LENGTH_OF(audit_keys)};
 static const ShvKey output_keys[] = {
     {"file", SHV_KEY_TEXT, .offset = SCENE(output.file), .absent = "from the name of the scene file",
      .sentence = "Run file, from the working directory."},
@@ -663,12 +708,12 @@ static const ShvKey output_keys[] = {
 static const ShvTable output_table = {
     .name = "output", .sentence = "What is recorded.", .keys = output_keys, .key_count = LENGTH_OF(output_keys)};
 
-static const ShvChoice law_of_motion_choices[] = {
-    {"flight", SHV_REFERENCE_FLIGHT}, {"bounce", SHV_REFERENCE_BOUNCE}, {"slide", SHV_REFERENCE_SLIDE},
-    {"roll", SHV_REFERENCE_ROLL},     {"rest", SHV_REFERENCE_REST},     {NULL, 0}};
+static const ShvChoice law_of_motion_choices[] = {{"flight", SHV_REFERENCE_FLIGHT}, {"bounce", SHV_REFERENCE_BOUNCE},
+                                                  {"slide", SHV_REFERENCE_SLIDE},   {"roll", SHV_REFERENCE_ROLL},
+                                                  {"rest", SHV_REFERENCE_REST},     {NULL, 0}};
 static const ShvKey reference_keys[] = {
-    {"law", SHV_KEY_CHOICE, .flags = SHV_KEY_REQUIRED, .choices = law_of_motion_choices,
-     .offset = SCENE(reference.law), .absent = "",
+    {"law", SHV_KEY_CHOICE, .flags = SHV_KEY_REQUIRED, .choices = law_of_motion_choices, .offset = SCENE(reference.law),
+     .absent = "",
      .sentence =
          "`flight`: a parabola and torque-free rotation. `bounce`: straight down on to a plane, which it meets below "
          "its centre, and up again. `slide`: along a plane, or stuck to it, without turning. `roll`: a sphere that "
@@ -713,6 +758,7 @@ static const ShvKey scene_keys[] = {
     {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
     {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
+    {"audit", SHV_KEY_MAPPING, .table = &audit_table, .sentence = "Bounds on mode switches."},
     {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},
     {"reference", SHV_KEY_MAPPING, .table = &reference_table, .sentence = "The exact motion, where one is known."},
 };

@@ -21,9 +21,15 @@ static ShvStatus check_number(const NumberRule *rule, ShvError *error)
                     rule->above ? "above" : "of at least", rule->least, rule->value);
 }
 
+static double bound_or_none(double bound)
+{
+    return isinf(bound) && bound > 0.0 ? 1.0 : bound;
+}
+
 static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
 {
     const ShvFractureDefinition *fracture = &scene->fracture;
+    const ShvAuditDefinition *audit = &scene->audit;
     const double any = (double)INFINITY;
     const NumberRule rules[] = {
         {"duration", scene->duration, 0.0, any, false},
@@ -35,6 +41,12 @@ static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
         {"rigid.time_step", scene->rigid.time_step, 0.0, any, true},
         {"rigid.wake_fraction", scene->rigid.wake_fraction, 0.0, any, true},
         {"rigid.wake_factor", scene->rigid.wake_factor, 0.0, any, true},
+        {"rigid.friction", scene->rigid.friction, 0.0, any, false},
+        {"rigid.restitution", scene->rigid.restitution, 0.0, 1.0, false},
+        {"rigid.dust_size", scene->rigid.dust_size, 0.0, any, scene->rigid.dust != SHV_DUST_KEEP},
+        {"audit.momentum", bound_or_none(audit->momentum), 0.0, any, true},
+        {"audit.dropped_share", bound_or_none(audit->dropped_share), 0.0, any, true},
+        {"audit.hull_error", bound_or_none(audit->hull_error), 0.0, any, true},
         {"fracture.time_step", isnan(fracture->time_step) ? 1.0 : fracture->time_step, 0.0, any, true},
         {"fracture.safety", fracture->safety, 0.0, 1.0, true},
         {"fracture.check_every", fracture->check_every, 0.0, any, false},

@@ -53,6 +53,7 @@ ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefini
         shv_simulation_destroy(made);
         return status;
     }
+    made->hybrid.audit_wakes = options ? options->audit_wakes : 0;
     made->hybrid.stop = options ? options->stop : NULL;
     made->hybrid.stop_data = options ? options->stop_data : NULL;
     *simulation = made;
@@ -173,6 +174,8 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
     simulation->frame.inserted = hybrid->cohesive_energy.inserted;
     simulation->frame.opened = hybrid->cohesive_energy.opened;
+    simulation->frame.audited = hybrid->audited;
+    simulation->frame.missed = hybrid->missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
     return observed;
 }

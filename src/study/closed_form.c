@@ -174,8 +174,9 @@ static ShvStatus start_roll(ShvClosedForm *form, const Setting *setting, ShvErro
 static ShvStatus check_settings(const ShvSceneDefinition *scene, ShvError *error)
 {
     if (scene->event_count > 0 || scene->condition_count > 0)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "the closed forms of `reference` know no events, supports or loads; remove them or `reference`");
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "the closed forms of `reference` know no events, supports or loads; remove them or `reference`");
     return SHV_OK;
 }
 
@@ -192,9 +193,9 @@ ShvStatus shv_closed_form(ShvClosedForm *form, const ShvSceneDefinition *scene, 
     if (form->law == SHV_REFERENCE_BOUNCE) return start_bounce(form, &setting, error);
     if (form->law == SHV_REFERENCE_SLIDE) return start_slide(form, &setting, error);
     if (form->law == SHV_REFERENCE_ROLL) return start_roll(form, &setting, error);
-    if (form->law == SHV_REFERENCE_REST &&
-        shv_norm(start->velocity) + shv_norm(start->angular_velocity) > 0.0)
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' is to stay at rest, but it has a velocity at the start", body->name);
+    if (form->law == SHV_REFERENCE_REST && shv_norm(start->velocity) + shv_norm(start->angular_velocity) > 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' is to stay at rest, but it has a velocity at the start",
+                        body->name);
     return SHV_OK;
 }
 

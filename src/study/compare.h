@@ -22,11 +22,16 @@ struct ShvComparison {
     ShvBodyState *finest; /* without one: frame by frame, all bodies of the finest run */
     int32_t finest_frames, finest_capacity;
     int32_t finest_run; /* −1 with a closed form */
+    bool keeping;       /* the finest run is under way */
     char reference[200];
 };
 
 /* refuse.c: what a comparison cannot be made of. */
 ShvStatus shv_compare_check(const ShvSceneDefinition *scene, const ShvCompareOptions *options, ShvError *error);
+/* choose.c: what the runs are compared with, from the first frame; which bodies are chosen. */
+double shv_compare_finest_step(const ShvCompareOptions *options);
+ShvStatus shv_compare_with_finest(ShvComparison *comparison, ShvError *error);
+ShvStatus shv_compare_with_closed_form(ShvComparison *comparison, const ShvSimulation *simulation, ShvError *error);
 /* measure.c: the row of the present frame, whose number is `index`; and the figures of a run from its rows. */
 ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, int32_t index, ShvTrackRow *row,
                           ShvError *error);

@@ -89,7 +89,6 @@ static void solve(ShvFreeTop *top)
     const double spin[3] = {top->start_spin.x, top->start_spin.y, top->start_spin.z};
     const bool third = piece(I, spin, 2, 1, 2) >= piece(I, spin, 1, 0, 0);
     const int a = third ? 0 : 2, b = 1, c = third ? 2 : 0;
-    const double energy_c = piece(I, spin, c, a, a) + piece(I, spin, c, b, b); /* 2 E I_c − L² */
     const double energy_a = piece(I, spin, c, a, c) + piece(I, spin, b, a, b); /* L² − 2 E I_a */
     const double whole = (I[c] - I[b]) * energy_a;
     const bool alone = (spin[a] == 0.0) + (spin[b] == 0.0) + (spin[c] == 0.0) >= 2;
@@ -105,9 +104,8 @@ static void solve(ShvFreeTop *top)
     const double difference = (I[c] - I[a]) * (piece(I, spin, c, b, c) - piece(I, spin, b, a, a));
     top->complement = fmin(1.0, fmax(difference / whole, 1e-20));
     top->rate = top->amplitude[c] * sqrt((I[c] - I[b]) * (I[c] - I[a]) / (I[a] * I[b]));
-    top->phase = energy_c > 0.0 ? shv_elliptic_integral(atan2(spin[b] / top->amplitude[b], spin[a] / top->amplitude[a]),
-                                                        top->complement)
-                                : 0.0;
+    top->phase =
+        shv_elliptic_integral(atan2(spin[b] / top->amplitude[b], spin[a] / top->amplitude[a]), top->complement);
 }
 
 ShvFreeTop shv_free_top(const ShvMat3 *inertia, ShvQuat orientation, ShvVec3 spin)
@@ -195,7 +193,7 @@ void shv_free_top_at(ShvFreeTop *top, double time, ShvQuat *orientation, ShvVec3
     const ShvMat3 start = along_momentum(top, 0.0), now = along_momentum(top, time);
     const ShvQuat to_start = shv_quat_conjugate(shv_quat_from_matrix(&start)), from_now = shv_quat_from_matrix(&now);
     const ShvQuat turn = shv_quat_exponential(shv_vec3(0.0, 0.0, top->turned));
-    *orientation = shv_quat_unit(
-        shv_quat_multiply(top->start, shv_quat_multiply(to_start, shv_quat_multiply(turn, from_now))));
+    *orientation =
+        shv_quat_unit(shv_quat_multiply(top->start, shv_quat_multiply(to_start, shv_quat_multiply(turn, from_now))));
     *spin = shv_rotate(*orientation, shv_apply(&top->axes, shv_free_top_spin(top, time)));
 }

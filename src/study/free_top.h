@@ -17,15 +17,15 @@ double shv_elliptic_quarter(double complement);
 double shv_elliptic_integral(double angle, double complement);
 
 typedef struct ShvFreeTop {
-    ShvMat3 axes;               /* columns: principal axes in body axes, of increasing moments; right-handed */
-    double moment[3];           /* kg m² */
-    ShvVec3 start_spin;         /* rad/s, principal axes */
-    ShvQuat start;              /* orientation at time 0 */
-    bool steady;                /* the spin does not change in the body */
-    int first, last;            /* principal axes whose spins go with cn and dn; sn belongs to axis 1 */
-    double amplitude[3];        /* rad/s, signed for `last` */
-    double rate, phase;         /* of the elliptic argument: 1/s, – */
-    double complement;          /* 1 − parameter */
+    ShvMat3 axes;        /* columns: principal axes in body axes, of increasing moments; right-handed */
+    double moment[3];    /* kg m² */
+    ShvVec3 start_spin;  /* rad/s, principal axes */
+    ShvQuat start;       /* orientation at time 0 */
+    bool steady;         /* the spin does not change in the body */
+    int first, last;     /* principal axes whose spins go with cn and dn; sn belongs to axis 1 */
+    double amplitude[3]; /* rad/s, signed for `last` */
+    double rate, phase;  /* of the elliptic argument: 1/s, – */
+    double complement;   /* 1 − parameter */
     double momentum, twice_energy;
     double time, turned; /* how far the quadrature has come: s, rad */
 } ShvFreeTop;

@@ -27,11 +27,13 @@ static void add_body(ShvTrackRow *row, const ShvBody *body, const ShvBodyState *
     row->spin = fmax(row->spin, shv_norm(shv_sub(spin, shv_body_spin_momentum(body, exact))));
     row->energy += energy_of(body, state, gravity);
     row->reference_energy += energy_of(body, exact, gravity);
+    row->reference_kinetic += shv_body_kinetic(body, exact);
+    row->reference_spin = fmax(row->reference_spin, shv_norm(shv_body_spin_momentum(body, exact)));
     row->momentum = shv_add(row->momentum, linear);
     row->angular_momentum = shv_add(row->angular_momentum, shv_add(spin, shv_cross(state->position, linear)));
 }
 
-/* The first run to be measured without a closed form is the finest: its states are kept. */
+/* Of the finest run, where there is no closed form. */
 static ShvStatus keep(ShvComparison *comparison, const ShvFrameView *frame, ShvError *error)
 {
     const size_t count = (size_t)comparison->bodies.count;
@@ -52,9 +54,8 @@ ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, 
                           ShvError *error)
 {
     const ShvVec3 gravity = shv_load3(comparison->scene->gravity);
-    const bool first = !comparison->forms && comparison->runs[comparison->finest_run].track.count == index &&
-                       comparison->finest_frames == index;
-    if (first) SHV_TRY(keep(comparison, frame, error));
+    if (!comparison->forms && index == comparison->finest_frames && comparison->keeping)
+        SHV_TRY(keep(comparison, frame, error));
     *row = (ShvTrackRow){.time = frame->time};
     bool any = false;
     for (int32_t i = 0; i < comparison->bodies.count; i++) {
@@ -73,31 +74,30 @@ ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, 
 
 /* ---- figures of a run ---- */
 
-static const ShvBody *first_chosen(const ShvBodies *bodies)
+static int32_t first_chosen(const ShvBodies *bodies)
 {
     int32_t i = 0;
     while (!bodies->items[i].chosen) i++;
-    return &bodies->items[i];
+    return i;
 }
 
 /* What energies are measured by: the largest kinetic energy of the reference or change of its potential energy; of what stays
    at rest, the weight times the radius. */
 static double energy_scale(const ShvComparison *comparison, const ShvTrack *track)
 {
-    const ShvVec3 gravity = shv_load3(comparison->scene->gravity);
-    const ShvBody *body = first_chosen(&comparison->bodies);
+    const double gravity = shv_norm(shv_load3(comparison->scene->gravity));
     double largest = 0.0, weight = 0.0;
     for (int32_t i = 0; i < track->count; i++) {
-        const ShvTrackRow *row = &track->rows[i];
-        /* One body stands for all where there are several. */
-        const double fallen = shv_dot(gravity, shv_sub(row->reference.position, track->rows[0].reference.position));
-        largest = fmax(largest, fmax(shv_body_kinetic(body, &row->reference), body->mass * fabs(fallen)));
+        const ShvTrackRow *row = &track->rows[i], *start = &track->rows[0];
+        const double potential = row->reference_energy - row->reference_kinetic;
+        const double fallen = potential - (start->reference_energy - start->reference_kinetic);
+        largest = fmax(largest, fmax(row->reference_kinetic, fabs(fallen)));
     }
     for (int32_t i = 0; i < comparison->bodies.count; i++) {
-        const ShvBody *each = &comparison->bodies.items[i];
-        if (each->chosen) weight += each->mass * shv_norm(gravity) * each->radius;
+        const ShvBody *body = &comparison->bodies.items[i];
+        if (body->chosen) weight += body->mass * gravity * body->radius;
     }
-    return largest > 0.0 ? largest : weight;
+    return largest > 1e-12 * weight ? largest : weight;
 }
 
 static double over(double value, double scale)
@@ -108,8 +108,7 @@ static double over(double value, double scale)
 static void count_impacts(const ShvComparison *comparison, ShvComparedTrack *run)
 {
     enum { MOST = 8 };
-    const ShvClosedForm *form = comparison->forms;
-    while (form->law == SHV_REFERENCE_NONE) form++;
+    const ShvClosedForm *form = &comparison->forms[first_chosen(&comparison->bodies)];
     double found[MOST], exact[MOST];
     const ShvTrack *track = &run->track;
     ShvComparedRun *view = &run->view;
@@ -121,15 +120,14 @@ static void count_impacts(const ShvComparison *comparison, ShvComparedTrack *run
     const int heights = shv_track_apices(track, false, form->direction, form->gravity, found, MOST);
     const int wanted = shv_track_apices(track, true, form->direction, form->gravity, exact, MOST);
     view->apex = heights > 0 ? 0.0 : (double)NAN;
-    for (int i = 0; i < heights && i < wanted; i++)
-        view->apex = fmax(view->apex, fabs(found[i] - exact[i]) / exact[i]);
+    for (int i = 0; i < heights && i < wanted; i++) view->apex = fmax(view->apex, fabs(found[i] - exact[i]) / exact[i]);
 }
 
 static void count_flips(const ShvComparison *comparison, ShvComparedTrack *run)
 {
     enum { MOST = 8 };
     double found[MOST], exact[MOST];
-    const ShvBody *body = first_chosen(&comparison->bodies);
+    const ShvBody *body = &comparison->bodies.items[first_chosen(&comparison->bodies)];
     ShvComparedRun *view = &run->view;
     view->moments = shv_track_flips(&run->track, false, &body->inertia, found, MOST);
     view->reference_moments = shv_track_flips(&run->track, true, &body->inertia, exact, MOST);
@@ -151,8 +149,7 @@ void shv_compare_summarise(const ShvComparison *comparison, ShvComparedTrack *ru
         view->surface = fmax(view->surface, row->surface);
         energy = fmax(energy, fabs(row->energy - row->reference_energy));
         spin = fmax(spin, row->spin);
-        largest_spin =
-            fmax(largest_spin, shv_norm(shv_body_spin_momentum(first_chosen(&comparison->bodies), &row->reference)));
+        largest_spin = fmax(largest_spin, row->reference_spin);
     }
     const double scale = energy_scale(comparison, track);
     view->energy = over(energy, scale);

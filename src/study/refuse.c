@@ -11,8 +11,9 @@ static ShvStatus check_steps(const ShvSceneDefinition *scene, const ShvCompareOp
     for (int32_t i = 0; i < options->step_count; i++) {
         const double step = options->steps[i];
         if (!(step > 0.0) || !(step <= scene->duration))
-            return shv_fail(error, SHV_BAD_INPUT, "a time step must be above 0 and at most the duration of %g s, not %g",
-                            scene->duration, step);
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "a time step must be above 0 and at most the duration of %g s, not %g", scene->duration,
+                            step);
         for (int32_t k = 0; k < i; k++)
             if (options->steps[k] == step)
                 return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);

@@ -62,8 +62,7 @@ int shv_track_apices(const ShvTrack *track, bool reference, ShvVec3 normal, ShvV
         } else {
             const ShvBodyState *middle = state_of(&track->rows[(last + i + 1) / 2], reference);
             const double v = shv_dot(middle->velocity, normal);
-            heights[count++] =
-                shv_dot(middle->position, normal) + 0.5 * v * v / -shv_dot(gravity, normal) - ground;
+            heights[count++] = shv_dot(middle->position, normal) + 0.5 * v * v / -shv_dot(gravity, normal) - ground;
         }
         last = i;
     }

@@ -6,11 +6,13 @@
 
 typedef struct ShvTrackRow {
     double time;
-    ShvBodyState state, reference;                          /* of the first chosen body */
-    double position, orientation, velocity, surface, spin;  /* errors, largest of all chosen bodies: m, rad, m/s; of a point
+    ShvBodyState state, reference; /* of the first chosen body */
+    double position, orientation, velocity, surface,
+        spin;                                 /* errors, largest of all chosen bodies: m, rad, m/s; of a point
                                                                of the surface, m; of angular momentum, kg m²/s */
-    double energy, reference_energy;                        /* J: Σ kinetic and potential of chosen bodies */
-    ShvVec3 momentum, angular_momentum;                     /* Σ of chosen bodies, the latter about the origin */
+    double energy, reference_energy;          /* J: Σ kinetic and potential of chosen bodies */
+    double reference_kinetic, reference_spin; /* Σ, J; largest angular momentum of one body about its centre */
+    ShvVec3 momentum, angular_momentum;       /* Σ of chosen bodies, the latter about the origin */
 } ShvTrackRow;
 
 typedef struct ShvTrack {

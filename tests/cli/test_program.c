@@ -31,7 +31,7 @@ static void test_usage(void **state)
     assert_string_equal(output.out, "");
     shell_works("$shiver --help", "usage: shiver COMMAND");
     shell_works("$shiver --version", "shiver 0.");
-    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export"};
+    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export", "compare"};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         char line[64], usage[64];
         snprintf(line, sizeof line, "$shiver %s --help", commands[i]);
@@ -53,6 +53,7 @@ static void test_wrong_words(void **state)
     shell_fails("$shiver run tiny.yaml --forse", 2, "did you mean --force?");
     shell_fails("$shiver run tiny.yaml other.yaml", 2, "one argument too many: other.yaml");
     shell_fails("$shiver run tiny.yaml --output", 2, "--output needs a value");
+    shell_fails("$shiver run tiny.yaml --audit-wake 1.5", 2, "--audit-wake takes a whole number");
     shell_fails("$shiver run tiny.yaml --set", 2, "--set needs KEY=VALUE");
     shell_fails("$shiver info tiny.yaml --set duration=1", 2, "unknown option --set");
 }

@@ -78,6 +78,7 @@ static void test_four_tables(void **state)
     char *events = read_bytes(file_in(*state, "out_events.csv"));
     assert_int_equal(count_lines(events), 1 + 3);
     assert_non_null(strstr(events, ",split,0,1,2,7,0,"));
+    assert_non_null(strstr(events, ",longest,3,8,9,10,11,12,13,14,15,16,17"));
     free(genealogy);
     free(ledger);
     free(events);

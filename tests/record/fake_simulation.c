@@ -90,7 +90,19 @@ static void split_one(ShvSimulation *simulation, double time)
                                                                       .value = 2,
                                                                       .kinetic_before = 7,
                                                                       .momentum_after = {1, 2, 3},
-                                                                      .angular_after = {4, 5, 6 + time}};
+                                                                      .angular_after = {4, 5, 6 + time},
+                                                                      .reason = SHV_REASON_LONGEST,
+                                                                      .hulls = 3,
+                                                                      .mass = 8,
+                                                                      .momentum_scale = 9,
+                                                                      .angular_scale = 10,
+                                                                      .cohesive_before = 11,
+                                                                      .cohesive_after = 12,
+                                                                      .dropped_vibration = 13,
+                                                                      .dropped_strain = 14,
+                                                                      .dropped_cohesive = 15,
+                                                                      .hull_outside = 16,
+                                                                      .hull_missing = 17 + time};
         return;
     }
 }

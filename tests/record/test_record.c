@@ -124,6 +124,9 @@ static void check_events(ShvRunFile *file, int64_t *next, const ShvFrameView *fr
         assert_int_equal(event.fragment, expected->fragment);
         assert_int_equal(event.obstacle, expected->obstacle);
         assert_memory_equal(&event.kinetic_before, &expected->kinetic_before, 16 * sizeof(double));
+        assert_int_equal(event.reason, expected->reason);
+        assert_int_equal(event.hulls, expected->hulls);
+        assert_memory_equal(&event.mass, &expected->mass, 10 * sizeof(double));
     }
 }
 

@@ -222,12 +222,42 @@ static void test_far_from_the_origin(void **unused)
     check_near(shv_norm(shv_sub(ends[0], ends[1])), 0.0, 1e-5);
 }
 
+/* Thrown back within a step, further than it came, onto a plate that was behind it: it stays between the two. */
+static void test_between_two_plates(void **unused)
+{
+    (void)unused;
+    World world;
+    box_world(&world, 0.0);
+    world.objects[0].placement.velocity[0] = 500.0;
+    for (int i = 0; i < 2; i++) {
+        ShvObstacleDefinition *plate = world_obstacle(&world, SHV_OBSTACLE_BOX);
+        plate->size[0] = 0.002;
+        plate->size[1] = plate->size[2] = 1.0;
+        plate->placement.position[0] = i ? 0.251 : -0.081;
+        plate->restitution = 1.0;
+    }
+    world_build(&world);
+    bullet_fly(&world);
+    const ShvFragment *fragment = &world.fragments.items[0];
+    int returns = 0;
+    for (int i = 0; i < 50; i++) {
+        const double before = fragment->velocity.x;
+        bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        assert_true(fragment->position.x > -0.03 - 1e-6 && fragment->position.x < 0.2 + 1e-6);
+        returns += fragment->velocity.x * before < 0.0;
+    }
+    assert_true(returns > 20);
+    check_near(fabs(fragment->velocity.x), 500.0, 1e-6);
+    world_end(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_obstacle),      cmocka_unit_test(test_moving_obstacles),
         cmocka_unit_test(test_platform_carries),   cmocka_unit_test(test_oblique_impacts),
         cmocka_unit_test(test_overhanging_plates), cmocka_unit_test(test_far_from_the_origin),
+        cmocka_unit_test(test_between_two_plates),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -233,6 +233,9 @@ static void check_events(const ShvSceneDefinition *scene)
 
 static void check_rest(const ShvSceneDefinition *scene)
 {
+    assert_int_equal(scene->reference.law, SHV_REFERENCE_BOUNCE);
+    assert_string_equal(scene->reference.body, "plate_1");
+    assert_string_equal(scene->reference.on, "floor");
     assert_string_equal(scene->name, "every key");
     check_vector(scene->gravity, 0.5, -0.001, -1.62);
     assert_true(scene->seed == UINT64_MAX);
@@ -243,6 +246,10 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->rigid.wake, SHV_WAKE_CONTACT);
     same(scene->rigid.wake_fraction, 0.25);
     same(scene->rigid.wake_factor, 5.0);
+    same(scene->rigid.friction, 0.4);
+    same(scene->rigid.restitution, 0.1);
+    assert_int_equal(scene->rigid.dust, SHV_DUST_BIN);
+    same(scene->rigid.dust_size, 0.002);
     assert_false(scene->fracture.enabled);
     assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_BARS);
     same(scene->fracture.time_step, 10e-9);
@@ -254,7 +261,11 @@ static void check_rest(const ShvSceneDefinition *scene)
     same(scene->fracture.regularisation, 0.01);
     assert_int_equal(scene->fracture.quiet_checks, 30);
     same(scene->fracture.longest, 0.001);
+    assert_int_equal(scene->fracture.deformation, SHV_DEFORMATION_KEEP);
     same(scene->fracture.energy_bound, 0.1);
+    same(scene->audit.momentum, 1e-9);
+    same(scene->audit.dropped_share, 0.5);
+    assert_true(isinf(scene->audit.hull_error));
     same(scene->pbd.stiffness, 0.9);
     assert_int_equal(scene->pbd.iterations, 3);
     assert_int_equal(scene->pbd.form, SHV_BARS_ELEMENT);
@@ -334,7 +345,13 @@ static void what_is_left_out_has_its_default(void **state)
     assert_memory_equal(scene->gravity, expected.gravity, sizeof expected.gravity);
     same(scene->rigid.time_step, expected.rigid.time_step);
     same(scene->fracture.threshold, expected.fracture.threshold);
+    same(scene->rigid.friction, 0.5);
+    same(scene->rigid.restitution, 0.0);
+    assert_int_equal(scene->rigid.dust, SHV_DUST_KEEP);
+    assert_int_equal(scene->fracture.deformation, SHV_DEFORMATION_DROP);
+    assert_true(isinf(scene->audit.momentum) && isinf(scene->audit.dropped_share) && isinf(scene->audit.hull_error));
     assert_int_equal(scene->rigid.engine, SHV_RIGID_ANALYTIC);
+    assert_int_equal(scene->reference.law, SHV_REFERENCE_NONE);
     assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_NONE);
     assert_int_equal(scene->obstacle_count, 0);
     assert_int_equal(scene->event_count, 0);

@@ -180,6 +180,91 @@ static void test_mode_switches(void **state)
     shv_simulation_destroy(simulation);
 }
 
+typedef struct Policy {
+    ShvDeformation deformation;
+    ShvDust dust;
+    ShvRigidEngine engine;
+} Policy;
+
+/* A bar that breaks, whose pieces go to rest and meet the floor and each other. */
+static void run_policy(const Policy *policy, int *kept, int *binned)
+{
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    stage.scene.duration = 0.04;
+    stage.scene.fracture.longest = 3e-3;
+    stage.scene.fracture.deformation = policy->deformation;
+    stage.scene.rigid.engine = policy->engine;
+    stage.scene.rigid.dust = policy->dust;
+    stage.scene.rigid.dust_size = policy->dust == SHV_DUST_KEEP ? 0.0 : 0.018;
+    stage.scene.audit.momentum = 1e-12;
+    stage.scene.fracture.energy_bound = 0.01; /* the run itself holds the ledger to it */
+    ShvSimulation *simulation = stage_start(&stage);
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int32_t i = 0; i < frame->event_count; i++) {
+            *binned += frame->events[i].kind == SHV_RUN_BIN;
+            *kept += frame->events[i].kind == SHV_RUN_SLEEP && frame->events[i].strain_after > 0.0;
+        }
+    }
+    check_masses(simulation, shv_simulation_frame(simulation), stage.material.density);
+    shv_simulation_destroy(simulation);
+}
+
+/* Whatever a scene decides about deformation and dust, the ledger closes, mass is there and no switch changes momentum. */
+static void test_policies_of_rest(void **state)
+{
+    (void)state;
+    for (int deformation = 0; deformation < 2; deformation++)
+        for (int dust = 0; dust < 3; dust++) {
+            const Policy policy = {(ShvDeformation)deformation, (ShvDust)dust,
+                                   (deformation + dust) % 2 ? SHV_RIGID_BULLET : SHV_RIGID_ANALYTIC};
+            int kept = 0, binned = 0;
+            run_policy(&policy, &kept, &binned);
+            assert_true((kept > 0) == (policy.deformation == SHV_DEFORMATION_KEEP));
+            assert_true((binned > 0) == (policy.dust == SHV_DUST_BIN));
+        }
+}
+
+/* A rule that takes every impact for harmless, on a bar that falls at `speed`: what the audit of one impact finds. */
+static ShvFrameView audit_one(double speed, int32_t wakes)
+{
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    stage.objects[0].placement.velocity[2] = -speed;
+    stage.scene.rigid.wake_fraction = 1e9;
+    ShvSimulationOptions options = shv_simulation_options_default();
+    options.audit_wakes = wakes;
+    ShvSimulation *simulation = NULL;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_create(&simulation, &stage.scene, &options, &error), error);
+    bool woke = false;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int32_t i = 0; i < frame->event_count; i++) {
+            if (frame->events[i].kind != SHV_RUN_WAKE) continue;
+            assert_int_equal(frame->events[i].reason, SHV_REASON_AUDIT);
+            woke = true;
+        }
+    }
+    assert_true(woke == (wakes > 0));
+    const ShvFrameView last = *shv_simulation_frame(simulation);
+    shv_simulation_destroy(simulation);
+    return last;
+}
+
+static void test_audit_of_the_wake_rule(void **state)
+{
+    (void)state;
+    const ShvFrameView breaks = audit_one(1.0, 1), holds = audit_one(0.05, 1), unasked = audit_one(1.0, 0);
+    assert_int_equal(breaks.audited, 1);
+    assert_int_equal(breaks.missed, 1);
+    assert_int_equal(holds.audited, 1);
+    assert_int_equal(holds.missed, 0);
+    assert_int_equal(unasked.audited, 0);
+    assert_int_equal(unasked.inserted, 0);
+}
+
 /* Two bars of which the second strikes while the first is cracking: no copy of a node is forgotten when the lists of what is
    awake are made anew, so that momentum obeys gravity and the floor, and the ledger closes. */
 static void test_wake_beside_cracking(void **state)
@@ -440,6 +525,8 @@ int main(void)
         cmocka_unit_test(test_genealogy),
         cmocka_unit_test(test_fracture_frames),
         cmocka_unit_test(test_mode_switches),
+        cmocka_unit_test(test_audit_of_the_wake_rule),
+        cmocka_unit_test(test_policies_of_rest),
         cmocka_unit_test(test_wake_beside_cracking),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_watching_changes_nothing),

@@ -1,0 +1,158 @@
+#!/bin/sh
+# Compares the rigid engines on every scene of this folder and writes docs/rigid_comparison.md: report.sh PROGRAM
+# Tables, frames and plots lie in build/rigid.
+set -eu
+
+program=$1
+root=$(cd "$(dirname "$0")/../.." && pwd)
+results=$root/build/rigid
+page=$root/docs/rigid_comparison.md
+mkdir -p "$results"
+
+# name | scene | title | changes of the scene | other options of the command
+comparisons()
+{
+    cat <<'END'
+free_fall|free_fall|Free fall, tumbling||
+top|torque_free_top|Torque-free top, I = (1, 2, 3), 55 s||
+top_exact|torque_free_top|The same with nodes that turn along circles (`pbd.exact_rotation`)|pbd.exact_rotation=true|--engines pbd
+bounce|bouncing_ball|Bouncing ball, restitution 0.8||
+slide|block_on_incline|Block on an incline of 30°, friction 0.3: slides||
+stick|block_on_incline|The same with friction 0.6: sticks|obstacles.slope.friction=0.6|
+rolling|rolling_ball|Ball rolling down a slope of 30°||
+slip|slip_to_roll|Ball that slips until it rolls||
+stack|stack_of_boxes|Stack of ten boxes||
+ratio|mass_ratio|A block on one of a millionth of its mass||
+ratio_thousand|mass_ratio|The same, a thousandth|materials.neutronium.density=1e5|--engines bullet
+pile|pile|Pile of 200 fragments||--engines bullet --steps 1e-2,2e-3,1e-3
+END
+}
+
+# Every comparison anew: run times are results, too.
+run_all()
+{
+    comparisons | while IFS='|' read -r name scene title change options; do
+        echo "compare: $title" >&2
+        set --
+        for key in $change; do set -- "$@" --set "$key"; done
+        # shellcheck disable=SC2086 # a list of words on purpose
+        if ! "$program" compare "$root/scenes/rigid/$scene.yaml" "$@" $options --set threads=1 --force \
+            --output "$results/$name" >"$results/$name.txt" 2>"$results/$name.log" </dev/null; then
+            echo "compare: that failed, see build/rigid/$name.log" >&2
+        fi
+    done
+}
+
+# The program's table as one of Markdown; "-" marks what has no meaning there.
+table()
+{
+    sed -n '1s/^errors from/Errors from/p' "$results/$1.txt" | sed 's/$/./'
+    echo
+    echo '| engine | step, s | position, m | turn, rad | velocity, m/s | energy | gain | angular momentum | moments | their time, s | apex | run time, s | per step, s |'
+    echo '|---|---|---|---|---|---|---|---|---|---|---|---|---|'
+    sed -n '4,$p' "$results/$1.txt" | awk '
+        /^wrote/ { next }
+        $3 == "failed:" { text = $0; sub(/.*failed: /, "", text); print "| " $1 " | " $2 " | failed: " text " |"; next }
+        { line = "|"; for (i = 1; i <= 13; i++) line = line " " ($i == "-" ? "–" : $i) " |"
+          print line (($14 != "") ? " (reference)" : "") }' | sed 's/| (reference)/(reference) |/'
+    echo
+}
+
+section()
+{
+    comparisons | while IFS='|' read -r name scene title change options; do
+        [ "$name" = "$1" ] || continue
+        printf '## %s\n\n[scene](../scenes/rigid/%s.yaml)%s\n\n' "$title" "$scene" "${change:+, \`$change\`}"
+        if [ -s "$results/$name.txt" ]; then table "$name"; else echo 'It failed: no result.'; fi
+    done
+}
+
+# figure NAME ENGINE STEP COLUMN: from a table; – where it has none.
+figure()
+{
+    awk -v engine="$2" -v step="$3" -v column="$4" '
+        $1 == engine && $2 == step && $3 != "failed:" && $column != "-" { print $column; found = 1 }
+        END { if (!found) print "–" }' "$results/$1.txt" 2>/dev/null || printf '–\n'
+}
+
+# claim TEXT CONDITION VALUE…: an awk condition on v[1], v[2], …, which are the values.
+claim()
+{
+    text=$1
+    condition=$2
+    shift 2
+    verdict=$(printf '%s\n' "$@" | awk '
+        /–/ { missing = 1 }
+        { v[NR] = $1 + 0 }
+        END { if (missing) print "no result"; else if ('"$condition"') print "holds"; else print "**does not hold**" }')
+    values=$(printf ', %s' "$@")
+    printf '| %s | %s | %s |\n' "$text" "${values#, }" "$verdict"
+}
+
+# of NAME ENGINE COLUMN: at the three steps.
+of() { for step in 0.01 0.001 0.0001; do figure "$1" "$2" "$step" "$3"; done; }
+
+claims()
+{
+    three='v[1] < limit && v[2] < limit && v[3] < limit'
+    below() { printf '%s' "$three" | sed "s/limit/$1/g"; }
+    echo '| claim | figures at 10, 1 and 0.1 ms | |'
+    echo '|---|---|---|'
+    for engine in bullet pbd analytic; do
+        # shellcheck disable=SC2046 # lists of words on purpose
+        {
+            claim "$engine: free fall keeps to −½gt² (energy within 1e-10)" "$(below 1e-10)" $(of free_fall $engine 6)
+            claim "$engine: the top loses less than 1e-6 of its energy at 1 ms" 'v[1] < 1e-6' "$(figure top $engine 0.001 6)"
+            claim "$engine: the top keeps its angular momentum within 1e-8 at 1 ms" 'v[1] < 1e-8' "$(figure top $engine 0.001 8)"
+            claim "$engine: the top flips within 1 ms of 10.917, 30.470 and 50.023 s (step 1 ms)" 'v[1] < 1e-3' "$(figure top $engine 0.001 10)"
+            claim "$engine: the bouncing ball's four impacts are found" 'v[1] == 4 && v[2] == 4 && v[3] == 4' $(of bounce $engine 9)
+            claim "$engine: and within 4.5 ms (1 % of the first)" "$(below 4.5e-3)" $(of bounce $engine 10)
+            claim "$engine: its apices are within 1 %" "$(below 0.01)" $(of bounce $engine 11)
+            claim "$engine: the block slides 1.178 m within 1 %" "$(below 0.01178)" $(of slide $engine 3)
+            claim "$engine: the block sticks (within 0.1 mm)" "$(below 1e-4)" $(of stick $engine 3)
+            claim "$engine: the ball rolls 1.752 m within 1 %" "$(below 0.01752)" $(of rolling $engine 3)
+            claim "$engine: the slipping ball is within 1 % of its 1.51 m" "$(below 0.0151)" $(of slip $engine 3)
+        }
+    done
+    # shellcheck disable=SC2046 # lists of words on purpose
+    {
+        claim 'bullet: the stack stands (within 1 mm)' "$(below 1e-3)" $(of stack bullet 3)
+        claim 'bullet: a thousandfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio_thousand bullet 3)
+        claim 'bullet: a millionfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio bullet 3)
+        claim 'bullet: the energy of the pile never rises by more than 0.1 % (steps 10, 2, 1 ms)' "$(below 1e-3)" \
+            "$(figure pile bullet 0.01 7)" "$(figure pile bullet 0.002 7)" "$(figure pile bullet 0.001 7)"
+    }
+}
+
+write_page()
+{
+    cat <<'END'
+# Rigid engines compared
+
+Made by `./bootstrap compare` from runs of the scenes in `scenes/rigid`: each under the engines `bullet`, `pbd` and `analytic` at
+rigid steps of 10, 1 and 0.1 ms, where nothing else is said. Every figure comes from those runs.
+
+- Errors are the largest over the run, from the motion in closed form that the scene's `reference` names. Without one they are
+  taken from the finest run.
+- Energy: error of kinetic and potential energy, over the largest of the exact motion (at rest: weight times radius). Gain:
+  largest rise of the energy above an earlier value, over the same; where nothing drives a body there should be none.
+- Angular momentum: error of a body's own, over its largest.
+- Moments: impacts of the bounce, flips of the top that were found, of those to be found, and the largest error of their times.
+  Apex: error of the heights between impacts.
+- Run time: without set-up, with what a frame every 10 ms costs; one thread of a shared machine.
+- A free obstacle (the rolling and slipping balls) is moved by one and the same code under `pbd` and `analytic`.
+- Fragments see each other under `bullet` alone: under the others the boxes of a stack fall through each other.
+
+END
+    for name in free_fall top top_exact bounce slide stick rolling slip stack ratio ratio_thousand pile; do section "$name"; done
+    printf 'A pile is chaotic: runs part after the first impacts, so errors of position say only how large the pile is.\n'
+    printf '\n## Error against run time\n\nThe top; largest error of a point of its surface:\n\n![top](rigid_top.svg)\n'
+    printf '\n## What holds\n\n'
+    claims
+}
+
+run_all
+[ ! -s "$results/top_compare.svg" ] || cp "$results/top_compare.svg" "$root/docs/rigid_top.svg"
+write_page >"$page.part"
+mv "$page.part" "$page"
+echo "compare: wrote docs/rigid_comparison.md" >&2

@@ -1,0 +1,174 @@
+/* Out of fracture mode: when a fragment may rest, and who takes it then. A rigid motion is fitted to its nodes; momentum and
+   angular momentum pass unchanged, and the energy of vibration, strain and open cohesive zones that a rigid body cannot carry
+   is dropped, booked and logged. */
+#include "hybrid/hybrid.h"
+
+#include <string.h>
+
+/* How long vibration needs: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate
+   of the shortest extent (half the period of its free fundamental, f = 1.03 c₀ h/L²). */
+static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
+{
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
+    double sides[3];
+    shv_hybrid_extents(fragment, sides);
+    const double longest = sides[0], shortest = sides[2];
+    *bar = longest / material->bar_speed;
+    *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
+}
+
+/* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave,
+   and what a rigid body cannot carry (which bounds its stress) is small against the energy it woke with; or when the
+   longest window is over. */
+static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment *fragment, double carried)
+{
+    double bar, bending;
+    transit_times(hybrid, fragment, &bar, &bending);
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    const double age = hybrid->state.time - fragment->last_insertion;
+    const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
+    if (age >= longest) return SHV_REASON_LONGEST;
+    if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
+    /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
+    if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
+    const bool little = carried <= 0.05 * fragment->wake_energy * fragment->mass;
+    return age >= 2.0 * bar && little ? SHV_REASON_QUIET : SHV_REASON_NONE;
+}
+
+/* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present moment. */
+static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    if (fragment->mode != SHV_MODE_FRACTURE || reason_to_rest(hybrid, fragment, 0.0) == SHV_REASON_NONE) return false;
+    return !shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time);
+}
+
+/* What a fragment carries in the terms of the ledger, without the others' impulses (shv_hybrid_part_ways): kinetic energy
+   ½ m v₋·v₊ with v₊ = 2 v − v₋, and strain. */
+static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment, double *kinetic, double *strain)
+{
+    const ShvState *state = &hybrid->state;
+    *kinetic = 0.0;
+    *strain = shv_audit_strain(hybrid, fragment);
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        const int64_t node = hybrid->fragments.nodes[fragment->node_begin + k];
+        const ShvVec3 v = shv_load3(state->velocity + 3 * node), before = shv_load3(hybrid->ghost.before + 3 * node);
+        *kinetic += 0.5 * state->mass[node] * shv_dot(before, shv_sub(shv_scale(v, 2.0), before));
+    }
+}
+
+/* ---- who takes it ---- */
+
+typedef enum Taker {
+    TAKER_RIGID, /* the rigid engine */
+    TAKER_NODES, /* one that keeps nodes as they are, with the velocities of now */
+    TAKER_KEPT,  /* the rigid engine; the nodes keep their deformation until they wake */
+    TAKER_BIN    /* nobody */
+} Taker;
+
+static bool is_dust(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return hybrid->scene->rigid.dust != SHV_DUST_KEEP && 2.0 * fragment->radius < hybrid->scene->rigid.dust_size;
+}
+
+static Taker taker_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const bool dust = is_dust(hybrid, fragment);
+    if (dust && hybrid->scene->rigid.dust == SHV_DUST_BIN) return TAKER_BIN;
+    if (hybrid->backend->keeps_nodes) return TAKER_NODES;
+    const bool keeps = hybrid->scene->fracture.deformation == SHV_DEFORMATION_KEEP && !dust; /* which never wakes */
+    return keeps ? TAKER_KEPT : TAKER_RIGID;
+}
+
+static void keep_velocities(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        const int64_t i = 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k];
+        memcpy(hybrid->ghost.before + i, hybrid->state.velocity + i, 3 * sizeof(double));
+    }
+}
+
+/* Its momentum stays in the sums. */
+static void bin(ShvHybrid *hybrid, ShvFragment *fragment, const ShvEventView *event)
+{
+    shv_add_to3(hybrid->binned_momentum, shv_load3(event->momentum_after));
+    shv_add_to3(hybrid->binned_angular, shv_load3(event->angular_after));
+    fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
+    fragment->mode = SHV_MODE_BINNED;
+}
+
+/* Of the fitted record; a rigid body has it from here on. */
+static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, ShvEventView *event)
+{
+    if (taker == TAKER_NODES)
+        keep_velocities(hybrid, fragment);
+    else if (taker == TAKER_KEPT)
+        shv_audit_rigid(fragment, event->momentum_after, event->angular_after);
+    else
+        shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+    if (taker != TAKER_KEPT) shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, NULL);
+    fragment->mode = SHV_MODE_FLIGHT;
+    fragment->borne = fmax(fragment->borne, fragment->load);
+    fragment->deformed = taker == TAKER_KEPT;
+    fragment->strain = event->strain_after;
+    fragment->rest_position = fragment->position;
+    fragment->rest_orientation = fragment->orientation;
+    fragment->dust = is_dust(hybrid, fragment);
+    fragment->audited = false;
+    fragment->hulls = 0;
+    fragment->hull_outside = fragment->hull_missing = 0.0;
+    if (taker == TAKER_BIN) bin(hybrid, fragment, event);
+    hybrid->awake.stale = true;
+}
+
+/* The energies of a moment without the others' impulses, before and after; the record is fitted. */
+static void rest_energies(const ShvHybrid *hybrid, const ShvFragment *fragment, Taker taker, ShvEventView *event)
+{
+    ShvVec3 momentum, angular;
+    double of_nodes;
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &of_nodes);
+    carried_energy(hybrid, fragment, &event->kinetic_before, &event->strain_before);
+    event->cohesive_before = shv_audit_cohesive(hybrid, fragment);
+    if (taker != TAKER_BIN) event->kinetic_after = taker == TAKER_NODES ? of_nodes : shv_fragment_kinetic(fragment);
+    if (taker == TAKER_KEPT) event->strain_after = event->strain_before;
+    event->value = event->kinetic_before + event->strain_before - event->kinetic_after - event->strain_after;
+}
+
+static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[index];
+    const Taker taker = taker_of(hybrid, fragment);
+    ShvEventView event = shv_audit_event(hybrid, taker == TAKER_BIN ? SHV_RUN_BIN : SHV_RUN_SLEEP, index);
+    shv_fragment_fit(fragment, &hybrid->fragments, &hybrid->state);
+    rest_energies(hybrid, fragment, taker, &event);
+    const double rigid = taker == TAKER_NODES ? event.kinetic_after : shv_fragment_kinetic(fragment);
+    event.reason =
+        reason_to_rest(hybrid, fragment, event.kinetic_before - rigid + event.strain_before + event.cohesive_before);
+    if (event.reason == SHV_REASON_NONE) return SHV_OK;
+
+    shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
+    if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
+    hand_over(hybrid, fragment, taker, &event);
+    event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
+    if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
+    shv_audit_hulls(fragment, &event);
+    return shv_audit_close(hybrid, &event, error);
+}
+
+ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
+{
+    hybrid->quiet_looks = 0;
+    if (hybrid->awake.count == 0) return SHV_OK;
+    const double start = shv_now();
+    bool any = false;
+    for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
+        any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
+    if (!any) return SHV_OK;
+    SHV_TRY(shv_hybrid_part_ways(hybrid, error));
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
+    shv_hybrid_resume(hybrid);
+    SHV_TRY(shv_awake_refresh(hybrid, error));
+    if (hybrid->awake.count == 0) SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
+    return SHV_OK;
+}
