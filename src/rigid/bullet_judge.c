@@ -95,7 +95,8 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double momen
 {
     ShvBulletFlyer *flyer = &bullet->flyers[own], *partner = &bullet->flyers[other];
     flyer->leaves = true;
-    if (partner->moves && partner->impact_time >= 0.0) partner->until = fmin(partner->until, moment);
+    if (partner->moves && (partner->fragment >= 0 || partner->impact_time >= 0.0))
+        partner->until = fmin(partner->until, moment);
     if (flyer->companion) return; /* it will be there when somebody else has led it there */
     const ShvQuat orientation = shv_bullet_flyer_orientation(flyer, moment);
     const bool supported = shv_bullet_flyer_load(flyer) > 0.0;
