@@ -125,6 +125,7 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
 typedef struct History {
     bool met;                                            /* a contact has done work or a fragment is awake */
     double edge_strain_flight, edge_strain_after_impact; /* largest of recorded frames before and since */
+    double courant;                                      /* largest of recorded frames */
     ShvCrackView crack;
 } History;
 
@@ -133,11 +134,13 @@ static void remember(History *history, const ShvFrameView *frame)
     if (frame->fracture || frame->ledger.contact < 0.0 || frame->ledger.contact > 0.0) history->met = true;
     double *strain = history->met ? &history->edge_strain_after_impact : &history->edge_strain_flight;
     *strain = fmax(*strain, frame->edge_strain);
+    history->courant = fmax(history->courant, frame->courant);
 }
 
 /* Of the plane of the first crack against the vertical, degrees. */
 static double crack_angle(const ShvCrackView *crack)
 {
+    if (isnan(crack->normal[2])) return (double)NAN;
     return asin(fmin(1.0, fabs(crack->normal[2]))) * 180.0 / 3.14159265358979323846;
 }
 
@@ -152,7 +155,7 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"wall_seconds", wall},
                    {"largest_mass_fraction", largest_mass_fraction(frame)},
                    {"step", frame->step},
-                   {"courant", frame->courant},
+                   {"courant", history->courant},
                    {"worst_overshoot", frame->worst_overshoot},
                    {"opened_area", ledger->opened_area},
                    {"kinetic", ledger->kinetic},
