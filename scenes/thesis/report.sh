@@ -121,7 +121,7 @@ claims()
     claim '6.3: the falling bunny keeps its shape (edge strain in flight below 0.1 %)' 'a < 1e-3' \
         "$(number bunny_drop edge_strain_flight)"
     claim '6.3: the bunny breaks (fragments)' 'a > 1' "$(number bunny_drop fragments %d)"
-    claim '6.6: 25 m/s at 30 µs is stable (simulated ms, Courant number)' 'a > 8.99' "$(number beam time %.3g 1000)" \
+    claim '6.6: 25 m/s at 30 µs runs to its end (simulated ms, Courant number)' 'a > 8.99' "$(number beam time %.3g 1000)" \
         "$(number beam courant)"
     claim '6.6: the crack leaves the tip of the notch, 50.8 mm left of midspan and 19.05 mm above the lower face (x, z in mm)' \
         '(a + 50.8)^2 + (b + 19.05)^2 < 25' "$(number beam crack_origin_x %.1f 1000)" "$(number beam crack_origin_z %.1f 1000)"
@@ -178,7 +178,16 @@ END
     printf '\nThe beam at 0.2 m/s, 10 and 20 ms after the start; colours are fragments:\n\n![notched beam](thesis_beam.svg)\n'
     printf '\n## What holds\n\n'
     claims
-    printf '\nRun times on %s processors.\n' "$(getconf _NPROCESSORS_ONLN)"
+    cat <<'END'
+
+Where claims do not hold, the parameters say why. Strengths lie at strains of 5e-5 to 1e-3, and in the animated cases the steps
+of fracture mode are so far below the stable step that bars are stiffer than the material by many orders: a fall of 0.2 m
+at 2 m/s sends a strain of 2 m/s over the bars' wave speed, about a percent, through the whole body, which opens nearly every
+facet. Tractions hardly fall with opening there (final openings of metres to kilometres), so that cracks do not relieve their
+neighbours. The beam at 25 m/s is struck at 0.4 of its own wave speed: it is crushed under the load before a wave has
+reached the notch. Loaded slowly its crack leaves the notch and leans towards the load, less than the chapter's.
+END
+    printf '\nRun times: wall time on %s processors, with whatever else they did meanwhile.\n' "$(getconf _NPROCESSORS_ONLN)"
 }
 
 # Half way and at the end.

@@ -15,8 +15,11 @@ static inline ShvBox shv_box_empty(void)
 }
 static inline void shv_box_add(ShvBox *box, ShvVec3 x)
 {
-    box->low = shv_vec3(fmin(box->low.x, x.x), fmin(box->low.y, x.y), fmin(box->low.z, x.z));
-    box->high = shv_vec3(fmax(box->high.x, x.x), fmax(box->high.y, x.y), fmax(box->high.z, x.z));
+    /* Comparisons become single instructions, unlike fmin and fmax; what is not a number counts nowhere in both. */
+    box->low = shv_vec3(x.x < box->low.x ? x.x : box->low.x, x.y < box->low.y ? x.y : box->low.y,
+                        x.z < box->low.z ? x.z : box->low.z);
+    box->high = shv_vec3(x.x > box->high.x ? x.x : box->high.x, x.y > box->high.y ? x.y : box->high.y,
+                         x.z > box->high.z ? x.z : box->high.z);
 }
 static inline ShvBox shv_box_grown(ShvBox box, double by)
 {
@@ -36,7 +39,9 @@ static inline int shv_box_meets(const ShvBox *a, const ShvBox *b)
 /* Largest side. */
 static inline double shv_box_size(const ShvBox *box)
 {
-    return fmax(box->high.x - box->low.x, fmax(box->high.y - box->low.y, box->high.z - box->low.z));
+    const double x = box->high.x - box->low.x, y = box->high.y - box->low.y, z = box->high.z - box->low.z;
+    const double larger = x > y ? x : y;
+    return larger > z ? larger : z;
 }
 
 #endif

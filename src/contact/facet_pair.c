@@ -18,27 +18,31 @@ static ShvVec3 node_velocity(const ShvSurfaceBodies *bodies, int32_t node, int32
 /* ---- geometry ---- */
 
 typedef struct Place {
-    ShvVec3 normal;
+    ShvFacetPlane plane;
     double gap, weights[3];
-    ShvVec3 gradients[3];
 } Place;
 
-/* False for a facet without area. */
-static bool find_place(ShvVec3 x, const ShvVec3 corners[3], Place *place)
+bool shv_facet_plane_make(const ShvVec3 corners[3], ShvFacetPlane *plane)
 {
     const ShvVec3 first = shv_sub(corners[1], corners[0]), second = shv_sub(corners[2], corners[0]);
-    const ShvVec3 across = shv_cross(first, second), r = shv_sub(x, corners[0]);
-    const double size = shv_norm(across);
+    const ShvVec3 across = shv_cross(first, second);
+    const double size = shv_norm(across), inverse = 1.0 / size;
     if (!(size > 0.0)) return false;
-    place->normal = shv_scale(across, 1.0 / size);
-    place->gap = shv_dot(place->normal, r);
-    place->gradients[1] = shv_scale(shv_cross(second, place->normal), 1.0 / size);
-    place->gradients[2] = shv_scale(shv_cross(place->normal, first), 1.0 / size);
-    place->gradients[0] = shv_scale(shv_add(place->gradients[1], place->gradients[2]), -1.0);
-    place->weights[1] = shv_dot(place->gradients[1], r);
-    place->weights[2] = shv_dot(place->gradients[2], r);
-    place->weights[0] = 1.0 - place->weights[1] - place->weights[2];
+    for (int k = 0; k < 3; k++) plane->corners[k] = corners[k];
+    plane->normal = shv_scale(across, inverse);
+    plane->gradients[1] = shv_scale(shv_cross(second, plane->normal), inverse);
+    plane->gradients[2] = shv_scale(shv_cross(plane->normal, first), inverse);
+    plane->gradients[0] = shv_scale(shv_add(plane->gradients[1], plane->gradients[2]), -1.0);
     return true;
+}
+
+static void stand(Place *place, ShvVec3 x)
+{
+    const ShvVec3 r = shv_sub(x, place->plane.corners[0]);
+    place->gap = shv_dot(place->plane.normal, r);
+    place->weights[1] = shv_dot(place->plane.gradients[1], r);
+    place->weights[2] = shv_dot(place->plane.gradients[2], r);
+    place->weights[0] = 1.0 - place->weights[1] - place->weights[2];
 }
 
 static bool over(const Place *place)
@@ -46,22 +50,41 @@ static bool over(const Place *place)
     return place->weights[0] >= -edge_margin && place->weights[1] >= -edge_margin && place->weights[2] >= -edge_margin;
 }
 
-static double segment_distance(ShvVec3 x, ShvVec3 from, ShvVec3 to)
+static double squared_distance(ShvVec3 x, ShvVec3 from, ShvVec3 to)
 {
     const ShvVec3 way = shv_sub(to, from), r = shv_sub(x, from);
     const double length = shv_dot(way, way), along = length > 0.0 ? shv_dot(r, way) / length : 0.0;
     const double share = along > 1.0 ? 1.0 : along > 0.0 ? along : 0.0;
-    return shv_norm(shv_madd(r, -share, way));
+    const ShvVec3 rest = shv_madd(r, -share, way);
+    return shv_dot(rest, rest);
 }
 
-/* In the plane, from the node's projection to the facet. */
-static double side_distance(ShvVec3 x, const ShvVec3 corners[3], const Place *place)
+/* Squared, in the plane, from the node's projection to the facet. */
+static double side_distance(ShvVec3 x, const Place *place)
 {
     if (over(place)) return 0.0;
-    const ShvVec3 foot = shv_madd(x, -place->gap, place->normal);
-    double least = segment_distance(foot, corners[0], corners[1]);
-    least = fmin(least, segment_distance(foot, corners[1], corners[2]));
-    return fmin(least, segment_distance(foot, corners[2], corners[0]));
+    const ShvVec3 *corners = place->plane.corners, foot = shv_madd(x, -place->gap, place->plane.normal);
+    double least = (double)INFINITY;
+    for (int k = 0; k < 3; k++) {
+        /* The nearest point is on an edge beyond which the foot stands. */
+        if (place->weights[k] > 0.0) continue;
+        const double squared = squared_distance(foot, corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        least = squared < least ? squared : least;
+    }
+    return least;
+}
+
+/* Of how far a point above the facet's plane has to come. */
+static double distance_from(double gap, double squared_side)
+{
+    return sqrt(squared_side + (gap > 0.0 ? gap * gap : 0.0));
+}
+
+double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x)
+{
+    Place place = {.plane = *plane};
+    stand(&place, x);
+    return distance_from(place.gap, side_distance(x, &place));
 }
 
 /* A face that bounds the body: of the mesh's boundary or of a crack. */
@@ -77,11 +100,12 @@ static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32
    apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose corners
    next to the facet the point may be. */
 static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                       ShvVec3 x, const ShvVec3 corners[3], const Place *place)
+                       ShvVec3 x, const Place *place)
 {
+    const ShvVec3 *corners = place->plane.corners;
     const int32_t apex = shv_state_node(bodies->state, candidate->element, candidate->face);
     const ShvVec3 top = shv_bodies_position(bodies, apex, candidate->fragments[1]);
-    const double altitude = -shv_dot(place->normal, shv_sub(top, corners[0]));
+    const double altitude = -shv_dot(place->plane.normal, shv_sub(top, corners[0]));
     if (-place->gap > 0.5 * altitude) return false;
     const uint8_t *own = shv_face_corners[candidate->face];
     for (int k = 0; k < 3; k++) {
@@ -114,7 +138,9 @@ static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], 
     Place place;
     ShvVec3 then[3];
     for (int k = 0; k < 3; k++) then[k] = shv_madd(corners[k], step, velocities[k]);
-    return find_place(shv_madd(x, step, velocity), then, &place) && over(&place);
+    if (!shv_facet_plane_make(then, &place.plane)) return false;
+    stand(&place, shv_madd(x, step, velocity));
+    return over(&place);
 }
 
 /* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
@@ -158,7 +184,7 @@ static void weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
     pair->normal_impulse = pair->friction_bound = 0.0;
     pair->friction = shv_vec3(0.0, 0.0, 0.0);
     pair->obstacle_work[0] = pair->obstacle_work[1] = 0.0;
-    pair->excluded = pair->open = false;
+    pair->excluded = false;
 }
 
 static void name_pair(ShvFacetPair *pair, const ShvSurfaceCandidate *candidate, ShvVec3 x)
@@ -193,6 +219,7 @@ static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCan
 bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
                          double step, double reach, ShvFacetPair *pair, double *distance)
 {
+    pair->step = step;
     if (candidate->element < 0) return look_at_obstacle(bodies, candidate, reach, pair, distance);
     ShvVec3 corners[3], velocities[3];
     Place place;
@@ -201,9 +228,10 @@ bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, 
     shv_surface_corners(bodies->state, candidate->element, candidate->face, pair->corners);
     for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, pair->corners[k], fragment);
     *distance = 0.0;
-    if (!find_place(x, corners, &place)) return false;
-    const double side = side_distance(x, corners, &place), above = fmax(place.gap, 0.0);
-    *distance = sqrt(side * side + above * above);
+    if (!shv_facet_plane_make(corners, &place.plane)) return false;
+    stand(&place, x);
+    const double side = side_distance(x, &place);
+    *distance = distance_from(place.gap, side);
     if (*distance > reach) return false;
     *distance = 0.0;
     const ShvVec3 v = node_velocity(bodies, candidate->node, candidate->fragments[0], x);
@@ -211,15 +239,15 @@ bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, 
     if (place.gap > 0.0) {
         if (side > 0.0 && !will_be_over(x, v, corners, velocities, step)) return false;
     } else {
-        if (side > 0.0 || !within_tet(bodies, model, candidate, x, corners, &place)) return false;
+        if (side > 0.0 || !within_tet(bodies, model, candidate, x, &place)) return false;
     }
     name_pair(pair, candidate, x);
     pair->gap = place.gap;
-    pair->normal = place.normal;
+    pair->normal = place.plane.normal;
     pair->centre = shv_scale(shv_add(shv_add(corners[0], corners[1]), corners[2]), 1.0 / 3.0);
     for (int k = 0; k < 3; k++) {
         pair->weights[k] = place.weights[k];
-        pair->gradients[k] = place.gradients[k];
+        pair->gradients[k] = place.plane.gradients[k];
     }
     weigh(pair, bodies);
     return true;

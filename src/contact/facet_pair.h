@@ -11,11 +11,18 @@
 
 #include "contact/surface_list.h"
 
+/* Plane of a facet, and barycentric coordinates in it. */
+typedef struct ShvFacetPlane {
+    ShvVec3 corners[3], normal;
+    ShvVec3 gradients[3]; /* of the weights, 1/m */
+} ShvFacetPlane;
+
 /* A node and a facet close enough to meet within a step; or a companion's node and an obstacle's nearest point. */
 typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
     int32_t fragments[2];        /* of the node, of the facet */
     int32_t corners[3];          /* nodes of the facet */
+    double step;                 /* s: up to the next time that it is looked at */
     double gap;                  /* m; negative: inside */
     ShvVec3 point;               /* the node's position, m */
     ShvVec3 normal;              /* of the facet, outward */
@@ -30,8 +37,10 @@ typedef struct ShvFacetPair {
     ShvVec3 friction;         /* N·s on the node, across the normal */
     double friction_bound;    /* N·s */
     double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
-    bool excluded;            /* another facet stands for it */
-    bool open;                /* it has had no impulse in its last turn */
+    int32_t slots[4]; /* of the node and the facet's nodes in ShvSurfaceList, −1: of a companion or obstacle */
+    int32_t turn;     /* of its last look in the sweeps */
+    bool excluded;    /* another facet stands for it */
+    bool deforming;   /* both sides are */
 } ShvFacetPair;
 
 /* A pair worth looking at. */
@@ -39,9 +48,14 @@ typedef struct ShvSurfaceCandidate {
     int32_t node, element, face;
     int32_t fragments[2]; /* of the node, of the facet */
     int32_t slot;         /* of the node in ShvSurfaceList */
+    int32_t facet;        /* place in ShvSurfaceList, −1: an obstacle */
     int32_t mate;         /* node of the facet's tet with the same origin, −1: none */
-    double due;           /* m: length of path at which the two may meet */
 } ShvSurfaceCandidate;
+
+/* False for a facet without area. */
+bool shv_facet_plane_make(const ShvVec3 corners[3], ShvFacetPlane *plane);
+/* How far a point is from the facet or from what is behind it, m. */
+double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x);
 
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far

@@ -2,16 +2,15 @@
 
 #include "contact/candidates.h"
 
-/* A key has 19 bits an axis and 5 for the level. */
-enum { AXIS_BITS = 19, TOP_LEVEL = 31 };
-static const double most_cubes = 262144.0;
+/* A key has 18 bits an axis, 5 for the level and 5 for the pace. */
+enum { AXIS_BITS = 18, LEVEL_BITS = 5, TOP_LEVEL = 31 };
+static const double most_cubes = 131072.0;
 
 void shv_node_grid_release(ShvNodeGrid *grid)
 {
-    shv_release(grid->keys);
-    shv_release(grid->items);
-    shv_release(grid->next);
-    shv_release(grid->heads);
+    shv_release(grid->entries);
+    shv_release(grid->sorted);
+    shv_release(grid->starts);
     shv_release(grid->found);
     *grid = (ShvNodeGrid){0};
 }
@@ -30,30 +29,31 @@ int shv_node_grid_level(const ShvNodeGrid *grid, double size)
     return level;
 }
 
+static ShvStatus reserve_starts(ShvNodeGrid *grid, int64_t entries, ShvError *error)
+{
+    for (grid->start_bits = 6; ((int64_t)1 << grid->start_bits) < entries;) grid->start_bits++;
+    const size_t starts = ((size_t)1 << grid->start_bits) + 1;
+    if ((size_t)grid->start_capacity >= starts) return SHV_OK;
+    int32_t *grown = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->starts, starts, sizeof *grown);
+    if (!grown) return shv_fail_memory(error, "contact of surfaces", starts * sizeof *grown);
+    grid->starts = grown;
+    grid->start_capacity = (int32_t)starts;
+    return SHV_OK;
+}
+
 static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
 {
-    if (entries > INT32_MAX / 4) return shv_fail_memory(error, "contact of surfaces", (size_t)entries * 16);
     const size_t count = (size_t)entries;
-    if (grid->capacity < entries) {
-        uint64_t *keys = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->keys, count, sizeof *keys);
-        if (!keys) return shv_fail_memory(error, "contact of surfaces", count * sizeof *keys);
-        grid->keys = keys;
-        int32_t *items = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->items, count, sizeof *items);
-        if (!items) return shv_fail_memory(error, "contact of surfaces", count * sizeof *items);
-        grid->items = items;
-        int32_t *next = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->next, count, sizeof *next);
-        if (!next) return shv_fail_memory(error, "contact of surfaces", count * sizeof *next);
-        grid->next = next;
-        grid->capacity = (int32_t)entries;
-    }
-    for (grid->head_bits = 6; ((int64_t)1 << grid->head_bits) < entries;) grid->head_bits++;
-    const int32_t heads = (int32_t)1 << grid->head_bits;
-    if (grid->head_capacity < heads) {
-        int32_t *grown = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->heads, (size_t)heads, sizeof *grown);
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", (size_t)heads * sizeof *grown);
-        grid->heads = grown;
-        grid->head_capacity = heads;
-    }
+    if (entries > INT32_MAX / 4) return shv_fail_memory(error, "contact of surfaces", count * sizeof(ShvGridEntry));
+    SHV_TRY(reserve_starts(grid, entries, error));
+    if (grid->capacity >= entries) return SHV_OK;
+    ShvGridEntry *list = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->entries, count, sizeof *list);
+    if (!list) return shv_fail_memory(error, "contact of surfaces", count * sizeof *list);
+    grid->entries = list;
+    list = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->sorted, count, sizeof *list);
+    if (!list) return shv_fail_memory(error, "contact of surfaces", count * sizeof *list);
+    grid->sorted = list;
+    grid->capacity = (int32_t)entries;
     return SHV_OK;
 }
 
@@ -65,8 +65,8 @@ ShvStatus shv_node_grid_start(ShvNodeGrid *grid, ShvBox region, double smallest,
     SHV_TRY(reserve(grid, (int64_t)used * nodes, error));
     shv_node_grid_scale(grid, region, smallest);
     grid->levels = levels;
+    grid->paces = 0;
     grid->count = 0;
-    for (int32_t k = 0; k < (int32_t)1 << grid->head_bits; k++) grid->heads[k] = -1;
     return SHV_OK;
 }
 
@@ -77,32 +77,43 @@ static uint64_t cell(double x, double origin, double size)
     return at > 0.0 ? (uint64_t)(at < last ? at : last) : 0;
 }
 
-static uint64_t key_of(int level, uint64_t x, uint64_t y, uint64_t z)
+static uint64_t key_of(int pace, int level, uint64_t x, uint64_t y, uint64_t z)
 {
-    return ((((uint64_t)level << AXIS_BITS | x) << AXIS_BITS | y) << AXIS_BITS) | z;
+    const uint64_t grid = (uint64_t)pace << LEVEL_BITS | (uint64_t)level;
+    return (((grid << AXIS_BITS | x) << AXIS_BITS | y) << AXIS_BITS) | z;
 }
 
 /* Fibonacci hashing: the high bits of a product with 2⁶⁴ / golden ratio. */
 static uint64_t hash_of(const ShvNodeGrid *grid, uint64_t key)
 {
     const uint64_t mixed = (key ^ (key >> 31)) * UINT64_C(0x9E3779B97F4A7C15);
-    return mixed >> (64 - grid->head_bits);
+    return mixed >> (64 - grid->start_bits);
 }
 
-void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, ShvVec3 position)
+void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int pace, ShvVec3 position)
 {
     double size = grid->size;
     for (int level = 0; grid->levels >> level; level++, size *= 2.0) {
-        if (!(grid->levels >> level & 1u)) continue;
-        const uint64_t key = key_of(level, cell(position.x, grid->origin.x, size),
-                                    cell(position.y, grid->origin.y, size), cell(position.z, grid->origin.z, size));
-        const uint64_t hash = hash_of(grid, key);
-        grid->keys[grid->count] = key;
-        grid->items[grid->count] = item;
-        grid->next[grid->count] = grid->heads[hash];
-        grid->heads[hash] = grid->count++;
+        if (grid->levels >> level & 1u) {
+            const ShvVec3 o = grid->origin;
+            const uint64_t x = cell(position.x, o.x, size), y = cell(position.y, o.y, size);
+            grid->entries[grid->count++] = (ShvGridEntry){
+                .key = key_of(pace, level, x, y, cell(position.z, o.z, size)), .position = position, .item = item};
+        }
         if (level == TOP_LEVEL) break;
     }
+    grid->paces |= (uint32_t)1 << pace;
+}
+
+/* Counting sort: entries of a cube stay in the order in which they came. */
+void shv_node_grid_finish(ShvNodeGrid *grid)
+{
+    const int32_t buckets = (int32_t)1 << grid->start_bits;
+    for (int32_t k = 0; k <= buckets; k++) grid->starts[k] = 0;
+    for (int32_t k = 0; k < grid->count; k++) grid->starts[hash_of(grid, grid->entries[k].key)]++;
+    for (int32_t k = 1; k <= buckets; k++) grid->starts[k] += grid->starts[k - 1];
+    for (int32_t k = grid->count - 1; k >= 0; k--)
+        grid->sorted[--grid->starts[hash_of(grid, grid->entries[k].key)]] = grid->entries[k];
 }
 
 /* The level in use that fits best: the lowest at or above its own, or the highest. */
@@ -118,30 +129,53 @@ static int level_for(const ShvNodeGrid *grid, double size)
     return highest;
 }
 
-static ShvStatus collect(ShvNodeGrid *grid, uint64_t key, ShvError *error)
+static ShvStatus take(ShvNodeGrid *grid, int32_t item, ShvError *error)
 {
-    for (int32_t k = grid->heads[hash_of(grid, key)]; k >= 0; k = grid->next[k]) {
-        if (grid->keys[k] != key) continue;
+    if (grid->found_count == grid->found_capacity) {
         void *block = grid->found;
         SHV_TRY(shv_candidates_grow(grid->memory, &block, &grid->found_capacity, grid->found_count, sizeof(int32_t),
                                     error));
         grid->found = block;
-        grid->found[grid->found_count++] = grid->items[k];
     }
+    grid->found[grid->found_count++] = item;
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_find(ShvNodeGrid *grid, ShvBox box, ShvError *error)
+static ShvStatus take_from_cube(ShvNodeGrid *grid, uint64_t key, const ShvBox *box, ShvError *error)
+{
+    const uint64_t hash = hash_of(grid, key);
+    const int32_t end = grid->starts[hash + 1];
+    for (int32_t k = grid->starts[hash]; k < end; k++)
+        if (grid->sorted[k].key == key && shv_box_holds(box, grid->sorted[k].position))
+            SHV_TRY(take(grid, grid->sorted[k].item, error));
+    return SHV_OK;
+}
+
+/* A box of more cubes than there are nodes. */
+static ShvStatus take_from_all(ShvNodeGrid *grid, uint64_t cubes, const ShvBox *box, ShvError *error)
+{
+    for (int32_t k = 0; k < grid->count; k++)
+        if (grid->entries[k].key >> (3 * AXIS_BITS) == cubes && shv_box_holds(box, grid->entries[k].position))
+            SHV_TRY(take(grid, grid->entries[k].item, error));
+    return SHV_OK;
+}
+
+ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int pace, double facet_size, ShvBox box, ShvError *error)
 {
     grid->found_count = 0;
-    const int level = level_for(grid, shv_box_size(&box));
+    if (!(grid->paces >> pace & 1u)) return SHV_OK;
+    const int level = level_for(grid, facet_size);
     double size = grid->size;
     for (int k = 0; k < level; k++) size *= 2.0;
     const ShvVec3 o = grid->origin;
     const uint64_t low[3] = {cell(box.low.x, o.x, size), cell(box.low.y, o.y, size), cell(box.low.z, o.z, size)};
     const uint64_t high[3] = {cell(box.high.x, o.x, size), cell(box.high.y, o.y, size), cell(box.high.z, o.z, size)};
+    double cubes = 1.0;
+    for (int k = 0; k < 3; k++) cubes *= (double)(high[k] - low[k]) + 1.0;
+    if (cubes > grid->count) return take_from_all(grid, key_of(pace, level, 0, 0, 0) >> (3 * AXIS_BITS), &box, error);
     for (uint64_t x = low[0]; x <= high[0]; x++)
         for (uint64_t y = low[1]; y <= high[1]; y++)
-            for (uint64_t z = low[2]; z <= high[2]; z++) SHV_TRY(collect(grid, key_of(level, x, y, z), error));
+            for (uint64_t z = low[2]; z <= high[2]; z++)
+                SHV_TRY(take_from_cube(grid, key_of(pace, level, x, y, z), &box, error));
     return SHV_OK;
 }

@@ -9,7 +9,7 @@
    one moment. */
 ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                                          double gravity, ShvError *error);
-/* Largest speed of a candidate's node against the frame, m/s. */
-double shv_surface_candidates_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
+/* Largest speeds against the frame of the nodes of candidates and of obstacles, m/s, into contact->speed. */
+void shv_surface_candidates_look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 
 #endif

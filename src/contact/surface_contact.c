@@ -5,7 +5,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { MOST_SWEEPS = 16 };
+enum { MOST_SWEEPS = 12 };
 
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
                                      double friction, ShvError *error)
@@ -29,12 +29,20 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_release(contact->own);
     shv_release(contact->near);
     shv_release(contact->order);
-    shv_release(contact->candidates);
+    for (int k = 0; k < 2; k++) {
+        shv_release(contact->candidates[k].items);
+        shv_release(contact->candidates[k].due);
+        shv_release(contact->candidates[k].movers);
+    }
+    shv_release(contact->motion);
+    shv_release(contact->planes);
     shv_release(contact->watched);
     shv_release(contact->before);
     shv_release(contact->companion_before);
-    shv_release(contact->watch_index);
     shv_release(contact->pairs);
+    shv_release(contact->drafts);
+    shv_release(contact->keys);
+    shv_release(contact->turns);
     *contact = (ShvSurfaceContact){0};
 }
 
@@ -80,6 +88,11 @@ static ShvStatus remember_companions(ShvSurfaceContact *contact, const ShvSurfac
     return SHV_OK;
 }
 
+static bool is_quiet(const ShvSurfaceContact *contact)
+{
+    return contact->idle || contact->candidates[0].count + contact->candidates[1].count == 0;
+}
+
 static void clear_step(ShvSurfaceContact *contact)
 {
     contact->pair_count = contact->touching = contact->sweeps = contact->unresolved = 0;
@@ -93,7 +106,7 @@ ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurface
 {
     clear_step(contact);
     SHV_TRY(shv_surface_candidates_refresh(contact, bodies, step, shv_norm(shv_load3(gravity)), error));
-    if (contact->idle || contact->candidate_count == 0) return SHV_OK;
+    if (is_quiet(contact)) return SHV_OK;
     SHV_TRY(remember_nodes(contact, bodies->state, error));
     return remember_companions(contact, bodies, error);
 }
@@ -119,39 +132,131 @@ static bool looks_away(const ShvSurfaceContact *contact, const ShvSurfaceCandida
     return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
 }
 
-static ShvStatus append_pair(ShvSurfaceContact *contact, const ShvFacetPair *pair, ShvError *error)
+static ShvStatus append_draft(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,
+                              ShvError *error)
 {
-    void *block = contact->pairs;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof *pair,
+    void *block = contact->drafts;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->draft_capacity, contact->draft_count, sizeof *pair,
                                 error));
-    contact->pairs = block;
-    contact->pairs[contact->pair_count++] = *pair;
+    contact->drafts = block;
+    block = contact->keys;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->key_capacity, contact->draft_count,
+                                sizeof(ShvPairKey), error));
+    contact->keys = block;
+    contact->keys[contact->draft_count] = (ShvPairKey){pair->node, pair->element, pair->face, contact->draft_count};
+    ShvFacetPair *draft = &contact->drafts[contact->draft_count++];
+    *draft = *pair;
+    const bool rigid = shv_bodies_companion(bodies, pair->fragments[0]);
+    const bool other_rigid = pair->element < 0 || shv_bodies_companion(bodies, pair->fragments[1]);
+    draft->slots[0] = rigid ? -1 : contact->list.slot[pair->node];
+    for (int k = 0; k < 3; k++) draft->slots[1 + k] = other_rigid ? -1 : contact->list.slot[pair->corners[k]];
+    draft->deforming = !rigid && !other_rigid;
     return SHV_OK;
 }
 
-static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+/* Sums of paths up to which candidates are due, by the movers of both sides. Twice the way both can go: other impulses of
+   the step may speed them up. */
+static void find_horizon(const ShvSurfaceContact *contact, double step, double *path, double *reach)
 {
-    /* Twice the way both can go: other impulses of the step may speed them up. */
-    const double reach = 4.0 * step * shv_surface_candidates_speed(contact, bodies);
-    for (int32_t k = 0; k < contact->candidate_count; k++) {
-        ShvSurfaceCandidate *candidate = &contact->candidates[k];
-        if (candidate->due > contact->path + reach || held_by_crack(contact, candidate)) continue;
-        ShvFacetPair pair;
-        double distance;
-        contact->looks++;
-        const bool near = shv_facet_pair_look(bodies, contact->model, candidate, step, reach, &pair, &distance);
-        candidate->due = contact->path + distance;
-        if (near && !looks_away(contact, candidate, &pair)) SHV_TRY(append_pair(contact, &pair, error));
+    for (int a = 0; a < SHV_SURFACE_MOVERS; a++)
+        for (int b = 0; b < SHV_SURFACE_MOVERS; b++) {
+            path[a * SHV_SURFACE_MOVERS + b] = contact->path[a] + contact->path[b];
+            reach[a * SHV_SURFACE_MOVERS + b] = 2.0 * step * (contact->speed[a] + contact->speed[b]);
+        }
+}
+
+/* What companions have to do with each other is asked of thousands of pairs, most of which are neighbours that do not
+   touch: their facets' planes are made once for all. */
+static ShvStatus make_planes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    ShvSurfaceList *list = &contact->list;
+    if (contact->plane_capacity < list->facet_capacity) {
+        const size_t wanted = (size_t)list->facet_capacity;
+        ShvFacetPlane *grown =
+            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->planes, wanted, sizeof(ShvFacetPlane));
+        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPlane));
+        contact->planes = grown;
+        contact->plane_capacity = list->facet_capacity;
+    }
+    for (int32_t k = 0; k < list->node_count; k++)
+        if (shv_bodies_companion(bodies, list->nodes[k].fragment))
+            list->nodes[k].at = shv_bodies_position(bodies, list->nodes[k].node, list->nodes[k].fragment);
+    for (int32_t k = 0; k < list->facet_count; k++) {
+        int32_t nodes[3];
+        ShvVec3 corners[3];
+        if (!shv_bodies_companion(bodies, list->facets[k].fragment)) continue;
+        shv_surface_corners(bodies->state, list->facets[k].element, list->facets[k].face, nodes);
+        for (int i = 0; i < 3; i++) corners[i] = list->nodes[list->slot[nodes[i]]].at;
+        if (!shv_facet_plane_make(corners, &contact->planes[k])) contact->planes[k] = (ShvFacetPlane){0};
     }
     return SHV_OK;
 }
 
+typedef struct Horizon {
+    double step; /* s, to the next look */
+    /* by the movers of both sides, m: how far they have come and how far they may come in the step */
+    double path[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS], reach[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
+} Horizon;
+
+static ShvStatus draw_from(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
+                           ShvError *error)
+{
+    Horizon horizon = {.step = step};
+    const ShvSurfaceCandidates *list = &contact->candidates[kind];
+    find_horizon(contact, step, horizon.path, horizon.reach);
+    for (int32_t k = 0; k < list->count; k++) {
+        const double path = horizon.path[list->movers[k]], reach = horizon.reach[list->movers[k]];
+        const ShvSurfaceCandidate *candidate = &list->items[k];
+        ShvFacetPair pair;
+        double distance;
+        if (list->due[k] > path + reach || held_by_crack(contact, candidate)) continue;
+        contact->looks++;
+        if (kind == 1) {
+            distance =
+                shv_facet_plane_distance(&contact->planes[candidate->facet], contact->list.nodes[candidate->slot].at);
+            list->due[k] = path + distance;
+            if (distance > reach) continue;
+        }
+        const bool near = shv_facet_pair_look(bodies, contact->model, candidate, step, reach, &pair, &distance);
+        list->due[k] = path + distance;
+        if (near && !looks_away(contact, candidate, &pair)) SHV_TRY(append_draft(contact, bodies, &pair, error));
+    }
+    return SHV_OK;
+}
+
+static ShvStatus draw_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+{
+    contact->draft_count = 0;
+    shv_surface_candidates_look(contact, bodies);
+    SHV_TRY(draw_from(contact, bodies, 0, step, error));
+    if (contact->beat != 0 || contact->candidates[1].count == 0) return SHV_OK;
+    SHV_TRY(make_planes(contact, bodies, error));
+    return draw_from(contact, bodies, 1, SHV_SURFACE_BEAT * step, error);
+}
+
 static int by_number(const void *a, const void *b)
 {
-    const ShvFacetPair *x = a, *y = b;
+    const ShvPairKey *x = a, *y = b;
     if (x->node != y->node) return x->node < y->node ? -1 : 1;
     if (x->element != y->element) return x->element < y->element ? -1 : 1;
     return (x->face > y->face) - (x->face < y->face);
+}
+
+static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+{
+    SHV_TRY(draw_pairs(contact, bodies, step, error));
+    if (contact->pair_capacity < contact->draft_capacity) {
+        const size_t wanted = (size_t)contact->draft_capacity;
+        ShvFacetPair *grown =
+            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, sizeof(ShvFacetPair));
+        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPair));
+        contact->pairs = grown;
+        contact->pair_capacity = contact->draft_capacity;
+    }
+    if (contact->draft_count > 0) qsort(contact->keys, (size_t)contact->draft_count, sizeof *contact->keys, by_number);
+    for (int32_t k = 0; k < contact->draft_count; k++) contact->pairs[k] = contact->drafts[contact->keys[k].draft];
+    contact->pair_count = contact->draft_count;
+    return SHV_OK;
 }
 
 /* One of two facets in a plane is enough where a node stands over their common edge. */
@@ -193,17 +298,29 @@ static void exclude_deeper(ShvSurfaceContact *contact)
 
 /* ---- response ---- */
 
-/* How much faster a pair closes than it may: down to the facet by the end of the step, or not at all. */
-static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, double step)
+/* Velocity of the node against the facet along the normal, both deforming: gradients lie in the facet's plane and have no
+   part in it. */
+static double closing_velocity(const ShvFacetPair *pair, const double *velocity)
 {
-    const double allowed = pair->gap > 0.0 ? -pair->gap / step : 0.0;
+    const ShvVec3 n = pair->normal;
+    double sum = shv_dot(n, shv_load3(velocity + 3 * (int64_t)pair->node));
+    for (int k = 0; k < 3; k++)
+        sum -= pair->weights[k] * shv_dot(n, shv_load3(velocity + 3 * (int64_t)pair->corners[k]));
+    return sum;
+}
+
+/* How much faster a pair closes than it may: down to the facet by the end of the step, or not at all. */
+static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    const double allowed = pair->gap > 0.0 ? -pair->gap / pair->step : 0.0;
+    if (pair->deforming) return allowed - closing_velocity(pair, bodies->state->velocity);
     return allowed - shv_dot(shv_facet_pair_velocity(pair, bodies), pair->normal);
 }
 
 /* The normal impulse so far becomes the one that leaves no excess, or none. Returns by how much velocities change. */
-static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair, double step)
+static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 {
-    const double wanted = pair->normal_impulse + excess(pair, bodies, step) / pair->inverse_mass;
+    const double wanted = pair->normal_impulse + excess(pair, bodies) / pair->inverse_mass;
     const double change = (wanted > 0.0 ? wanted : 0.0) - pair->normal_impulse;
     if (change == 0.0) return 0.0;
     shv_facet_pair_strike(pair, bodies, shv_scale(pair->normal, change));
@@ -226,22 +343,58 @@ static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
     return shv_norm(change) * pair->slip_inverse_mass;
 }
 
-/* Whether velocities still change by more than a share of the largest when the sweeps are used up. Pairs that were open and
-   without impulse are left out of all sweeps but every fourth. */
-static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double largest)
+/* ---- sweeps ---- */
+
+static ShvStatus reserve_turns(ShvSurfaceContact *contact, ShvError *error)
 {
-    enum { EVERY = 4 };
-    const double good = 1e-4 * largest;
-    bool again = true, all = true;
-    for (int pass = 0; pass < MOST_SWEEPS && (again || !all); pass++) {
-        all = !again || pass % EVERY == 0;
+    if (contact->turn_capacity < contact->list.node_capacity) {
+        const size_t wanted = (size_t)contact->list.node_capacity;
+        int32_t *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->turns, wanted, sizeof(int32_t));
+        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(int32_t));
+        contact->turns = grown;
+        contact->turn_capacity = contact->list.node_capacity;
+    }
+    for (int32_t i = 0; i < contact->pair_count; i++)
+        for (int k = 0; k < 4; k++)
+            if (contact->pairs[i].slots[k] >= 0) contact->turns[contact->pairs[i].slots[k]] = 0;
+    contact->turn = contact->rigid_turn = 0;
+    return SHV_OK;
+}
+
+/* Whether a velocity of the pair has changed since its last turn. */
+static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
+{
+    for (int k = 0; k < 4; k++) {
+        const int32_t slot = pair->slots[k];
+        if ((slot >= 0 ? contact->turns[slot] : contact->rigid_turn) > pair->turn) return true;
+    }
+    return false;
+}
+
+/* Those who share a velocity that has changed by enough have another turn. */
+static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
+{
+    for (int k = 0; k < 4; k++)
+        if (pair->slots[k] >= 0) contact->turns[pair->slots[k]] = contact->turn;
+    if (!pair->deforming) contact->rigid_turn = contact->turn;
+}
+
+/* Sweeps until no velocity changes by more than a share of the largest that closes, or they are used up. Returns whether
+   they are. */
+static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
+{
+    const double good = 0.001 * largest;
+    bool again = true;
+    for (int pass = 0; pass < MOST_SWEEPS && again; pass++) {
         again = false;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             ShvFacetPair *pair = &contact->pairs[k];
-            if (!all && pair->open) continue;
-            const double pressed = press(bodies, pair, step), rubbed = rub(bodies, pair);
-            pair->open = !(pair->normal_impulse > 0.0 || pair->friction_bound > 0.0);
-            again |= fmax(pressed, rubbed) > good;
+            if (!is_moved(contact, pair)) continue;
+            const double pressed = press(bodies, pair), rubbed = rub(bodies, pair);
+            pair->turn = ++contact->turn;
+            if (!(pressed > good) && !(rubbed > good)) continue;
+            pass_on(contact, pair);
+            again = true;
         }
         contact->sweeps++;
     }
@@ -257,21 +410,29 @@ static double friction_of(const ShvSurfaceContact *contact, const ShvSurfaceBodi
    velocities before, A the inverse masses and a ≤ 0 what is allowed, every change lowers f = ½ λ·A λ + λ·u − λn·a: a normal
    one by going to its least point, a tangential one as a projected gradient step no longer than the inverse of the
    largest eigenvalue; bounds stay while it is used. Kinetic energy changes by f + λn·a, and f starts from 0: so the
-   impulses together take energy or leave it, after any number of sweeps. */
-static void respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step)
+   impulses together take energy or leave it, after any number of sweeps and whichever pairs they leave out. */
+static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     double largest = 0.0;
-    for (int32_t k = 0; k < contact->pair_count; k++) largest = fmax(largest, contact->pairs[k].speed);
-    bool open = relax(contact, bodies, step, largest);
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        contact->pairs[k].turn = -1;
+        largest = fmax(largest, excess(&contact->pairs[k], bodies));
+    }
+    if (!(largest > 0.0)) return SHV_OK;
+    SHV_TRY(reserve_turns(contact, error));
+    bool open = relax(contact, bodies, largest);
     bool rough = false;
     for (int32_t k = 0; k < contact->pair_count; k++) {
         ShvFacetPair *pair = &contact->pairs[k];
         pair->friction_bound = friction_of(contact, bodies, pair) * pair->normal_impulse;
-        rough |= pair->friction_bound > 0.0;
+        if (!(pair->friction_bound > 0.0)) continue;
+        pair->turn = -1;
+        rough = true;
     }
-    if (rough) open = relax(contact, bodies, step, largest);
+    if (rough) open = relax(contact, bodies, largest);
     for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += excess(&contact->pairs[k], bodies, step) > 1e-3 * largest;
+        contact->unresolved += excess(&contact->pairs[k], bodies) > 0.1 * largest;
+    return SHV_OK;
 }
 
 /* Friction may have taken the place of a normal impulse. */
@@ -284,12 +445,11 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
                                     ShvError *error)
 {
     clear_step(contact);
-    if (contact->idle || contact->candidate_count == 0 || !(step > 0.0)) return SHV_OK;
+    if (is_quiet(contact) || !(step > 0.0)) return SHV_OK;
     SHV_TRY(list_pairs(contact, bodies, step, error));
     if (contact->pair_count == 0) return SHV_OK;
-    qsort(contact->pairs, (size_t)contact->pair_count, sizeof *contact->pairs, by_number);
     exclude_deeper(contact);
-    respond(contact, bodies, step);
+    SHV_TRY(respond(contact, bodies, error));
     for (int32_t k = 0; k < contact->pair_count; k++) contact->touching += has_impulse(&contact->pairs[k]);
     shv_surface_contact_book(contact, bodies);
     return SHV_OK;
@@ -311,7 +471,7 @@ static ShvVec3 velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceB
         return shv_companion_velocity(&moving, point);
     }
     if (half == 1) return shv_load3(bodies->state->velocity + 3 * (int64_t)node);
-    return shv_load3(contact->before + 3 * (int64_t)contact->watch_index[contact->list.slot[node]]);
+    return shv_load3(contact->before + 3 * (int64_t)contact->list.nodes[contact->list.slot[node]].watch);
 }
 
 static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,

@@ -8,6 +8,9 @@
    are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges against edges are not looked for:
    where two edges cross they can pass until a node meets a facet, about a facet's size deep for sharp edges.
 
+   Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
+   out of place by a fiftieth of a facet's size.
+
    Companions meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
    one go; awake nodes meet obstacles in node_contact.h.
 
@@ -31,10 +34,34 @@
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
+typedef struct ShvPairKey {
+    int32_t node, element, face, draft;
+} ShvPairKey;
+
 /* Motion of a companion before the kick. */
 typedef struct ShvCompanionBefore {
     ShvVec3 velocity, angular_velocity;
 } ShvCompanionBefore;
+
+/* Steps from one look at companions among themselves to the next: they have no waves to resolve, and weight moves them by
+   g t²/2, nanometres, in so short a time. */
+enum { SHV_SURFACE_BEAT = 8 };
+
+typedef struct ShvSurfaceCandidates {
+    ShvSurfaceCandidate *items;
+    double *due;     /* per candidate, m: sum of the paths of both sides at which they may meet */
+    uint8_t *movers; /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
+    int32_t count, capacity;
+} ShvSurfaceCandidates;
+
+/* A companion's nodes have one pace. */
+typedef struct ShvCompanionMotion {
+    double path; /* m: no node of it has gone farther in the frame since candidates were chosen */
+    uint8_t pace;
+} ShvCompanionMotion;
+
+/* What moves: nodes and facets of each pace, and obstacles. */
+enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_PACES, SHV_SURFACE_MOVERS };
 
 typedef struct ShvSurfaceContact {
     ShvMemory *memory;
@@ -43,40 +70,50 @@ typedef struct ShvSurfaceContact {
     bool stale; /* the lists must be made anew */
     bool idle;  /* nothing can meet */
     /* what the lists were made from */
-    int32_t known_nodes, known_cohesive, known_live;
+    int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
     ShvNodeGrid grid;
-    ShvBox *own, *near; /* per fragment: its box, and the part of it where it may meet something */
-    int32_t *order;     /* fragments by the low end of their boxes */
+    ShvBox *own, *near;         /* per fragment: its box, and the part of it where it may meet something */
+    int32_t *order;             /* fragments by the low end of their boxes */
+    ShvCompanionMotion *motion; /* per fragment */
     int32_t fragment_capacity;
-    double skin;          /* m: pairs closer than this are candidates */
-    ShvVec3 drift;        /* velocity of the frame in which motion is measured, m/s */
-    double moved;         /* m: how much closer any two may have come since, by estimate */
-    double path;          /* m: the same of candidates, as it was */
-    double largest_speed; /* m/s, at the last look at all nodes */
-    int32_t since;        /* steps since then */
-    double seen_time;     /* s: moment up to which motion has been counted */
-    ShvSurfaceCandidate *candidates;
-    int32_t candidate_count, candidate_capacity;
-    int32_t *watched; /* places in list.nodes */
+    double size;                          /* of facets, mean, m */
+    double built_time;                    /* s: when candidates were chosen */
+    int32_t grid_nodes;                   /* of the list, so many are in the grid */
+    ShvVec3 drift;                        /* velocity of the frame in which motion is measured, m/s */
+    double allowance[SHV_SURFACE_MOVERS]; /* m: how far each may go until candidates are chosen anew */
+    double speed[SHV_SURFACE_MOVERS];     /* m/s: largest of candidates' nodes, and of obstacles */
+    double path[SHV_SURFACE_MOVERS];      /* m: how far the fastest has gone since */
+    int32_t since;                        /* steps since the last look at all nodes */
+    double seen_time;                     /* s: moment up to which motion has been counted */
+    ShvSurfaceCandidates candidates[2];   /* where something deforms or an obstacle is met; between companions */
+    int32_t beat;                         /* steps since companions were looked at together */
+    ShvFacetPlane *planes;                /* of list.facets, at such a look */
+    int32_t plane_capacity;
+    int32_t *watched; /* nodes of candidates that are not companions': places in list.nodes */
     int32_t watched_count, watched_capacity;
     double *before; /* 3 per watched node: velocity before the kick, m/s */
     int32_t before_capacity;
     ShvCompanionBefore *companion_before; /* per fragment */
     int32_t companion_capacity;
-    int32_t *watch_index; /* per place in list.nodes: its place in `watched` */
-    int32_t watch_capacity;
     /* this step */
     ShvFacetPair *pairs; /* by node, element, face; those without an impulse included */
     int32_t pair_count, pair_capacity;
-    int32_t touching; /* pairs with an impulse */
+    ShvFacetPair *drafts; /* as they were found */
+    int32_t draft_count, draft_capacity;
+    ShvPairKey *keys; /* of drafts */
+    int32_t key_capacity;
+    int32_t *turns; /* per place in list.nodes: last turn of the sweeps in which its velocity changed */
+    int32_t turn_capacity;
+    int32_t turn, rigid_turn; /* the present one; the last in which a companion's or obstacle's motion changed */
+    int32_t touching;         /* pairs with an impulse */
     /* J on nodes and companions, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
     double
         obstacle_work[2]; /* J on free obstacles that companions met: with their velocity before and after impulses */
     int32_t sweeps,
-        unresolved; /* pairs still closing, by more than 0.1 % of the largest speed, when the sweeps were used up */
-    double deepest; /* m: largest penetration of a pair */
+        unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
+    double deepest;          /* m: largest penetration of a pair */
     int64_t looks, rebuilds; /* since the start */
 } ShvSurfaceContact;
 

@@ -9,7 +9,7 @@ void shv_surface_list_release(ShvSurfaceList *list)
     shv_release(list->facets);
     shv_release(list->nodes);
     shv_release(list->slot);
-    shv_release(list->uncut);
+    shv_release(list->cracks);
     *list = (ShvSurfaceList){0};
 }
 
@@ -53,7 +53,7 @@ static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, 
                                 error));
     list->nodes = block;
     list->slot[node] = list->node_count;
-    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment};
+    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
     return SHV_OK;
 }
 
@@ -76,8 +76,9 @@ static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSur
         shv_box_add(&facet->box, x[k]);
     }
     const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
-    shv_box_add(&facet->box, shv_bodies_position(bodies, apex, facet->fragment));
-    const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
+    const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])), n = shv_unit(area);
+    const double altitude = shv_dot(n, shv_sub(x[0], shv_bodies_position(bodies, apex, facet->fragment)));
+    for (int k = 0; k < 3; k++) shv_box_add(&facet->box, shv_madd(x[k], -0.5 * altitude, n));
     for (int k = 0; k < 3; k++) {
         ShvVec3 *normal = &list->nodes[list->slot[nodes[k]]].normal;
         *normal = shv_add(*normal, area);
@@ -118,24 +119,30 @@ static ShvStatus add_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     return SHV_OK;
 }
 
-/* Nodes of a crack that has not parted are listed: pieces may meet them from elsewhere, and its faces may part soon. */
-static ShvStatus add_uncut(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
+static ShvStatus add_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
+{
+    const int32_t *elements = list->model->adjacency.facet_elements + 2 * (int64_t)bodies->cohesive->facet[index];
+    const int32_t *fragment = bodies->state->element_fragment;
+    if (!shv_bodies_active(bodies, fragment[elements[0]]) && !shv_bodies_active(bodies, fragment[elements[1]]))
+        return SHV_OK;
+    void *block = list->cracks;
+    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->crack_capacity, list->crack_count, sizeof(ShvSurfaceCrack),
+                                error));
+    list->cracks = block;
+    list->cracks[list->crack_count++] = (ShvSurfaceCrack){.index = index};
+    return SHV_OK;
+}
+
+/* Pieces may meet the nodes of a crack that has failed from elsewhere. */
+static ShvStatus open_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
 {
     const ShvAdjacency *adjacency = &list->model->adjacency;
     const int64_t facet = bodies->cohesive->facet[index];
-    bool any = false;
     for (int side = 0; side < 2; side++) {
         const int32_t element = adjacency->facet_elements[2 * facet + side];
-        if (!shv_bodies_active(bodies, bodies->state->element_fragment[element])) continue;
-        SHV_TRY(add_nodes(list, bodies->state, element, adjacency->facet_faces[2 * facet + side], error));
-        any = true;
+        if (shv_bodies_active(bodies, bodies->state->element_fragment[element]))
+            SHV_TRY(add_nodes(list, bodies->state, element, adjacency->facet_faces[2 * facet + side], error));
     }
-    if (!any) return SHV_OK;
-    void *block = list->uncut;
-    SHV_TRY(
-        shv_candidates_grow(list->memory, &block, &list->uncut_capacity, list->uncut_count, sizeof(int32_t), error));
-    list->uncut = block;
-    list->uncut[list->uncut_count++] = index;
     return SHV_OK;
 }
 
@@ -155,20 +162,43 @@ static void hold_pairs(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int
     }
 }
 
-ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceCrack *crack,
+                              ShvError *error)
+{
+    const uint8_t phase = bodies->cohesive->phase[crack->index];
+    if (phase == SHV_COHESIVE_SEPARATED) return add_sides(list, bodies, crack->index, error);
+    if (phase == SHV_COHESIVE_CARRYING || crack->open) return SHV_OK;
+    SHV_TRY(open_crack(list, bodies, crack->index, error));
+    crack->open = true;
+    return SHV_OK;
+}
+
+/* *changed: whether nodes were added or cracks have parted. */
+static ShvStatus follow_cracks(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, bool *changed, ShvError *error)
 {
     int32_t kept = 0;
-    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].held = false;
-    for (int32_t k = 0; k < list->uncut_count; k++) {
-        const int32_t index = list->uncut[k];
-        if (bodies->cohesive->phase[index] == SHV_COHESIVE_SEPARATED) {
-            SHV_TRY(add_sides(list, bodies, index, error));
-            continue;
-        }
-        hold_pairs(list, bodies, index);
-        list->uncut[kept++] = index;
+    const int32_t nodes = list->node_count;
+    for (int32_t k = 0; k < list->crack_count; k++) {
+        SHV_TRY(follow_crack(list, bodies, &list->cracks[k], error));
+        if (bodies->cohesive->phase[list->cracks[k].index] != SHV_COHESIVE_SEPARATED)
+            list->cracks[kept++] = list->cracks[k];
     }
-    list->uncut_count = kept;
+    *changed = kept != list->crack_count || nodes != list->node_count;
+    list->crack_count = kept;
+    return SHV_OK;
+}
+
+static void hold(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
+{
+    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].held = false;
+    for (int32_t k = 0; k < list->crack_count; k++) hold_pairs(list, bodies, list->cracks[k].index);
+}
+
+ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    bool changed = false;
+    SHV_TRY(follow_cracks(list, bodies, &changed, error));
+    if (changed) hold(list, bodies);
     return SHV_OK;
 }
 
@@ -187,11 +217,14 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
-    list->node_count = list->facet_count = list->uncut_count = 0;
+    list->node_count = list->facet_count = list->crack_count = 0;
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
     if (!bodies->cohesive) return SHV_OK;
-    for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_uncut(list, bodies, i, error));
-    return shv_surface_list_part(list, bodies, error);
+    for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
+    bool changed;
+    SHV_TRY(follow_cracks(list, bodies, &changed, error));
+    hold(list, bodies);
+    return SHV_OK;
 }

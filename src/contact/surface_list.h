@@ -1,6 +1,6 @@
 /* The surfaces that may meet one another: boundary facets of the awake fragments and of companions, faces of cracks that
-   have parted, and the nodes of both and of cracks that have not. Facets are named by element and face, so that a
-   duplicated node changes nothing here but the list of nodes. */
+   have parted, and the nodes of both and of cracks that have failed. Cracks that still carry are closed within a few
+   micrometres, so that nothing gets at their nodes. Facets are named by element and face. */
 #ifndef SHV_CONTACT_SURFACE_LIST_H
 #define SHV_CONTACT_SURFACE_LIST_H
 
@@ -22,18 +22,32 @@ typedef struct ShvSurfaceBodies {
     ShvObstacles *obstacles; /* met by companions, whose other contacts are thus solved together; NULL: none */
 } ShvSurfaceBodies;
 
+/* Nodes and facets are told apart by how far they may go until candidates are chosen anew: each pace is twice the one
+   below, so that a fast splinter does not make everything else a candidate of everything else. */
+enum { SHV_SURFACE_PACES = 8 };
+
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    bool crack; /* may meet its own fragment */
-    ShvBox box; /* of the facet and its tet, when they were last measured */
+    bool crack;   /* may meet its own fragment */
+    uint8_t pace; /* the largest of its nodes */
+    ShvBox box;   /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
+    int32_t watch; /* place among the nodes of candidates, −1: of none */
+    uint8_t pace;
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
-    bool watched;   /* of a candidate */
+    ShvVec3 from;   /* where it was when its pace was chosen, m */
+    ShvVec3 at;     /* of a companion: where it is at the present look, m */
     ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
+
+/* A cohesive facet whose faces have not parted. */
+typedef struct ShvSurfaceCrack {
+    int32_t index;
+    bool open; /* it has failed, its nodes are listed */
+} ShvSurfaceCrack;
 
 typedef struct ShvSurfaceList {
     ShvMemory *memory;
@@ -46,8 +60,8 @@ typedef struct ShvSurfaceList {
     int32_t node_count, node_capacity;
     int32_t *slot; /* per node of the state: its place in `nodes`, −1: none */
     int32_t slot_capacity;
-    int32_t *uncut; /* cohesive facets that have not parted */
-    int32_t uncut_count, uncut_capacity;
+    ShvSurfaceCrack *cracks;
+    int32_t crack_count, crack_capacity;
 } ShvSurfaceList;
 
 static inline ShvCompanion *shv_bodies_companion(const ShvSurfaceBodies *bodies, int32_t fragment)
@@ -75,7 +89,7 @@ void shv_surface_list_release(ShvSurfaceList *list);
 ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 /* Measures boxes and normals anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
-/* Appends the faces of cracks that have parted since; their nodes are listed already. */
+/* Appends the nodes of cracks that have failed since and the faces of those that have parted. */
 ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 
 #endif

@@ -120,7 +120,6 @@ ShvStatus shv_relax_look(ShvRelax *relax, const ShvState *state, const ShvObstac
 ShvStatus shv_relax_run(ShvRelax *relax, const ShvBars *bars, ShvState *state, ShvObstacles *obstacles,
                         const int32_t *nodes, int32_t count, const ShvRelaxStep *step, ShvError *error);
 
-
 /* Of the bars at the displacements the last step ended with, as long as nobody else has moved the nodes. */
 double shv_relax_largest_strain(const ShvRelax *relax, const ShvBars *bars);
 /* Books the works of the last step into a ledger. */

@@ -42,8 +42,8 @@ typedef struct ShvFragment {
     bool companion;
     ShvVec3 contact_force, contact_torque;
     double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
-    bool audited;       /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
-    bool dust;          /* in flight for good, meets obstacles alone */
+    bool audited; /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
+    bool dust;    /* in flight for good, meets obstacles alone */
     /* Its nodes stand deformed, in the pose that it had when it went to rest, and carry that strain energy (J). */
     bool deformed;
     ShvVec3 rest_position;

@@ -151,7 +151,9 @@ static int32_t first_element_with(const ShvSolid *solid, double step)
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
 {
     double best = HUGE_VAL;
-#pragma omp parallel for schedule(static) reduction(min : best) num_threads(solid->model->threads) if (solid->model->threads > 1)
+#pragma omp parallel for schedule(static) reduction(min                                                                \
+                                                    : best)                                                            \
+    num_threads(solid->model->threads) if (solid->model->threads > 1)
     for (int32_t batch = 0; batch < solid->batch_count; batch++) best = search_batch(solid, batch, best);
     if (element) *element = first_element_with(solid, best);
     return best;

@@ -200,7 +200,7 @@ static void test_halves_rest(void **state)
         assert_true(cut(&s, 1.0, 0.3) > 10);
         if (parted) surfaces_part(&s);
         for (int k = 0; k < 50; k++) surfaces_step(&s, 2e-5);
-        assert_true(parted ? s.contact.candidate_count > 100 : !s.contact.idle);
+        assert_true(parted ? s.contact.candidates[0].count > 100 : !s.contact.idle);
         for (int64_t i = 0; i < 3 * (int64_t)s.state.node_count; i++) {
             assert_true(s.state.displacement[i] == 0.0);
             assert_true(s.state.velocity[i] == 0.0);
@@ -490,7 +490,7 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
                                                    .fragments = {node->fragment, facet->fragment}};
             ShvFacetPair pair;
             double distance;
-            if (facet->fragment == node->fragment ||
+            if (facet->fragment == node->fragment || node->held ||
                 !shv_facet_pair_look(&s->bodies, &s->model, &candidate, step, reach, &pair, &distance))
                 continue;
             const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
@@ -535,6 +535,53 @@ static void test_nothing_is_missed(void **state)
     surfaces_release(&s);
 }
 
+/* Cracks fail and part one by one while their pieces, apart from birth, run into each other: faces and nodes that come after
+   the candidates were chosen meet as if they had been there. */
+static void test_late_cracks(void **state)
+{
+    (void)state;
+    enum { ROOM = 4000, PIECES = 8 };
+    static ShvFacetPair expected[ROOM];
+    const double size[3] = {0.04, 0.04, 0.04};
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, size[0], size[1], size[2], 0.01)->placement.position[2] = 0.02;
+    surfaces_build(&s, 0.3, false);
+    shatter(&s, PIECES, size);
+    for (int32_t i = 0; i < s.cohesive.count; i++) s.cohesive.phase[i] = SHV_COHESIVE_CARRYING;
+    s.cohesive.live_count = s.cohesive.count;
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        for (int k = 0; k < 4; k++) {
+            const int32_t node = shv_state_node(&s.state, e, k), piece = s.state.element_fragment[e];
+            for (int axis = 0; axis < 3; axis++) {
+                const double way = shv_random_uniform(3, (uint64_t)(3 * piece + axis)) - 0.5;
+                s.state.displacement[3 * (int64_t)node + axis] = 0.03 * way;
+                s.state.velocity[3 * (int64_t)node + axis] = -6.0 * way;
+            }
+        }
+    const double step = surfaces_stable_step(&s);
+    int64_t found = 0, late = 0;
+    for (int k = 0; k < 300; k++) {
+        for (int n = 0; n < 2; n++) {
+            const double share = shv_random_uniform(11, (uint64_t)(2 * k + n));
+            uint8_t *phase = &s.cohesive.phase[(int32_t)(share * s.cohesive.count)];
+            *phase = *phase == SHV_COHESIVE_CARRYING ? SHV_COHESIVE_FAILED : SHV_COHESIVE_SEPARATED;
+        }
+        const int64_t rebuilds = s.contact.rebuilds;
+        const int32_t facets = s.contact.list.facet_count;
+        check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
+        late += rebuilds == s.contact.rebuilds && s.contact.list.facet_count > facets;
+        const int32_t count = brute_force(&s, step, expected, ROOM);
+        check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
+        for (int32_t i = 0; i < count; i++) assert_true(is_listed(&s.contact, &expected[i]));
+        found += count;
+        surfaces_drift(&s, step);
+    }
+    assert_true(late > 20);
+    assert_true(found > 100);
+    surfaces_release(&s);
+}
+
 /* One awake fragment without parted cracks: nothing is allocated. */
 static void test_idle(void **state)
 {
@@ -552,7 +599,7 @@ static void test_idle(void **state)
     assert_true(s.contact.idle);
     assert_int_equal(shv_memory_requests(s.memory), requests);
     assert_null(s.contact.list.nodes);
-    assert_null(s.contact.candidates);
+    assert_null(s.contact.candidates[0].items);
     surfaces_release(&s);
 }
 
@@ -615,6 +662,7 @@ int main(void)
                                        cmocka_unit_test(test_threads),
                                        cmocka_unit_test(test_steps_thrown_away),
                                        cmocka_unit_test(test_nothing_is_missed),
+                                       cmocka_unit_test(test_late_cracks),
                                        cmocka_unit_test(test_idle),
                                        cmocka_unit_test(test_out_of_memory),
                                        cmocka_unit_test(test_friction_is_checked)};
