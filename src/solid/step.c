@@ -155,6 +155,7 @@ double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
                                                     : best)                                                            \
     num_threads(solid->model->threads) if (solid->model->threads > 1)
     for (int32_t batch = 0; batch < solid->batch_count; batch++) best = search_batch(solid, batch, best);
+    if (!(best < DBL_MAX)) best = HUGE_VAL; /* a thread's share of the minimum may begin at the largest finite number */
     if (element) *element = first_element_with(solid, best);
     return best;
 }
