@@ -5,32 +5,23 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "export/run.h"
 #include "export/svg.h"
-#include "fake_simulation.h"
 #include "files.h"
 #include "xml.h"
 
-static const FakeSetup BREAKING = {.bricks = 4, .split_every = 2, .most = 7, .splits = 1};
 enum { FRAMES = 8, BRICKS = 4 };
 
 static ShvRunFile *open_run(void *folder, bool nodes, struct ShvMemory *memory)
 {
     ShvError error;
-    ShvRecord *record;
     ShvRunFile *file;
     ShvRecordDefinition definition = shv_record_default();
     definition.path = file_in(folder, "run.h5");
     definition.scene_name = "glass & <stone>";
     definition.nodes = nodes;
     definition.force = true;
-    ShvSimulation *simulation = fake_create(&BREAKING);
-    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
-    for (int i = 0; i < FRAMES; i++) {
-        fake_advance(simulation);
-        check_ok(shv_record_frame(record, simulation, &error), error);
-    }
-    check_ok(shv_record_close(record, SHV_OK, "", &error), error);
-    fake_destroy(simulation);
+    record_frames(&definition, FRAMES);
     check_ok(shv_run_file_open(&file, file_in(folder, "run.h5"), memory, &error), error);
     return file;
 }

@@ -6,29 +6,20 @@
 #include <unistd.h>
 
 #include "base/vector.h"
-#include "fake_simulation.h"
+#include "export/run.h"
 #include "files.h"
 #include "shiver/export.h"
 
-static const FakeSetup BREAKING = {.bricks = 4, .split_every = 2, .most = 7, .splits = 1};
 enum { FRAMES = 8, ELEMENTS = 8 };
 
 static void export_run(void *folder, bool nodes, bool animation)
 {
     ShvError error;
-    ShvRecord *record;
     ShvRunFile *file;
     ShvRecordDefinition definition = shv_record_default();
     definition.path = file_in(folder, "run.h5");
     definition.nodes = nodes;
-    ShvSimulation *simulation = fake_create(&BREAKING);
-    check_ok(shv_record_create(&record, &definition, simulation, &error), error);
-    for (int i = 0; i < FRAMES; i++) {
-        fake_advance(simulation);
-        check_ok(shv_record_frame(record, simulation, &error), error);
-    }
-    check_ok(shv_record_close(record, SHV_OK, "", &error), error);
-    fake_destroy(simulation);
+    record_frames(&definition, FRAMES);
     check_ok(shv_run_file_open(&file, file_in(folder, "run.h5"), NULL, &error), error);
     ShvExportOptions options = shv_export_default();
     options.animation = animation;

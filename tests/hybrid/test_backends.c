@@ -76,7 +76,7 @@ static void test_free_fall(void **unused)
         fly(&world, &cases[c]);
         const ShvFragment *fragment = &world.fragments.items[0];
         const double start = fragment->position.z;
-        for (int i = 0; i < 1000; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        for (int i = 0; i < 1000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         check_near(fragment->position.z - start, -0.5 * 9.81, cases[c].flight * 4.905);
         check_near(fragment->position.x, 3.0, cases[c].flight * 3.0);
         check_near(fragment->velocity.z, -9.81, cases[c].flight * 9.81);
@@ -103,7 +103,7 @@ static void test_spin_keeps_momentum(void **unused)
         const ShvVec3 p0 = shv_scale(fragment->velocity, fragment->mass);
         const ShvVec3 l0 = shv_add(shv_apply(&before, fragment->angular_velocity), shv_cross(fragment->position, p0));
         const double k0 = shv_fragment_kinetic(fragment);
-        for (int i = 0; i < 1000; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        for (int i = 0; i < 1000; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
         const ShvMat3 after = shv_fragment_world_inertia(fragment);
         const ShvVec3 p1 = shv_scale(fragment->velocity, fragment->mass);
         const ShvVec3 l1 = shv_add(shv_apply(&after, fragment->angular_velocity), shv_cross(fragment->position, p1));
@@ -127,7 +127,7 @@ static void test_bounce(void **unused)
         const ShvFragment *fragment = &world.fragments.items[0];
         double apex = 0.0;
         for (int i = 0; i < 1100; i++) {
-            bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+            world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
             if (i > 460) apex = fmax(apex, fragment->position.z - 0.05);
         }
         assert_true(apex <= 0.64 * 1.002);
@@ -157,7 +157,7 @@ static void test_wake_contact(void **unused)
         ShvRigidContact wake = {0};
         int woken = 0;
         for (int i = 0; i < 1000 && !woken; i++)
-            woken = bullet_advance(&world, 7.0 + i * 1e-3, 1e-3, earth, accept, NULL, &wake);
+            woken = world_advance(&world, 7.0 + i * 1e-3, 1e-3, earth, accept, NULL, &wake);
         assert_int_equal(woken, 1);
         check_near(wake.time, 7.0 + fall, allowed);
         check_near(wake.normal.z, 1.0, 1e-12);
@@ -169,7 +169,7 @@ static void test_wake_contact(void **unused)
         assert_true(isinf(wake.other_mass));
         assert_true(world.backend->contact_work == 0.0);
         const ShvVec3 position = fragment->position;
-        assert_int_equal(bullet_advance(&world, 8.0, 1e-3, earth, accept, NULL, &wake), 0);
+        assert_int_equal(world_advance(&world, 8.0, 1e-3, earth, accept, NULL, &wake), 0);
         assert_memory_equal(&position, &fragment->position, sizeof position);
         world_end(&world);
     }
@@ -186,7 +186,7 @@ static void test_rest(void **unused)
         world_build(&world);
         fly(&world, &cases[c]);
         const ShvFragment *fragment = &world.fragments.items[0];
-        for (int i = 0; i < 2000; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        for (int i = 0; i < 2000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         check_near(fragment->position.z, 0.05, 1e-4 * fragment->radius);
         if (cases[c].rests)
             assert_true(shv_fragment_kinetic(fragment) == 0.0);

@@ -8,27 +8,7 @@ static const double no_gravity[3] = {0.0, 0.0, 0.0}, earth[3] = {0.0, 0.0, -9.81
 
 static inline void bullet_fly(World *world)
 {
-    ShvError error = {0};
-    const ShvRigidWorld rigid = {&world->model, &world->state, &world->fragments, &world->obstacles,
-                                 &world->scene.rigid};
-    check_ok(shv_bullet_create(&world->backend, &rigid, &error), error);
-    for (int32_t i = 0; i < world->fragments.count; i++) {
-        if (world->fragments.items[i].mode == SHV_MODE_DEAD) continue;
-        shv_fragment_fit(&world->fragments.items[i], &world->fragments, &world->state);
-        check_ok(world->backend->functions->add(world->backend, i, &error), error);
-    }
-}
-
-static inline int32_t bullet_advance(World *world, double time, double step, const double gravity[3],
-                                     ShvWakeJudge judge, void *data, ShvRigidContact *wakes)
-{
-    ShvError error = {0};
-    int32_t count = 0;
-    ShvRigidContact none[64];
-    check_ok(world->backend->functions->advance(world->backend, time, step, gravity, judge, data, wakes ? wakes : none,
-                                                &count, &error),
-             error);
-    return count;
+    world_fly_under(world, shv_bullet_create);
 }
 
 static inline double bullet_energy(const World *world, const double gravity[3])

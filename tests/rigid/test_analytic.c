@@ -31,18 +31,6 @@ static double energy(const World *world, const double gravity[3])
     return sum - world->backend->contact_work - world->backend->friction_work;
 }
 
-static int32_t advance(World *world, double time, double step, const double gravity[3], ShvWakeJudge judge, void *data,
-                       ShvRigidContact *wakes)
-{
-    ShvError error = {0};
-    int32_t count = 0;
-    ShvRigidContact none[MOST_OBJECTS];
-    check_ok(world->backend->functions->advance(world->backend, time, step, gravity, judge, data, wakes ? wakes : none,
-                                                &count, &error),
-             error);
-    return count;
-}
-
 static bool never(void *data, const ShvRigidContact *contact)
 {
     (void)data;
@@ -71,7 +59,7 @@ static void test_ballistic_motion(void **unused)
         const ShvFragment *fragment = &world.fragments.items[0];
         const ShvVec3 start = fragment->position;
         const int count = (int)(2.1 / steps[s]);
-        for (int i = 0; i < count; i++) advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
+        for (int i = 0; i < count; i++) world_advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
         const double time = count * steps[s];
         check_near(fragment->position.z - start.z, -0.5 * 9.81 * time * time, 1e-12 * 0.5 * 9.81 * time * time);
         check_near(fragment->position.x - start.x, 3.0 * time, 1e-12 * 3.0 * time);
@@ -96,7 +84,7 @@ static void test_single_tet_spins_freely(void **unused)
     ShvVec3 p0, l0, p1, l1;
     double k0, k1;
     shv_fragment_momentum(fragment, &world.fragments, &world.state, &p0, &l0, &k0);
-    for (int i = 0; i < 10000; i++) advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+    for (int i = 0; i < 10000; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
     shv_fragment_scatter(fragment, &world.fragments, &world.state);
     shv_fragment_momentum(fragment, &world.fragments, &world.state, &p1, &l1, &k1);
     check_near(shv_norm(shv_sub(l1, l0)), 0.0, 1e-12 * shv_norm(l0));
@@ -113,10 +101,10 @@ static void test_new_velocity_in_the_record_counts(void **unused)
     world_build(&world);
     world_fly(&world);
     ShvFragment *fragment = &world.fragments.items[0];
-    advance(&world, 0.0, 0.1, no_gravity, NULL, NULL, NULL);
+    world_advance(&world, 0.0, 0.1, no_gravity, NULL, NULL, NULL);
     fragment->velocity = shv_vec3(0.0, 1.0, 0.0);
     fragment->angular_velocity = shv_vec3(0.0, 0.0, 2.0);
-    advance(&world, 0.1, 0.1, no_gravity, NULL, NULL, NULL);
+    world_advance(&world, 0.1, 0.1, no_gravity, NULL, NULL, NULL);
     check_near(fragment->position.y, 0.1, 1e-14);
     check_near(fragment->orientation.z, shv_quat_exponential(shv_vec3(0.0, 0.0, 0.2)).z, 1e-13);
     world_end(&world);
@@ -138,7 +126,7 @@ static void bounce(double step)
     int found = 0;
     for (int i = 0; i < (int)(2.3 / step); i++) {
         const ShvVec3 position = fragment->position, velocity = fragment->velocity;
-        advance(&world, i * step, step, earth, never, NULL, NULL);
+        world_advance(&world, i * step, step, earth, never, NULL, NULL);
         check_near(energy(&world, earth), start, 1e-10 * start);
         assert_true(fragment->position.z > 0.05 - 1e-6 * fragment->radius);
         if (fragment->velocity.z <= velocity.z) continue;
@@ -173,11 +161,11 @@ static void test_comes_to_rest_and_stays(void **unused)
     world_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
     const double start = energy(&world, earth);
-    for (int i = 0; i < 2000; i++) advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+    for (int i = 0; i < 2000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
     const ShvVec3 position = fragment->position;
     check_near(position.z, 0.05, 1e-6 * fragment->radius);
     check_near(energy(&world, earth), start, 1e-9 * start);
-    for (int i = 0; i < 1000000; i++) advance(&world, 2.0 + i * 1e-3, 1e-3, earth, never, NULL, NULL);
+    for (int i = 0; i < 1000000; i++) world_advance(&world, 2.0 + i * 1e-3, 1e-3, earth, never, NULL, NULL);
     assert_memory_equal(&fragment->position, &position, sizeof position);
     assert_true(kinetic(fragment) == 0.0);
     world_end(&world);
@@ -196,7 +184,7 @@ static void test_rest_without_sleep(void **unused)
     double gravity[3] = {0.0, 0.0, -9.81};
     for (int i = 0; i < 5000; i++) {
         gravity[2] = i % 2 ? -9.81 : -9.80; /* a change of gravity ends any rest */
-        advance(&world, i * 1e-3, 1e-3, gravity, never, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, gravity, never, NULL, NULL);
     }
     check_near(fragment->position.z, 0.05, 1e-6 * fragment->radius);
     check_near(hypot(fragment->position.x, fragment->position.y), 0.0, 1e-9);
@@ -220,7 +208,7 @@ static void test_incline(void **unused)
             const ShvFragment *fragment = &world.fragments.items[0];
             const double start = energy(&world, gravity);
             const int count = (int)(1.0 / steps[s]);
-            for (int i = 0; i < count; i++) advance(&world, i * steps[s], steps[s], gravity, never, NULL, NULL);
+            for (int i = 0; i < count; i++) world_advance(&world, i * steps[s], steps[s], gravity, never, NULL, NULL);
             const double a = sticks ? 0.0 : 9.81 * (sin(slope) - 0.3 * cos(slope));
             check_near(fragment->velocity.x, a, 1e-6);
             check_near(fragment->position.x, 0.5 * a, 1e-6);
@@ -244,7 +232,7 @@ static void test_slides_to_a_stop(void **unused)
     world_build(&world);
     world_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
-    for (int i = 0; i < 1000; i++) advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+    for (int i = 0; i < 1000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
     /* 4/(2 · 0.4 · 9.81), but for the last step in which it stops */
     check_near(fragment->position.y, 0.509684, 1e-5);
     assert_true(kinetic(fragment) == 0.0);
@@ -263,7 +251,7 @@ static void test_wake_stops_at_the_impact(void **unused)
     world_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
     ShvRigidContact wake;
-    assert_int_equal(advance(&world, 5.0, 1.0, earth, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 5.0, 1.0, earth, always, NULL, &wake), 1);
     const double fall = sqrt(2.0 / 9.81);
     check_near(wake.time, 5.0 + fall, 1e-6);
     check_near(wake.closing_speed, 9.81 * fall, 1e-5);
@@ -274,13 +262,13 @@ static void test_wake_stops_at_the_impact(void **unused)
     assert_true(world.backend->contact_work == 0.0);
     /* it has left: nothing moves it any more */
     const ShvVec3 position = fragment->position;
-    assert_int_equal(advance(&world, 6.0, 1.0, earth, always, NULL, &wake), 0);
+    assert_int_equal(world_advance(&world, 6.0, 1.0, earth, always, NULL, &wake), 0);
     assert_memory_equal(&position, &fragment->position, sizeof position);
     /* it may come back, and what it touches then is not fresh */
     ShvError error = {0};
     world.fragments.items[0].velocity.z = -0.5;
     check_ok(world.backend->functions->add(world.backend, 0, &error), error);
-    assert_int_equal(advance(&world, 7.0, 1e-3, earth, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 7.0, 1e-3, earth, always, NULL, &wake), 1);
     assert_false(wake.fresh);
     world.backend->functions->remove(world.backend, 0);
     world_end(&world);
@@ -308,7 +296,7 @@ static void test_only_the_accepted_fragment_wakes(void **unused)
     world_fly(&world);
     ShvRigidContact wakes[2];
     int judged[2] = {0, 0}, woken = 0;
-    for (int i = 0; i < 130; i++) woken += advance(&world, i * 0.01, 0.01, earth, wakes_first, judged, wakes);
+    for (int i = 0; i < 130; i++) woken += world_advance(&world, i * 0.01, 0.01, earth, wakes_first, judged, wakes);
     assert_int_equal(woken, 1);
     assert_int_equal(wakes[0].fragment, 0);
     assert_int_equal(judged[0], 1);
@@ -336,7 +324,7 @@ static void test_fast_fragment_meets_a_thin_obstacle(void **unused)
         world_fly(&world);
         const ShvFragment *fragment = &world.fragments.items[0];
         ShvRigidContact wake;
-        assert_int_equal(advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
+        assert_int_equal(world_advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
         shv_fragment_scatter(fragment, &world.fragments, &world.state);
         double lowest = 1.0;
         for (int32_t n = 0; n < world.state.node_count; n++)
@@ -362,7 +350,7 @@ static void test_moving_obstacles(void **unused)
     obstacle->position = shv_vec3(-1.0, 0.0, 0.05);
     obstacle->velocity = shv_vec3(100.0, 0.0, 0.0);
     ShvRigidContact wake;
-    assert_int_equal(advance(&world, 0.0, 0.1, no_gravity, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 0.0, 0.1, no_gravity, always, NULL, &wake), 1);
     check_near(wake.time, 0.0085, 1e-9); /* a node stands at the face's middle */
     check_near(wake.closing_speed, 100.0, 1e-9);
     check_near(wake.normal.x, 1.0, 1e-12);
@@ -380,7 +368,7 @@ static void test_moving_obstacles(void **unused)
     obstacle->position = shv_vec3(-0.8, 0.0, 0.05);
     obstacle->orientation = shv_quat_exponential(shv_vec3(0.0, 0.0, -1.0));
     obstacle->angular_velocity = shv_vec3(0.0, 0.0, 10.0);
-    assert_int_equal(advance(&world, 0.0, 0.2, no_gravity, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 0.0, 0.2, no_gravity, always, NULL, &wake), 1);
     /* The blade's upper face first meets the lower edge at x = 0.05 or −0.05: the gap of each corner is its distance to
        the face's plane, −sin(a) dx + cos(a) dy − 0.005 from the hub, and crosses zero at wake.time. */
     const double angle = -1.0 + 10.0 * wake.time;
@@ -417,8 +405,8 @@ static void test_mesh_obstacle(void **unused)
         world_fly(&world);
         const ShvFragment *fragment = &world.fragments.items[0];
         ShvRigidContact wake;
-        if (fast) assert_int_equal(advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
-        for (int i = 0; i < 500 && !fast; i++) advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+        if (fast) assert_int_equal(world_advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
+        for (int i = 0; i < 500 && !fast; i++) world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
         check_near(fragment->position.z, 0.0505, 1e-6 * fragment->radius);
         if (!fast) assert_true(kinetic(fragment) == 0.0);
         world_end(&world);
@@ -450,7 +438,7 @@ static void test_free_obstacle_exchanges_momentum(void **unused)
     const ShvObstacle *other = &world.obstacles.items[0];
     const double m = fragment->mass, start = energy(&world, no_gravity);
     for (int i = 0; i < 10; i++) {
-        advance(&world, i * 0.01, 0.01, no_gravity, never, NULL, NULL);
+        world_advance(&world, i * 0.01, 0.01, no_gravity, never, NULL, NULL);
         shv_obstacles_advance(&world.obstacles, 0.01, no_gravity);
     }
     const double common = (3.0 * m - 5.0) / (m + 5.0), relative = 4.0;
@@ -493,7 +481,7 @@ static void test_oblique_impacts_keep_momentum(void **unused)
         const ShvVec3 l0 =
             shv_add(shv_apply(&inertia, fragment->angular_velocity), shv_obstacle_angular_momentum(other));
         for (int i = 0; i < 10; i++) {
-            advance(&world, i * 0.01, 0.01, no_gravity, never, NULL, NULL);
+            world_advance(&world, i * 0.01, 0.01, no_gravity, never, NULL, NULL);
             shv_obstacles_advance(&world.obstacles, 0.01, no_gravity);
         }
         inertia = shv_fragment_world_inertia(fragment);
@@ -531,11 +519,11 @@ static void test_resting_fragment_is_hit(void **unused)
     world_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
     ShvObstacle *other = &world.obstacles.items[1];
-    for (int i = 0; i < 50; i++) advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+    for (int i = 0; i < 50; i++) world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
     assert_true(kinetic(fragment) == 0.0);
     other->velocity = shv_vec3(5.0, 0.0, 0.0);
     for (int i = 50; i < 350; i++) {
-        advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
         shv_obstacles_advance(&world.obstacles, 1e-3, no_gravity);
     }
     /* elastic, central, frictionless; the stone's centre and the struck node at the height of the box's own centre */
@@ -579,7 +567,7 @@ static void test_tumbling_in_a_corner(void **unused)
         double last = kinetic(fragment) + 9.81 * fragment->mass * fragment->position.z;
         const double start = energy(&world, earth), scale = last;
         for (int i = 0; i < 3000; i++) {
-            advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+            world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
             const double now = kinetic(fragment) + 9.81 * fragment->mass * fragment->position.z;
             assert_true(isfinite(now));
             assert_true(now <= last + tolerance * scale);
@@ -611,7 +599,7 @@ static void test_squeezed(void **unused)
     world_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
     for (int i = 0; i < 500; i++) {
-        advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
         assert_true(shv_finite3(fragment->position) && fabs(fragment->position.z) < 0.2);
         assert_true(shv_norm(fragment->velocity) < 1.0);
     }
@@ -655,7 +643,7 @@ static void run_pair(ShvVec3 positions[2], ShvQuat orientations[2])
     world_floor(&world, 0.5, 0.4);
     world_build(&world);
     world_fly(&world);
-    for (int i = 0; i < 1500; i++) advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
+    for (int i = 0; i < 1500; i++) world_advance(&world, i * 1e-3, 1e-3, earth, never, NULL, NULL);
     for (int f = 0; f < 2; f++) {
         positions[f] = world.fragments.items[f].position;
         orientations[f] = world.fragments.items[f].orientation;

@@ -69,7 +69,7 @@ static void test_momentum(void **unused)
         const double scale = 3.0 * flying->mass;
         for (int i = 0; i < 200; i++) {
             const ShvFragment before = *companion, other = *flying;
-            bullet_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
+            world_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
             check_same_record(companion, &before);
             const ShvVec3 given = shv_scale(shv_sub(flying->velocity, other.velocity), flying->mass);
             check_near(shv_norm(shv_madd(given, step, companion->contact_force)), 0.0, 1e-13 * scale);
@@ -98,7 +98,7 @@ static void test_impact(void **unused)
         const double m = flying->mass, n = companion->mass, wanted = (m * 3.0 - n + 0.6 * n * -4.0) / (m + n);
         ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0), angular = impulse;
         for (int i = 0; i < 100; i++) {
-            bullet_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
+            world_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
             impulse = shv_madd(impulse, step, companion->contact_force);
             angular = shv_madd(angular, step, companion->contact_torque);
             carry(companion, no_gravity);
@@ -141,7 +141,7 @@ static void test_neither_floor_nor_companions(void **unused)
     int calls = 0;
     ShvRigidContact wakes[2];
     for (int i = 0; i < 100; i++)
-        assert_int_equal(bullet_advance(&world, i * step, step, earth, never_called, &calls, wakes), 0);
+        assert_int_equal(world_advance(&world, i * step, step, earth, never_called, &calls, wakes), 0);
     assert_int_equal(calls, 0);
     for (int f = 0; f < 2; f++) {
         check_same_record(fragment_of(&world, f), &before[f]);
@@ -165,20 +165,20 @@ static void test_brick_on_companion(void **unused)
         world_floor(&world, 0.5, 0.0);
         world_build(&world);
         bullet_fly(&world);
-        for (int i = 0; i < 200; i++) bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+        for (int i = 0; i < 200; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
         ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
         const double weight = 9.81 * flying->mass;
         const ShvVec3 place = flying->position;
         companion->companion = true;
         for (int i = 0; i < 300; i++) {
-            bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+            world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
             check_near(companion->contact_force.z, -weight, 0.01 * weight);
             check_near(companion->contact_torque.y, 0.01 * weight, 0.01 * 0.1 * weight);
         }
         check_near(shv_norm(shv_sub(flying->position, place)), 0.0, 1e-6);
         companion->companion = false;
         for (int i = 0; i < 100; i++) {
-            bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+            world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
             check_same(companion->contact_force, shv_vec3(0.0, 0.0, 0.0));
             check_same(companion->contact_torque, shv_vec3(0.0, 0.0, 0.0));
         }
@@ -201,13 +201,13 @@ static void test_falling_together(void **unused)
     ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
     companion->companion = true;
     for (int i = 0; i < 200; i++) {
-        bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+        world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
         check_near(shv_norm(companion->contact_force), 0.0, 1e-6 * 9.81 * flying->mass);
         carry(companion, earth);
     }
     check_near(flying->position.z - companion->position.z, 0.1, 1e-9);
     companion->companion = false;
-    for (int i = 0; i < 100; i++) bullet_advance(&world, 0.2 + i * step, step, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 100; i++) world_advance(&world, 0.2 + i * step, step, earth, NULL, NULL, NULL);
     check_near(companion->position.z, 1.0 - 0.5 * 9.81 * 0.09, 1e-9);
     world_end(&world);
 }
@@ -230,7 +230,7 @@ static void test_wake(void **unused)
     ShvRigidContact wake;
     for (int i = 0; i < 60; i++) {
         const ShvFragment before = *companion;
-        const int found = bullet_advance(&world, i * step, step, no_gravity, of_companion, &own, &wake);
+        const int found = world_advance(&world, i * step, step, no_gravity, of_companion, &own, &wake);
         if (found > 0) check_near(wake.time, 0.025, 1e-7);
         wakes += found;
         check_same_record(companion, &before);

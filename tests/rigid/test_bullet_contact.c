@@ -59,7 +59,7 @@ static void test_two_fragments_keep_momentum(void **unused)
         double scale;
         sums(&world, &p0, &l0, &scale);
         const double start = bullet_energy(&world, no_gravity);
-        for (int i = 0; i < 300; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        for (int i = 0; i < 300; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
         sums(&world, &p1, &l1, &scale);
         check_near(shv_norm(shv_sub(p1, p0)), 0.0, 1e-10 * scale);
         /* impulses act at one point on both; but where corners turn into the other body within a step, overlaps of some 1e-3 of
@@ -103,8 +103,7 @@ static void test_central_impacts(void **unused)
             world.backend->fragment_restitution = 0.6;
             const ShvFragment *first = &world.fragments.items[0];
             const int count = (int)(0.1 / steps[s] + 0.5);
-            for (int i = 0; i < count; i++)
-                bullet_advance(&world, i * steps[s], steps[s], no_gravity, NULL, NULL, NULL);
+            for (int i = 0; i < count; i++) world_advance(&world, i * steps[s], steps[s], no_gravity, NULL, NULL, NULL);
             const double m = first->mass, other = obstacle ? 5.0 : world.fragments.items[1].mass;
             const double common = (3.0 * m - other) / (m + other), relative = 4.0;
             const ShvVec3 velocity = obstacle ? world.obstacles.items[0].velocity : world.fragments.items[1].velocity;
@@ -133,7 +132,7 @@ static void test_wake_stops_at_the_impact(void **unused)
         ShvRigidContact wake;
         int woken = 0, i = 0;
         for (; !woken && i < 1000; i++)
-            woken = bullet_advance(&world, 5.0 + i * steps[s], steps[s], earth, always, NULL, &wake);
+            woken = world_advance(&world, 5.0 + i * steps[s], steps[s], earth, always, NULL, &wake);
         const double fall = sqrt(2.0 / 9.81);
         assert_int_equal(woken, 1);
         check_near(wake.time, 5.0 + fall, 1e-6);
@@ -144,13 +143,13 @@ static void test_wake_stops_at_the_impact(void **unused)
         assert_true(wake.fresh && wake.obstacle == 0 && wake.fragment == 0 && wake.other == -1);
         assert_true(isinf(wake.other_mass) && wake.load == 0.0);
         const ShvVec3 position = fragment->position;
-        assert_int_equal(bullet_advance(&world, 10.0, 1e-3, earth, always, NULL, &wake), 0);
+        assert_int_equal(world_advance(&world, 10.0, 1e-3, earth, always, NULL, &wake), 0);
         assert_memory_equal(&position, &fragment->position, sizeof position);
         /* it may come back, and what it touches then is not fresh */
         ShvError error = {0};
         world.fragments.items[0].velocity.z = -0.5;
         check_ok(world.backend->functions->add(world.backend, 0, &error), error);
-        assert_int_equal(bullet_advance(&world, 11.0, 1e-3, earth, always, NULL, &wake), 1);
+        assert_int_equal(world_advance(&world, 11.0, 1e-3, earth, always, NULL, &wake), 1);
         assert_false(wake.fresh);
         world_end(&world);
     }
@@ -176,7 +175,7 @@ static void test_two_fragments_are_judged_apart(void **unused)
     ShvRigidContact seen[2] = {{0}}, wake;
     int woken = 0;
     for (int i = 0; i < 100 && !woken; i++)
-        woken = bullet_advance(&world, i * 1e-2, 1e-2, no_gravity, wakes_second, seen, &wake);
+        woken = world_advance(&world, i * 1e-2, 1e-2, no_gravity, wakes_second, seen, &wake);
     assert_int_equal(woken, 1);
     assert_true(wake.fragment == 1 && wake.other == 0 && wake.obstacle == -1);
     assert_true(seen[0].other == 1 && seen[0].obstacle == -1);
@@ -211,7 +210,7 @@ static void test_fast_fragment_meets_a_thin_obstacle(void **unused)
             bullet_fly(&world);
             const ShvFragment *fragment = &world.fragments.items[0];
             ShvRigidContact wake;
-            assert_int_equal(bullet_advance(&world, 0.0, 1e-3, no_gravity, wakes ? always : NULL, NULL, &wake), wakes);
+            assert_int_equal(world_advance(&world, 0.0, 1e-3, no_gravity, wakes ? always : NULL, NULL, &wake), wakes);
             shv_fragment_scatter(fragment, &world.fragments, &world.state);
             double lowest = 1.0;
             for (int32_t n = 0; n < world.state.node_count; n++)
@@ -252,7 +251,7 @@ static void test_stack_rests(void **unused)
     for (int s = 0; s < 2; s++) {
         World world;
         build_stack(&world, 0.1, 0.0);
-        for (int i = 0; i < 3000; i++) bullet_advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
+        for (int i = 0; i < 3000; i++) world_advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
         for (int f = 0; f < 4; f++) {
             const ShvFragment *fragment = &world.fragments.items[f];
             check_near(fragment->position.z, 0.05 + f * 0.1, 1e-4 * fragment->radius);
@@ -278,12 +277,12 @@ static void test_loads_of_a_stack(void **unused)
     World world;
     build_stack(&world, 0.1, 0.0);
     double loads[4] = {0.0};
-    for (int i = 0; i < 30; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, note_load, loads, NULL);
+    for (int i = 0; i < 30; i++) world_advance(&world, i * 1e-3, 1e-3, earth, note_load, loads, NULL);
     const double weight = 2.5 * 9.81;
     for (int f = 0; f < 4; f++) check_near(loads[f], weight * (5 - f + 4 - f), 0.02 * weight);
-    for (int i = 0; i < 100; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 100; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     world.backend->functions->remove(world.backend, 0);
-    for (int i = 0; i < 10; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 10; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     check_near(world.fragments.items[1].velocity.z, -0.0981, 1e-6);
     check_near(world.obstacles.items[0].velocity.z, -0.0981, 1e-6);
     world_end(&world);
@@ -307,7 +306,7 @@ static ShvVec3 thrown(double size)
     world_build(&world);
     bullet_fly(&world);
     const double step = 1e-3 * sqrt(size / 0.1);
-    for (int i = 0; i < 400; i++) bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 400; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
     const ShvVec3 end = shv_scale(world.fragments.items[2].position, 1.0 / size);
     world_end(&world);
     return end;
@@ -348,7 +347,7 @@ static void tumble(World *world, bool detour, int32_t order, ShvVec3 positions[3
     }
     for (int i = 0; i < 1000; i++) {
         if (detour && i == 10) world->backend->functions->remove(world->backend, 3);
-        bullet_advance(world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        world_advance(world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     }
     for (int f = 0; f < 3; f++) {
         positions[f] = world->fragments.items[f].position;
@@ -412,7 +411,7 @@ static void test_degenerate_tets_fall(void **unused)
     world_tets(&world, points, 12, tets, 3);
     assert_int_equal(world.fragments.count, 3);
     bullet_fly(&world);
-    for (int i = 0; i < 1500; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 1500; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     for (int32_t f = 0; f < world.fragments.count; f++) {
         const ShvFragment *fragment = &world.fragments.items[f];
         assert_true(shv_finite3(fragment->position) && shv_finite3(fragment->angular_velocity));

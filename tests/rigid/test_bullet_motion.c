@@ -35,7 +35,7 @@ static void test_ballistic_motion(void **unused)
         const ShvFragment *fragment = &world.fragments.items[0];
         const ShvVec3 start = fragment->position;
         const int count = (int)(2.1 / steps[s]);
-        for (int i = 0; i < count; i++) bullet_advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
+        for (int i = 0; i < count; i++) world_advance(&world, i * steps[s], steps[s], earth, NULL, NULL, NULL);
         const double time = count * steps[s];
         check_near(fragment->position.z - start.z, -0.5 * 9.81 * time * time, 1e-12 * 0.5 * 9.81 * time * time);
         check_near(fragment->position.x - start.x, 3.0 * time, 1e-12 * 3.0 * time);
@@ -61,7 +61,7 @@ static void test_torque_free_top(void **unused)
     double last = 1.0;
     int found = 0;
     for (int i = 0; i < 55000; i++) {
-        bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
         const ShvVec3 spin = shv_rotate(shv_quat_conjugate(fragment->orientation), fragment->angular_velocity);
         if (last * spin.y < 0.0) {
             assert_true(found < 3);
@@ -96,7 +96,7 @@ static void bounce(bool sphere, double step)
     int found = 0;
     for (int i = 0; i < (int)(2.6 / step); i++) {
         const ShvVec3 from = *position, before = *velocity;
-        bullet_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+        world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
         check_near(bullet_energy(&world, earth), start, 1e-10 * start);
         assert_true(position->z > 0.05 - 1e-6);
         if (velocity->z <= before.z || found == 4) continue;
@@ -134,12 +134,12 @@ static void test_comes_to_rest_and_stays(void **unused)
     bullet_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
     const double start = bullet_energy(&world, earth);
-    for (int i = 0; i < 2000; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 2000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     const ShvVec3 position = fragment->position;
     check_near(position.z, 0.05, 1e-5 * fragment->radius);
     check_near(bullet_energy(&world, earth), start, 1e-9 * start);
     assert_true(shv_fragment_kinetic(fragment) == 0.0);
-    for (int i = 0; i < 1000000; i++) bullet_advance(&world, 2.0 + i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 1000000; i++) world_advance(&world, 2.0 + i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     assert_memory_equal(&fragment->position, &position, sizeof position);
     world_end(&world);
 }
@@ -165,7 +165,7 @@ static void test_incline(void **unused)
                 const double start = bullet_energy(&world, gravity);
                 const int count = (int)(1.0 / steps[s]);
                 for (int i = 0; i < count; i++)
-                    bullet_advance(&world, i * steps[s], steps[s], gravity, NULL, NULL, NULL);
+                    world_advance(&world, i * steps[s], steps[s], gravity, NULL, NULL, NULL);
                 const double a = sticks ? 0.0 : 9.81 * (sin(slope) - 0.5 * cos(slope));
                 const double speed = fragment->velocity.x * x + fragment->velocity.y * y;
                 const double way = fragment->position.x * x + fragment->position.y * y;
@@ -194,7 +194,7 @@ static void test_rolling_sphere(void **unused)
         bullet_fly(&world);
         const ShvObstacle *ball = &world.obstacles.items[1];
         const int count = (int)(1.0 / steps[s]);
-        for (int i = 0; i < count; i++) bullet_advance(&world, i * steps[s], steps[s], gravity, NULL, NULL, NULL);
+        for (int i = 0; i < count; i++) world_advance(&world, i * steps[s], steps[s], gravity, NULL, NULL, NULL);
         const double a = 5.0 / 7.0 * 9.81 * sin(slope);
         check_near(ball->velocity.x, a, 0.01 * a);
         check_near(ball->position.x, 0.5 * a, 0.01 * 0.5 * a);
@@ -219,7 +219,7 @@ static void test_slip_to_roll(void **unused)
     const ShvObstacle *ball = &world.obstacles.items[1];
     double rolls = 0.0;
     for (int i = 0; i < 1000; i++) {
-        bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         if (rolls == 0.0 && fabs(ball->velocity.x - 0.1 * ball->angular_velocity.y) < 1e-6) rolls = (i + 1) * 1e-3;
     }
     check_near(rolls, 4.0 / (7.0 * 0.2 * 9.81), 0.01 * 0.2912 + 1e-3);
@@ -238,7 +238,7 @@ static void test_slides_to_a_stop(void **unused)
     world_build(&world);
     bullet_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
-    for (int i = 0; i < 1000; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 1000; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     check_near(fragment->position.y, 0.509684, 0.01 * 0.509684);
     assert_true(shv_fragment_kinetic(fragment) == 0.0);
     world_end(&world);

@@ -43,8 +43,8 @@ static void test_mesh_obstacle(void **unused)
         bullet_fly(&world);
         const ShvFragment *fragment = &world.fragments.items[0];
         ShvRigidContact wake;
-        if (fast) assert_int_equal(bullet_advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
-        for (int i = 0; i < 1000 && !fast; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        if (fast) assert_int_equal(world_advance(&world, 0.0, 1e-3, no_gravity, always, NULL, &wake), 1);
+        for (int i = 0; i < 1000 && !fast; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         check_near(fragment->position.z, 0.0505, 1e-5 * fragment->radius);
         if (!fast) assert_true(shv_fragment_kinetic(fragment) == 0.0);
         world_end(&world);
@@ -67,7 +67,7 @@ static void test_moving_obstacles(void **unused)
     obstacle->position = shv_vec3(-1.0, 0.0, 0.05);
     obstacle->velocity = shv_vec3(100.0, 0.0, 0.0);
     ShvRigidContact wake;
-    assert_int_equal(bullet_advance(&world, 0.0, 0.1, no_gravity, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 0.0, 0.1, no_gravity, always, NULL, &wake), 1);
     check_near(wake.time, 0.0085, 1e-8);
     check_near(wake.closing_speed, 100.0, 1e-6);
     check_near(wake.normal.x, 1.0, 1e-6);
@@ -85,7 +85,7 @@ static void test_moving_obstacles(void **unused)
     obstacle->position = shv_vec3(-0.8, 0.0, 0.05);
     obstacle->orientation = shv_quat_exponential(shv_vec3(0.0, 0.0, -1.0));
     obstacle->angular_velocity = shv_vec3(0.0, 0.0, 10.0);
-    assert_int_equal(bullet_advance(&world, 0.0, 0.2, no_gravity, always, NULL, &wake), 1);
+    assert_int_equal(world_advance(&world, 0.0, 0.2, no_gravity, always, NULL, &wake), 1);
     /* The blade's upper face first meets the lower edge at x = 0.05 or −0.05: the gap of each corner is its distance to the
        face's plane, −sin(a) dx + cos(a) dy − 0.005 from the hub, and crosses zero at wake.time. */
     const double angle = -1.0 + 10.0 * wake.time;
@@ -112,11 +112,11 @@ static void test_platform_carries(void **unused)
     obstacle->motion = SHV_OBSTACLE_SCRIPTED;
     bullet_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
-    for (int i = 0; i < 100; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 100; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     assert_true(shv_fragment_kinetic(fragment) == 0.0);
     obstacle->velocity = shv_vec3(0.2, 0.0, 0.3);
     for (int i = 0; i < 500; i++) {
-        bullet_advance(&world, 0.1 + i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        world_advance(&world, 0.1 + i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         obstacle->position = shv_madd(obstacle->position, 1e-3, obstacle->velocity);
     }
     check_near(fragment->velocity.x, 0.2, 1e-4);
@@ -152,7 +152,7 @@ static void test_oblique_impacts(void **unused)
         other->angular_velocity = draw3(&index, 20.0);
         const double start = bullet_energy(&world, no_gravity);
         const ShvVec3 p0 = shv_scale(fragment->velocity, fragment->mass);
-        for (int i = 0; i < 100; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        for (int i = 0; i < 100; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
         const ShvVec3 p1 = shv_madd(shv_scale(fragment->velocity, fragment->mass), other->mass, other->velocity);
         check_near(shv_norm(shv_sub(p1, p0)), 0.0, 1e-12 * shv_norm(p0));
         check_near(bullet_energy(&world, no_gravity), start, 1e-11 * start);
@@ -185,7 +185,7 @@ static void test_overhanging_plates(void **unused)
     world_build(&world);
     bullet_fly(&world);
     const ShvFragment *fragment = &world.fragments.items[0];
-    for (int i = 0; i < 500; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+    for (int i = 0; i < 500; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
     check_near(fragment->position.z, 0.01, 1e-5 * fragment->radius);
     check_near(fragment->position.x, 0.12, 1e-5 * fragment->radius);
     assert_true(shv_fragment_kinetic(fragment) == 0.0);
@@ -213,7 +213,7 @@ static void test_far_from_the_origin(void **unused)
         world.objects[0].placement.velocity[0] = 0.5;
         world_build(&world);
         bullet_fly(&world);
-        for (int i = 0; i < 600; i++) bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        for (int i = 0; i < 600; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         ends[far] = world.fragments.items[0].position;
         ends[far].x -= table->placement.position[0];
         world_end(&world);
@@ -242,7 +242,7 @@ static void test_between_two_plates(void **unused)
     int returns = 0;
     for (int i = 0; i < 50; i++) {
         const double before = fragment->velocity.x;
-        bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
         assert_true(fragment->position.x > -0.03 - 1e-6 && fragment->position.x < 0.2 + 1e-6);
         returns += fragment->velocity.x * before < 0.0;
     }

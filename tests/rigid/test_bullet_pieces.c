@@ -50,7 +50,7 @@ static void test_pieces_stay(void **unused)
     (void)unused;
     World world;
     cut_ball(&world, 0.04, 0.0, false);
-    for (int i = 0; i < 200; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+    for (int i = 0; i < 200; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
     assert_true(kinetic(&world) == 0.0);
     world_end(&world);
 }
@@ -73,11 +73,11 @@ static void test_pieces_part_and_collide(void **unused)
     world.backend->fragment_friction = 0.0;
     set_radial(&world, 0.05);
     const double start = kinetic(&world);
-    for (int i = 0; i < 1000; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+    for (int i = 0; i < 1000; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
     check_near(kinetic(&world), start, 0.01 * start);
     for (int32_t f = 0; f < world.fragments.count; f++)
         world.fragments.items[f].velocity = shv_scale(world.fragments.items[f].velocity, -1.0);
-    for (int i = 0; i < 2000; i++) bullet_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+    for (int i = 0; i < 2000; i++) world_advance(&world, i * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
     assert_true(kinetic(&world) < 0.5 * start);
     world_end(&world);
 }
@@ -91,7 +91,7 @@ static void test_heap_gains_nothing(void **unused)
     double last = bullet_energy(&world, earth) + world.backend->contact_work + world.backend->friction_work;
     const double start = last, mass = 4.19 * 2.5;
     for (int i = 0; i < 3000; i++) {
-        bullet_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
         const double now = bullet_energy(&world, earth) + world.backend->contact_work + world.backend->friction_work;
         assert_true(now <= start + 1e-3 * mass * 9.81 * 0.1);
         last = now;

@@ -93,17 +93,37 @@ static inline void world_build(World *world)
 }
 
 /* All fragments enter flight with the velocities of the state. */
-static inline void world_fly(World *world)
+/* All fragments that live, in flight under a backend. */
+static inline void world_fly_under(World *world, ShvStatus (*create)(ShvRigidBackend **backend,
+                                                                     const ShvRigidWorld *world, ShvError *error))
 {
     ShvError error = {0};
     const ShvRigidWorld rigid = {&world->model, &world->state, &world->fragments, &world->obstacles,
                                  &world->scene.rigid};
-    check_ok(shv_analytic_create(&world->backend, &rigid, &error), error);
+    check_ok(create(&world->backend, &rigid, &error), error);
     for (int32_t i = 0; i < world->fragments.count; i++) {
         if (world->fragments.items[i].mode == SHV_MODE_DEAD) continue;
         shv_fragment_fit(&world->fragments.items[i], &world->fragments, &world->state);
         check_ok(world->backend->functions->add(world->backend, i, &error), error);
     }
+}
+
+static inline void world_fly(World *world)
+{
+    world_fly_under(world, shv_analytic_create);
+}
+
+/* Number of wakes; `wakes` NULL: they do not matter. */
+static inline int32_t world_advance(World *world, double time, double step, const double gravity[3], ShvWakeJudge judge,
+                                    void *data, ShvRigidContact *wakes)
+{
+    ShvError error = {0};
+    int32_t count = 0;
+    ShvRigidContact none[64];
+    check_ok(world->backend->functions->advance(world->backend, time, step, gravity, judge, data, wakes ? wakes : none,
+                                                &count, &error),
+             error);
+    return count;
 }
 
 static inline void world_end(World *world)
