@@ -21,6 +21,8 @@ allowed()
     record) echo base record ;;
     export) echo base record export ;;
     study) echo base export study ;;
+    stability) echo base mesh model solid study stability ;;
+    verify) echo base export study verify ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
     esac
@@ -38,6 +40,6 @@ for folder in src/*/; do
     done
 done
 for file in include/shiver/*.h; do
-    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|study|cli)/' "$file" && bad=1
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|study|stability|verify|cli)/' "$file" && bad=1
 done
 exit $bad
