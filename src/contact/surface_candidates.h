@@ -9,6 +9,28 @@
    one moment. */
 ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                                          double gravity, ShvError *error);
+/* ---- parts of it ---- */
+
+/* surface_pace.c: counts the step that led here, once, and returns whether candidates no longer hold; the frame, allowances
+   and paces of all that is listed; of a node or facet that has come later. */
+bool shv_surface_pace_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity);
+void shv_surface_pace_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step);
+void shv_surface_pace_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
+                           double step);
+void shv_surface_pace_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
+/* surface_region.c: room per fragment; where fragments may meet; nodes into the grid. */
+ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error);
+void shv_surface_find_regions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
+bool shv_surface_in_region(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet);
+ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error);
+/* surface_follow.c: candidates go on after insertions, splits and companions that woke. *lost: they cannot. */
+ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool *lost, ShvError *error);
+/* One more candidate; the nodes of both sides that deform are watched. */
+ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list,
+                                       const ShvSurfaceCandidate *candidate, double due, uint8_t movers,
+                                       ShvError *error);
+ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                      const ShvSurfaceCandidate *candidate, ShvError *error);
 /* Largest speeds against the frame of the nodes of candidates and of obstacles, m/s, into contact->speed. */
 void shv_surface_candidates_look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 

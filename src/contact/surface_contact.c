@@ -34,7 +34,7 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].due);
         shv_release(contact->candidates[k].movers);
     }
-    shv_release(contact->motion);
+    shv_release(contact->fragments);
     shv_release(contact->planes);
     shv_release(contact->watched);
     shv_release(contact->before);
@@ -49,6 +49,11 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
 void shv_surface_contact_invalidate(ShvSurfaceContact *contact)
 {
     contact->stale = true;
+}
+
+void shv_surface_contact_wake(ShvSurfaceContact *contact)
+{
+    contact->woken = true;
 }
 
 /* ---- before the kick ---- */

@@ -54,11 +54,13 @@ typedef struct ShvSurfaceCandidates {
     int32_t count, capacity;
 } ShvSurfaceCandidates;
 
-/* A companion's nodes have one pace. */
-typedef struct ShvCompanionMotion {
-    double path; /* m: no node of it has gone farther in the frame since candidates were chosen */
-    uint8_t pace;
-} ShvCompanionMotion;
+/* A fragment since candidates were chosen. */
+typedef struct ShvSurfaceFragment {
+    double path;  /* m: no node of a companion has gone farther in the frame */
+    uint8_t pace; /* of all a companion's nodes */
+    bool rigid;   /* it was a companion */
+    bool cracked; /* it was cracked, or comes from such: its own surfaces are candidates of one another */
+} ShvSurfaceFragment;
 
 /* What moves: nodes and facets of each pace, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_PACES, SHV_SURFACE_MOVERS };
@@ -68,14 +70,15 @@ typedef struct ShvSurfaceContact {
     const ShvModel *model;
     double friction;
     bool stale; /* the lists must be made anew */
+    bool woken; /* companions woke */
     bool idle;  /* nothing can meet */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
     ShvNodeGrid grid;
-    ShvBox *own, *near;         /* per fragment: its box, and the part of it where it may meet something */
-    int32_t *order;             /* fragments by the low end of their boxes */
-    ShvCompanionMotion *motion; /* per fragment */
+    ShvBox *own, *near; /* per fragment: its box, and the part of it where it may meet something */
+    int32_t *order;     /* fragments by the low end of their boxes */
+    ShvSurfaceFragment *fragments;
     int32_t fragment_capacity;
     double size;                          /* of facets, mean, m */
     double built_time;                    /* s: when candidates were chosen */
@@ -85,6 +88,7 @@ typedef struct ShvSurfaceContact {
     double speed[SHV_SURFACE_MOVERS];     /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];      /* m: how far the fastest has gone since */
     int32_t since;                        /* steps since the last look at all nodes */
+    int32_t age;                          /* steps since candidates were chosen */
     double seen_time;                     /* s: moment up to which motion has been counted */
     ShvSurfaceCandidates candidates[2];   /* where something deforms or an obstacle is met; between companions */
     int32_t beat;                         /* steps since companions were looked at together */
@@ -121,9 +125,11 @@ typedef struct ShvSurfaceContact {
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
                                      double friction, ShvError *error);
 void shv_surface_contact_release(ShvSurfaceContact *contact);
-/* Forces new lists: fragments woke, slept, were split or renumbered, companions came or went, poses or velocities were set.
-   Insertions and cracks that part are noticed without. */
+/* Forces new lists: fragments woke or slept, companions came or were let go, poses or velocities were set. Insertions,
+   splits and cracks that part are noticed without, and cost no new lists. */
 void shv_surface_contact_invalidate(ShvSurfaceContact *contact);
+/* Companions have become awake where they stood: the lists go on with them. */
+void shv_surface_contact_wake(ShvSurfaceContact *contact);
 /* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs look at all listed nodes every few steps and
    at those of candidates each step. */
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,

@@ -53,7 +53,8 @@ static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, 
                                 error));
     list->nodes = block;
     list->slot[node] = list->node_count;
-    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
+    list->nodes[list->node_count++] =
+        (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1, .twins = -1, .twin = -1};
     return SHV_OK;
 }
 
@@ -103,6 +104,9 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     list->facets = block;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
     *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .crack = crack};
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, element, face, nodes);
+    for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
     measure(list, bodies, facet);
     return SHV_OK;
 }
@@ -199,6 +203,77 @@ ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bo
     bool changed = false;
     SHV_TRY(follow_cracks(list, bodies, &changed, error));
     if (changed) hold(list, bodies);
+    return SHV_OK;
+}
+
+/* ---- insertions ---- */
+
+/* A copy of a node that a facet has got in place of the one at `slot`. */
+static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvError *error)
+{
+    const int32_t own = list->node_count;
+    SHV_TRY(add_node(list, node, list->nodes[slot].fragment, error));
+    ShvSurfaceNode *copy = &list->nodes[own], *original = &list->nodes[slot];
+    copy->pace = original->pace;
+    copy->from = original->from;
+    copy->twin = original->twins;
+    original->twins = own;
+    return SHV_OK;
+}
+
+static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet,
+                              ShvError *error)
+{
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    facet->changed = false;
+    for (int k = 0; k < 3; k++) {
+        if (list->nodes[facet->slots[k]].node == nodes[k]) continue;
+        if (list->slot[nodes[k]] < 0) SHV_TRY(add_copy(list, facet->slots[k], nodes[k], error));
+        facet->slots[k] = list->slot[nodes[k]];
+        facet->changed = true;
+    }
+    facet->fragment = bodies->state->element_fragment[facet->element];
+    return SHV_OK;
+}
+
+/* Normals of nodes that were split, and of their copies: each has fewer facets now. */
+static void part_normals(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t copies)
+{
+    for (int32_t k = 0; k < list->node_count; k++)
+        if (k >= copies || list->nodes[k].twins >= 0) list->nodes[k].normal = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < list->facet_count; k++) {
+        const ShvSurfaceFacet *facet = &list->facets[k];
+        ShvVec3 x[3];
+        bool concerned = false;
+        for (int i = 0; i < 3; i++)
+            concerned = concerned || facet->slots[i] >= copies || list->nodes[facet->slots[i]].twins >= 0;
+        if (!concerned) continue;
+        for (int i = 0; i < 3; i++)
+            x[i] = shv_bodies_position(bodies, list->nodes[facet->slots[i]].node, facet->fragment);
+        const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
+        for (int i = 0; i < 3; i++) {
+            ShvSurfaceNode *node = &list->nodes[facet->slots[i]];
+            if (facet->slots[i] >= copies || node->twins >= 0) node->normal = shv_add(node->normal, area);
+        }
+    }
+}
+
+ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t cohesive,
+                                  int32_t *nodes, ShvError *error)
+{
+    const ShvState *state = bodies->state;
+    *nodes = list->node_count;
+    SHV_TRY(reserve_slots(list, state, error));
+    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].twins = list->nodes[k].twin = -1;
+    for (int32_t k = 0; k < list->facet_count; k++) SHV_TRY(follow_facet(list, bodies, &list->facets[k], error));
+    for (int32_t k = 0; k < list->node_count; k++) {
+        const int32_t corner = state->corners[state->corner_start[list->nodes[k].node]];
+        list->nodes[k].fragment = state->element_fragment[corner / 4];
+    }
+    if (list->node_count > *nodes) part_normals(list, bodies, *nodes);
+    for (int32_t i = cohesive; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
+    hold(list, bodies);
     return SHV_OK;
 }
 

@@ -28,14 +28,18 @@ enum { SHV_SURFACE_PACES = 8 };
 
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    bool crack;   /* may meet its own fragment */
-    uint8_t pace; /* the largest of its nodes */
-    ShvBox box;   /* of the facet and what is below it to half the depth of its tet, when last measured */
+    int32_t slots[3]; /* of its nodes */
+    bool crack;       /* face of a crack that has parted */
+    bool changed;     /* nodes of it were split at the last look */
+    uint8_t pace;     /* the largest of its nodes */
+    ShvBox box;       /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
     int32_t watch; /* place among the nodes of candidates, −1: of none */
+    int32_t twins; /* the last of the nodes that were split from it at the last look, −1: none */
+    int32_t twin;  /* the one before this of the same node, −1: none */
     uint8_t pace;
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
     ShvVec3 from;   /* where it was when its pace was chosen, m */
@@ -89,6 +93,10 @@ void shv_surface_list_release(ShvSurfaceList *list);
 ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 /* Measures boxes and normals anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
+/* Goes on after insertions: copies of nodes are appended, with where their originals came from and the pace; fragments are
+   named anew, and cohesive facets from number `cohesive` on are followed. *nodes receives the number of nodes before. */
+ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t cohesive,
+                                  int32_t *nodes, ShvError *error);
 /* Appends the nodes of cracks that have failed since and the faces of those that have parted. */
 ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 

@@ -56,7 +56,6 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     mark_batches(hybrid);
     if (hybrid->model.can_break) shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
     shv_node_contact_invalidate(&hybrid->contact);
-    shv_surface_contact_invalidate(&hybrid->surface);
     hybrid->bars_stale = true;
     if (hybrid->awake.count > 0) hybrid->bulk_step = shv_solid_stable_step(&hybrid->solid, NULL);
     hybrid->awake.stale = false;

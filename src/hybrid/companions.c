@@ -115,7 +115,7 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
             let_go(hybrid, place);
             break;
         }
-    shv_surface_contact_invalidate(&hybrid->surface);
+    shv_surface_contact_wake(&hybrid->surface);
 }
 
 /* ---- waking ---- */

@@ -117,6 +117,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
     fragment->hulls = 0;
     fragment->hull_outside = fragment->hull_missing = 0.0;
     if (taker == TAKER_BIN) bin(hybrid, fragment, event);
+    shv_surface_contact_invalidate(&hybrid->surface);
     hybrid->awake.stale = true;
 }
 

@@ -121,6 +121,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     event.reason = reason_to_wake(hybrid, contact);
     fragment->audited = event.reason == SHV_REASON_AUDIT;
     hybrid->audited += fragment->audited;
+    if (!fragment->companion) shv_surface_contact_invalidate(&hybrid->surface);
     leave_flight(hybrid, contact);
     if (fragment->deformed) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
     give_motion(hybrid, fragment);

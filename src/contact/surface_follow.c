@@ -1,0 +1,158 @@
+/* Candidates go on while the mesh changes: what is split or wakes is where it was, so that what could soon meet still can, and
+   nothing else. */
+#include "contact/surface_candidates.h"
+
+/* ---- whether they can ---- */
+
+/* Whether a body that had no cracks, or was rigid, has some now: its own surfaces are not candidates of one another. */
+static bool first_crack(const ShvSurfaceContact *contact, int32_t fragment)
+{
+    const ShvSurfaceFragment *before = &contact->fragments[fragment];
+    return fragment < contact->known_fragments && (!before->cracked || before->rigid);
+}
+
+/* Before the list has followed. */
+static bool splits_whole_body(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    const int32_t *fragment = bodies->state->element_fragment;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        const ShvSurfaceFacet *facet = &contact->list.facets[k];
+        if (fragment[facet->element] != facet->fragment && first_crack(contact, facet->fragment)) return true;
+    }
+    for (int32_t i = contact->known_cohesive; i < bodies->cohesive->count; i++) {
+        const int32_t *sides = contact->model->adjacency.facet_elements + 2 * (int64_t)bodies->cohesive->facet[i];
+        if (first_crack(contact, fragment[sides[0]]) || first_crack(contact, fragment[sides[1]])) return true;
+    }
+    return false;
+}
+
+/* Both faces of an open crack belong to it: they may meet once it deforms. */
+static bool opens_inside(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet)
+{
+    const ShvAdjacency *adjacency = &contact->model->adjacency;
+    if (!facet->crack) return false;
+    const int32_t *sides =
+        adjacency->facet_elements + 2 * adjacency->element_facets[4 * (int64_t)facet->element + facet->face];
+    return bodies->state->element_fragment[sides[0]] == bodies->state->element_fragment[sides[1]];
+}
+
+static bool has_woken(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t fragment)
+{
+    return contact->fragments[fragment].rigid && !shv_bodies_companion(bodies, fragment);
+}
+
+/* Companions that have gone to sleep elsewhere, or that woke with a crack of their own. */
+static bool cannot_wake(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    for (int32_t i = 0; i < contact->known_fragments; i++)
+        if (has_woken(contact, bodies, i) && !bodies->awake[i]) return true;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        const ShvSurfaceFacet *facet = &contact->list.facets[k];
+        if (has_woken(contact, bodies, facet->fragment) && opens_inside(contact, bodies, facet)) return true;
+    }
+    return false;
+}
+
+/* ---- companions that woke ---- */
+
+/* Whether a candidate stays where it is: node_contact.h sees to obstacles now, and what deforms goes to the first list. */
+static bool keeps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                  const ShvSurfaceCandidate *candidate, int kind)
+{
+    const bool woken = has_woken(contact, bodies, candidate->fragments[0]);
+    if (candidate->element < 0) return !woken;
+    return kind == 0 || !(woken || has_woken(contact, bodies, candidate->fragments[1]));
+}
+
+static ShvStatus wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    for (int kind = 1; kind >= 0; kind--) {
+        ShvSurfaceCandidates *list = &contact->candidates[kind];
+        int32_t kept = 0;
+        for (int32_t k = 0; k < list->count; k++) {
+            const ShvSurfaceCandidate candidate = list->items[k];
+            if (keeps(contact, bodies, &candidate, kind)) {
+                list->items[kept] = candidate;
+                list->due[kept] = list->due[k];
+                list->movers[kept++] = list->movers[k];
+                if (kind == 0) SHV_TRY(shv_surface_candidate_watch(contact, bodies, &candidate, error));
+            } else if (kind == 1) {
+                SHV_TRY(shv_surface_candidate_append(contact, &contact->candidates[0], &candidate, list->due[k],
+                                                     list->movers[k], error));
+            }
+        }
+        list->count = kept;
+    }
+    for (int32_t i = 0; i < contact->known_fragments; i++)
+        if (has_woken(contact, bodies, i)) contact->fragments[i].rigid = contact->fragments[i].cracked = false;
+    return SHV_OK;
+}
+
+/* ---- nodes that were split ---- */
+
+static bool in_tet(const ShvState *state, int32_t element, int32_t node)
+{
+    bool in = false;
+    for (int k = 0; k < 4; k++) in = in || shv_state_node(state, element, k) == node;
+    return in;
+}
+
+static void name_anew(const ShvSurfaceContact *contact, const ShvState *state, ShvSurfaceCandidate *candidate)
+{
+    candidate->fragments[0] = contact->list.nodes[candidate->slot].fragment;
+    if (candidate->element < 0) return;
+    const ShvSurfaceFacet *facet = &contact->list.facets[candidate->facet];
+    candidate->fragments[1] = facet->fragment;
+    for (int k = 0; k < 4 && candidate->mate >= 0; k++) {
+        const int32_t corner = shv_state_node(state, candidate->element, k);
+        if (state->origin[corner] == state->origin[candidate->node]) candidate->mate = corner;
+    }
+}
+
+/* Copies may meet what their original may, but for the tets they are corners of. */
+static ShvStatus copy_candidates(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    ShvSurfaceCandidates *list = &contact->candidates[0];
+    const int32_t count = list->count;
+    for (int32_t k = 0; k < count; k++) {
+        const ShvSurfaceCandidate candidate = list->items[k];
+        if (candidate.element >= 0 && contact->list.facets[candidate.facet].changed)
+            SHV_TRY(shv_surface_candidate_watch(contact, bodies, &candidate, error));
+        for (int32_t twin = contact->list.nodes[candidate.slot].twins; twin >= 0;
+             twin = contact->list.nodes[twin].twin) {
+            ShvSurfaceCandidate copy = candidate;
+            copy.node = contact->list.nodes[twin].node;
+            copy.slot = twin;
+            if (candidate.element >= 0 && in_tet(bodies->state, candidate.element, copy.node)) continue;
+            SHV_TRY(shv_surface_candidate_append(contact, list, &copy, list->due[k], list->movers[k], error));
+            SHV_TRY(shv_surface_candidate_watch(contact, bodies, &copy, error));
+        }
+    }
+    return SHV_OK;
+}
+
+static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    int32_t nodes;
+    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
+    for (int32_t i = contact->known_fragments; i < bodies->fragment_count; i++)
+        contact->fragments[i] = (ShvSurfaceFragment){.cracked = true};
+    SHV_TRY(shv_surface_list_follow(&contact->list, bodies, contact->known_cohesive, &nodes, error));
+    if (contact->list.node_count > nodes) SHV_TRY(copy_candidates(contact, bodies, error));
+    for (int kind = 0; kind < 2; kind++)
+        for (int32_t k = 0; k < contact->candidates[kind].count; k++)
+            name_anew(contact, bodies->state, &contact->candidates[kind].items[k]);
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool *lost, ShvError *error)
+{
+    const bool inserted = bodies->cohesive && (contact->known_fragments != bodies->fragment_count ||
+                                               contact->known_nodes != bodies->state->node_count ||
+                                               contact->known_cohesive != bodies->cohesive->count);
+    *lost = (!inserted && !contact->woken) || (contact->woken && cannot_wake(contact, bodies)) ||
+            (inserted && splits_whole_body(contact, bodies));
+    if (*lost) return SHV_OK;
+    if (contact->woken) SHV_TRY(wake(contact, bodies, error));
+    return inserted ? follow_insertions(contact, bodies, error) : SHV_OK;
+}

@@ -1,0 +1,172 @@
+/* How far what is listed may go until candidates are chosen anew, and whether it has. */
+#include "contact/candidates.h"
+#include "contact/surface_candidates.h"
+
+enum { STEPS_BETWEEN_LOOKS = 4, STEPS_TO_LAST = 64 };
+
+/* ---- motion ---- */
+
+static ShvVec3 node_velocity(const ShvSurfaceBodies *bodies, const ShvSurfaceNode *node)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, node->fragment);
+    if (!companion) return shv_load3(bodies->state->velocity + 3 * (int64_t)node->node);
+    return shv_companion_velocity(companion, shv_bodies_position(bodies, node->node, node->fragment));
+}
+
+static ShvVec3 against_frame(const ShvSurfaceContact *contact, ShvVec3 velocity)
+{
+    return shv_sub(velocity, contact->drift);
+}
+
+/* Of obstacles; those that stand move against the frame too. */
+static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    double largest = 0.0;
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
+        largest = fmax(largest, shv_candidates_obstacle_speed(&bodies->obstacles->items[k]) + shv_norm(contact->drift));
+    return largest;
+}
+
+/* No node of it is faster against the frame, m/s. */
+static double companion_speed(const ShvSurfaceContact *contact, const ShvCompanion *companion)
+{
+    return shv_norm(against_frame(contact, companion->velocity)) +
+           shv_norm(companion->angular_velocity) * companion->radius;
+}
+
+void shv_surface_candidates_look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    double largest[SHV_SURFACE_PACES] = {0.0};
+    for (int32_t k = 0; k < contact->watched_count; k++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[contact->watched[k]];
+        const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
+        const double squared = shv_dot(v, v);
+        largest[node->pace] = squared > largest[node->pace] ? squared : largest[node->pace];
+    }
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) contact->speed[pace] = sqrt(largest[pace]);
+    for (int32_t i = 0; bodies->companions && i < bodies->fragment_count; i++) {
+        if (!bodies->companions[i]) continue;
+        double *speed = &contact->speed[contact->fragments[i].pace];
+        const double own = companion_speed(contact, bodies->companions[i]);
+        *speed = own > *speed ? own : *speed;
+    }
+    contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
+}
+
+/* Whether something may leave its allowance before the next look; twice the speeds are allowed for. */
+static bool companions_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead,
+                              double gravity)
+{
+    for (int32_t i = 0; bodies->companions && i < bodies->fragment_count; i++) {
+        if (!bodies->companions[i]) continue;
+        const ShvSurfaceFragment *motion = &contact->fragments[i];
+        const double speed = companion_speed(contact, bodies->companions[i]) + ahead * gravity;
+        if (!(motion->path + ahead * speed <= contact->allowance[motion->pace])) return true;
+    }
+    return false;
+}
+
+static bool outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity)
+{
+    const double time = bodies->state->time - contact->built_time, ahead = 2.0 * STEPS_BETWEEN_LOOKS * step;
+    for (int32_t k = 0; k < contact->list.node_count; k++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[k];
+        if (shv_bodies_companion(bodies, node->fragment)) continue;
+        const ShvVec3 x = shv_state_position(bodies->state, node->node);
+        const ShvVec3 gone = shv_madd(shv_sub(x, node->from), -time, contact->drift);
+        const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
+        if (!(shv_norm(gone) + ahead * (shv_norm(v) + ahead * gravity) <= contact->allowance[node->pace])) return true;
+    }
+    return companions_outrun(contact, bodies, 2.0 * SHV_SURFACE_BEAT * step, gravity) ||
+           contact->path[SHV_SURFACE_OBSTACLES] + ahead * contact->speed[SHV_SURFACE_OBSTACLES] >
+               contact->allowance[SHV_SURFACE_OBSTACLES];
+}
+
+/* Neighbours that were in place are no candidates of each other: where there are cracks, candidates last a limited time. */
+bool shv_surface_pace_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity)
+{
+    const ShvState *state = bodies->state;
+    if (state->time == contact->seen_time) return false;
+    contact->seen_time = state->time;
+    shv_surface_candidates_look(contact, bodies);
+    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
+    for (int32_t i = 0; bodies->companions && i < bodies->fragment_count; i++)
+        if (bodies->companions[i])
+            contact->fragments[i].path += state->last_step * companion_speed(contact, bodies->companions[i]);
+    contact->beat = (contact->beat + 1) % SHV_SURFACE_BEAT;
+    if (++contact->age >= STEPS_TO_LAST && contact->list.crack_count > 0) return true;
+    if (++contact->since < STEPS_BETWEEN_LOOKS) return false;
+    contact->since = 0;
+    return outrun(contact, bodies, state->last_step, gravity);
+}
+
+/* ---- paces ---- */
+
+static double mean_size(const ShvSurfaceContact *contact)
+{
+    double sum = 0.0;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) sum += shv_box_size(&contact->list.facets[k].box);
+    return contact->list.facet_count > 0 ? sum / contact->list.facet_count : 0.0;
+}
+
+static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    const int32_t count = contact->list.node_count;
+    for (int32_t k = 0; k < count; k++) sum = shv_add(sum, node_velocity(bodies, &contact->list.nodes[k]));
+    contact->drift = count > 0 ? shv_scale(sum, 1.0 / count) : sum;
+}
+
+/* Lasts for many steps, but is not so far that every node has dozens of candidates unless the motion demands it. */
+static double allowance_for(const ShvSurfaceContact *contact, double way)
+{
+    const double far = 0.25 * contact->size, wanted = STEPS_TO_LAST * way, needed = 4.0 * STEPS_BETWEEN_LOOKS * way;
+    return fmax(needed, fmin(wanted, far));
+}
+
+/* Chooses the pace; places are kept as if the frame had not moved since candidates were chosen. */
+void shv_surface_pace_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
+                           double step)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, node->fragment);
+    const double speed =
+        companion ? companion_speed(contact, companion) : shv_norm(against_frame(contact, node_velocity(bodies, node)));
+    const double wanted = companion ? 4.0 * SHV_SURFACE_BEAT * step * speed : allowance_for(contact, step * speed);
+    const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+    node->from = shv_madd(x, contact->built_time - bodies->state->time, contact->drift);
+    node->pace = 0;
+    while (node->pace < SHV_SURFACE_PACES - 1 && !(contact->allowance[node->pace] >= wanted)) node->pace++;
+    if (companion) contact->fragments[node->fragment].pace = node->pace;
+}
+
+void shv_surface_pace_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+{
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    const ShvVec3 back = shv_scale(contact->drift, contact->built_time - bodies->state->time);
+    facet->box = (ShvBox){shv_add(facet->box.low, back), shv_add(facet->box.high, back)};
+    facet->pace = 0;
+    for (int k = 0; k < 3; k++) {
+        const uint8_t pace = contact->list.nodes[contact->list.slot[nodes[k]]].pace;
+        facet->pace = pace > facet->pace ? pace : facet->pace;
+    }
+}
+
+void shv_surface_pace_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step)
+{
+    const double least = 0.04;
+    choose_frame(contact, bodies);
+    contact->built_time = bodies->state->time;
+    contact->since = contact->age = 0;
+    contact->size = mean_size(contact);
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++)
+        contact->allowance[pace] = least * contact->size * (double)(1 << pace);
+    contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
+    contact->allowance[SHV_SURFACE_OBSTACLES] =
+        fmax(contact->allowance[0], allowance_for(contact, step * contact->speed[SHV_SURFACE_OBSTACLES]));
+    for (int32_t k = 0; k < contact->list.node_count; k++)
+        shv_surface_pace_node(contact, bodies, &contact->list.nodes[k], step);
+    for (int32_t k = 0; k < contact->list.facet_count; k++)
+        shv_surface_pace_facet(contact, bodies, &contact->list.facets[k]);
+    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] = 0.0;
+}
