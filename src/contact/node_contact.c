@@ -334,19 +334,3 @@ void shv_node_contact_book_ledger(const ShvNodeContact *contact, ShvLedger *ledg
     shv_ledger_book(ledger, SHV_WORK_CONTACT, contact->normal_work[0], contact->normal_work[1]);
     shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
 }
-
-void shv_node_contact_by_fragment(const ShvNodeContact *contact, const ShvState *state, const int32_t *node_fragment,
-                                  ShvFragmentTouch *fragments)
-{
-    for (int32_t k = 0; k < contact->touching; k++) {
-        const ShvNodeTouch *touch = &contact->touches[k];
-        const int32_t fragment = node_fragment
-                                     ? node_fragment[touch->node]
-                                     : state->element_fragment[state->corners[state->corner_start[touch->node]] / 4];
-        ShvFragmentTouch *sum = &fragments[fragment];
-        sum->touching++;
-        sum->fresh += touch->fresh;
-        sum->impulse += shv_norm(shv_madd(touch->friction, touch->normal_impulse, touch->normal));
-        sum->closing_speed = fmax(sum->closing_speed, touch->closing_speed);
-    }
-}

@@ -22,13 +22,6 @@ typedef struct ShvNodeTouch {
     ShvVec3 before;        /* velocity of the node before the kick, m/s */
 } ShvNodeTouch;
 
-/* What of the touches belongs to one fragment. */
-typedef struct ShvFragmentTouch {
-    int32_t touching, fresh;
-    double impulse;       /* Σ of magnitudes, N·s */
-    double closing_speed; /* largest, m/s */
-} ShvFragmentTouch;
-
 typedef struct ShvNodeContact {
     ShvMemory *memory;
     int32_t obstacle_count;
@@ -83,9 +76,5 @@ ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvOb
 void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state);
 /* Books normal and friction work into a ledger. */
 void shv_node_contact_book_ledger(const ShvNodeContact *contact, ShvLedger *ledger);
-/* Adds this step's touches to `fragments`, indexed as node_fragment's values, or, when node_fragment is NULL, as
-   state->element_fragment (needs state->corners). */
-void shv_node_contact_by_fragment(const ShvNodeContact *contact, const ShvState *state, const int32_t *node_fragment,
-                                  ShvFragmentTouch *fragments);
 
 #endif

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 
 #include "contact/imposed.h"
+#include "model/selection.h"
 
-bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point);
 /* Chosen nodes, increasing; the caller releases *nodes, which is NULL on failure. */
 ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
                               int32_t **nodes, int32_t *count, ShvError *error);

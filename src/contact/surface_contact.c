@@ -1,8 +1,5 @@
 #include "contact/surface_contact.h"
 
-#include <stdlib.h>
-
-#include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
 enum { MOST_SWEEPS = 12 };
@@ -35,13 +32,11 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].movers);
     }
     shv_release(contact->fragments);
-    shv_release(contact->planes);
+    shv_surface_draw_release(&contact->draw);
     shv_release(contact->watched);
     shv_release(contact->before);
     shv_release(contact->companion_before);
     shv_release(contact->pairs);
-    shv_release(contact->drafts);
-    shv_release(contact->keys);
     shv_release(contact->turns);
     *contact = (ShvSurfaceContact){0};
 }
@@ -118,149 +113,20 @@ ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurface
 
 /* ---- pairs ---- */
 
-/* Left to the crack between the two copies, which has not parted. */
-static bool held_by_crack(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
-{
-    if (candidate->mate < 0 || !contact->list.nodes[candidate->slot].held) return false;
-    const int32_t mate = contact->list.slot[candidate->mate];
-    return mate >= 0 && contact->list.nodes[mate].held;
-}
-
-/* A node comes from where its own surface looks. A facet that looks the same way, as the side of a block does for the
-   corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
-static bool looks_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
-{
-    const double clearly = 1e-3;
-    if (candidate->element < 0) return false;
-    const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
-    if (!(shv_dot(own, pair->normal) > 0.25 * shv_norm(own))) return false;
-    return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
-}
-
-static ShvStatus append_draft(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,
-                              ShvError *error)
-{
-    void *block = contact->drafts;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->draft_capacity, contact->draft_count, sizeof *pair,
-                                error));
-    contact->drafts = block;
-    block = contact->keys;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->key_capacity, contact->draft_count,
-                                sizeof(ShvPairKey), error));
-    contact->keys = block;
-    contact->keys[contact->draft_count] = (ShvPairKey){pair->node, pair->element, pair->face, contact->draft_count};
-    ShvFacetPair *draft = &contact->drafts[contact->draft_count++];
-    *draft = *pair;
-    const bool rigid = shv_bodies_companion(bodies, pair->fragments[0]);
-    const bool other_rigid = pair->element < 0 || shv_bodies_companion(bodies, pair->fragments[1]);
-    draft->slots[0] = rigid ? -1 : contact->list.slot[pair->node];
-    for (int k = 0; k < 3; k++) draft->slots[1 + k] = other_rigid ? -1 : contact->list.slot[pair->corners[k]];
-    draft->deforming = !rigid && !other_rigid;
-    return SHV_OK;
-}
-
-/* Sums of paths up to which candidates are due, by the movers of both sides. Twice the way both can go: other impulses of
-   the step may speed them up. */
-static void find_horizon(const ShvSurfaceContact *contact, double step, double *path, double *reach)
-{
-    for (int a = 0; a < SHV_SURFACE_MOVERS; a++)
-        for (int b = 0; b < SHV_SURFACE_MOVERS; b++) {
-            path[a * SHV_SURFACE_MOVERS + b] = contact->path[a] + contact->path[b];
-            reach[a * SHV_SURFACE_MOVERS + b] = 2.0 * step * (contact->speed[a] + contact->speed[b]);
-        }
-}
-
-/* What companions have to do with each other is asked of thousands of pairs, most of which are neighbours that do not
-   touch: their facets' planes are made once for all. */
-static ShvStatus make_planes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
-{
-    ShvSurfaceList *list = &contact->list;
-    if (contact->plane_capacity < list->facet_capacity) {
-        const size_t wanted = (size_t)list->facet_capacity;
-        ShvFacetPlane *grown =
-            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->planes, wanted, sizeof(ShvFacetPlane));
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPlane));
-        contact->planes = grown;
-        contact->plane_capacity = list->facet_capacity;
-    }
-    for (int32_t k = 0; k < list->node_count; k++)
-        if (shv_bodies_companion(bodies, list->nodes[k].fragment))
-            list->nodes[k].at = shv_bodies_position(bodies, list->nodes[k].node, list->nodes[k].fragment);
-    for (int32_t k = 0; k < list->facet_count; k++) {
-        int32_t nodes[3];
-        ShvVec3 corners[3];
-        if (!shv_bodies_companion(bodies, list->facets[k].fragment)) continue;
-        shv_surface_corners(bodies->state, list->facets[k].element, list->facets[k].face, nodes);
-        for (int i = 0; i < 3; i++) corners[i] = list->nodes[list->slot[nodes[i]]].at;
-        if (!shv_facet_plane_make(corners, &contact->planes[k])) contact->planes[k] = (ShvFacetPlane){0};
-    }
-    return SHV_OK;
-}
-
-typedef struct Horizon {
-    double step; /* s, to the next look */
-    /* by the movers of both sides, m: how far they have come and how far they may come in the step */
-    double path[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS], reach[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
-} Horizon;
-
-static ShvStatus draw_from(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
-                           ShvError *error)
-{
-    Horizon horizon = {.step = step};
-    const ShvSurfaceCandidates *list = &contact->candidates[kind];
-    find_horizon(contact, step, horizon.path, horizon.reach);
-    for (int32_t k = 0; k < list->count; k++) {
-        const double path = horizon.path[list->movers[k]], reach = horizon.reach[list->movers[k]];
-        const ShvSurfaceCandidate *candidate = &list->items[k];
-        ShvFacetPair pair;
-        double distance;
-        if (list->due[k] > path + reach || held_by_crack(contact, candidate)) continue;
-        contact->looks++;
-        if (kind == 1) {
-            distance =
-                shv_facet_plane_distance(&contact->planes[candidate->facet], contact->list.nodes[candidate->slot].at);
-            list->due[k] = path + distance;
-            if (distance > reach) continue;
-        }
-        const bool near = shv_facet_pair_look(bodies, contact->model, candidate, step, reach, &pair, &distance);
-        list->due[k] = path + distance;
-        if (near && !looks_away(contact, candidate, &pair)) SHV_TRY(append_draft(contact, bodies, &pair, error));
-    }
-    return SHV_OK;
-}
-
-static ShvStatus draw_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
-{
-    contact->draft_count = 0;
-    shv_surface_candidates_look(contact, bodies);
-    SHV_TRY(draw_from(contact, bodies, 0, step, error));
-    if (contact->beat != 0 || contact->candidates[1].count == 0) return SHV_OK;
-    SHV_TRY(make_planes(contact, bodies, error));
-    return draw_from(contact, bodies, 1, SHV_SURFACE_BEAT * step, error);
-}
-
-static int by_number(const void *a, const void *b)
-{
-    const ShvPairKey *x = a, *y = b;
-    if (x->node != y->node) return x->node < y->node ? -1 : 1;
-    if (x->element != y->element) return x->element < y->element ? -1 : 1;
-    return (x->face > y->face) - (x->face < y->face);
-}
-
 static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
-    SHV_TRY(draw_pairs(contact, bodies, step, error));
-    if (contact->pair_capacity < contact->draft_capacity) {
-        const size_t wanted = (size_t)contact->draft_capacity;
+    const ShvSurfaceDraw *draw = &contact->draw;
+    SHV_TRY(shv_surface_draw(contact, bodies, step, error));
+    if (contact->pair_capacity < draw->key_count) {
+        const size_t wanted = (size_t)draw->key_count + (size_t)draw->key_count / 2;
         ShvFacetPair *grown =
             shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, sizeof(ShvFacetPair));
         if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPair));
         contact->pairs = grown;
-        contact->pair_capacity = contact->draft_capacity;
+        contact->pair_capacity = (int32_t)wanted;
     }
-    if (contact->draft_count > 0) qsort(contact->keys, (size_t)contact->draft_count, sizeof *contact->keys, by_number);
-    for (int32_t k = 0; k < contact->draft_count; k++) contact->pairs[k] = contact->drafts[contact->keys[k].draft];
-    contact->pair_count = contact->draft_count;
+    for (int32_t k = 0; k < draw->key_count; k++) contact->pairs[k] = draw->drafts[draw->keys[k].draft];
+    contact->pair_count = draw->key_count;
     return SHV_OK;
 }
 
@@ -515,19 +381,27 @@ void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger
     shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
 }
 
-void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, ShvFragmentTouch *fragments)
+static void add_touch(ShvFragmentTouch *sum, const ShvFacetPair *pair, double own, double other)
+{
+    sum->impulse += shv_norm(shv_madd(pair->friction, pair->normal_impulse, pair->normal));
+    if (!(pair->gap > 0.0)) return;
+    const double closing = -shv_dot(pair->relative, pair->normal);
+    const double severity = closing * (isfinite(other) ? sqrt(fmax(1.0, other / own)) : 1.0);
+    if (!(severity > sum->severity)) return;
+    sum->severity = severity;
+    sum->closing_speed = closing;
+    sum->other_mass = other;
+}
+
+void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, const double *masses,
+                                     ShvFragmentTouch *fragments)
 {
     for (int32_t k = 0; k < contact->pair_count; k++) {
         const ShvFacetPair *pair = &contact->pairs[k];
         if (!has_impulse(pair)) continue;
-        const double impulse = shv_norm(shv_madd(pair->friction, pair->normal_impulse, pair->normal));
-        const double closing = -shv_dot(pair->relative, pair->normal);
-        for (int side = 0; side < (pair->element < 0 ? 1 : 2); side++) {
-            ShvFragmentTouch *sum = &fragments[pair->fragments[side]];
-            sum->touching++;
-            sum->fresh += pair->gap > 0.0;
-            sum->impulse += impulse;
-            sum->closing_speed = fmax(sum->closing_speed, closing);
-        }
+        const double own = masses[pair->fragments[0]];
+        const double other = pair->element < 0 ? (double)INFINITY : masses[pair->fragments[1]];
+        add_touch(&fragments[pair->fragments[0]], pair, own, other);
+        if (pair->element >= 0) add_touch(&fragments[pair->fragments[1]], pair, other, own);
     }
 }

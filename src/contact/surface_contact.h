@@ -31,12 +31,9 @@
 #include "contact/facet_pair.h"
 #include "contact/node_contact.h"
 #include "contact/node_grid.h"
+#include "contact/surface_draw.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
-
-typedef struct ShvPairKey {
-    int32_t node, element, face, draft;
-} ShvPairKey;
 
 /* Motion of a companion before the kick. */
 typedef struct ShvCompanionBefore {
@@ -46,6 +43,15 @@ typedef struct ShvCompanionBefore {
 /* Steps from one look at companions among themselves to the next: they have no waves to resolve, and weight moves them by
    g t²/2, nanometres, in so short a time. */
 enum { SHV_SURFACE_BEAT = 8 };
+
+/* What touches one fragment in a step. */
+typedef struct ShvFragmentTouch {
+    double impulse; /* Σ of magnitudes, N·s */
+    /* of the touch from a gap with the largest speed × √max(1, mass of the other/own); 0 where there is none: */
+    double closing_speed; /* m/s */
+    double other_mass;    /* kg; infinite: an obstacle */
+    double severity;      /* m/s: that product */
+} ShvFragmentTouch;
 
 typedef struct ShvSurfaceCandidates {
     ShvSurfaceCandidate *items;
@@ -65,7 +71,7 @@ typedef struct ShvSurfaceFragment {
 /* What moves: nodes and facets of each pace, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_PACES, SHV_SURFACE_MOVERS };
 
-typedef struct ShvSurfaceContact {
+struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
@@ -92,9 +98,7 @@ typedef struct ShvSurfaceContact {
     double seen_time;                     /* s: moment up to which motion has been counted */
     ShvSurfaceCandidates candidates[2];   /* where something deforms or an obstacle is met; between companions */
     int32_t beat;                         /* steps since companions were looked at together */
-    ShvFacetPlane *planes;                /* of list.facets, at such a look */
-    int32_t plane_capacity;
-    int32_t *watched; /* nodes of candidates that are not companions': places in list.nodes */
+    int32_t *watched;                     /* nodes of candidates that are not companions': places in list.nodes */
     int32_t watched_count, watched_capacity;
     double *before; /* 3 per watched node: velocity before the kick, m/s */
     int32_t before_capacity;
@@ -103,10 +107,7 @@ typedef struct ShvSurfaceContact {
     /* this step */
     ShvFacetPair *pairs; /* by node, element, face; those without an impulse included */
     int32_t pair_count, pair_capacity;
-    ShvFacetPair *drafts; /* as they were found */
-    int32_t draft_count, draft_capacity;
-    ShvPairKey *keys; /* of drafts */
-    int32_t key_capacity;
+    ShvSurfaceDraw draw;
     int32_t *turns; /* per place in list.nodes: last turn of the sweeps in which its velocity changed */
     int32_t turn_capacity;
     int32_t turn, rigid_turn; /* the present one; the last in which a companion's or obstacle's motion changed */
@@ -119,7 +120,7 @@ typedef struct ShvSurfaceContact {
         unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
     double deepest;          /* m: largest penetration of a pair */
     int64_t looks, rebuilds; /* since the start */
-} ShvSurfaceContact;
+};
 
 /* Allocates nothing. `friction`: Coulomb coefficient between any two surfaces, ≥ 0. */
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
@@ -141,7 +142,8 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
 /* Works of this step's impulses with the velocities as they are now. */
 void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger *ledger);
-/* Adds this step's touches to `fragments`, on both sides. `fresh` counts those whose node arrives from a gap. */
-void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, ShvFragmentTouch *fragments);
+/* Adds this step's touches to `fragments`, on both sides; masses of fragments, kg. */
+void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, const double *masses,
+                                     ShvFragmentTouch *fragments);
 
 #endif

@@ -31,6 +31,7 @@ typedef struct ShvSurfaceFacet {
     int32_t slots[3]; /* of its nodes */
     bool crack;       /* face of a crack that has parted */
     bool changed;     /* nodes of it were split at the last look */
+    int64_t seen;     /* turn of the last look at it */
     uint8_t pace;     /* the largest of its nodes */
     ShvBox box;       /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
@@ -43,7 +44,8 @@ typedef struct ShvSurfaceNode {
     uint8_t pace;
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
     ShvVec3 from;   /* where it was when its pace was chosen, m */
-    ShvVec3 at;     /* of a companion: where it is at the present look, m */
+    ShvVec3 at;     /* where it was when last looked at, m */
+    int64_t seen;   /* turn of that */
     ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 

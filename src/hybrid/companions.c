@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "contact/box.h"
+#include "hybrid/near.h"
 
 #define GROW(block, part, count, error)                                                                                \
     do {                                                                                                               \
@@ -25,6 +25,8 @@ ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error)
     GROW(companions->rotations, SHV_PART_CONTACT, room, error);
     GROW(companions->impulses, SHV_PART_CONTACT, room, error);
     GROW(companions->touches, SHV_PART_CONTACT, room, error);
+    GROW(companions->masses, SHV_PART_CONTACT, room, error);
+    GROW(companions->wanted, SHV_PART_CONTACT, room, error);
     GROW(companions->fragments, SHV_PART_CONTACT, room, error);
     GROW(companions->by_fragment, SHV_PART_CONTACT, room, error);
     memset(companions->by_fragment, 0, (size_t)room * sizeof *companions->by_fragment);
@@ -42,6 +44,8 @@ void shv_companions_release(ShvHybrid *hybrid)
     shv_release(companions->rotations);
     shv_release(companions->impulses);
     shv_release(companions->touches);
+    shv_release(companions->masses);
+    shv_release(companions->wanted);
     shv_release(companions->fragments);
     shv_release(companions->by_fragment);
     memset(companions, 0, sizeof *companions);
@@ -128,8 +132,8 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
                                      .other = -1,
                                      .time = hybrid->state.time,
                                      .closing_speed = touch ? touch->closing_speed : 0.0,
-                                     .fresh = touch && touch->fresh > 0,
-                                     .other_mass = hybrid->companions.awake_mass,
+                                     .fresh = touch && touch->severity > 0.0,
+                                     .other_mass = touch ? touch->other_mass : 0.0,
                                      .load = load};
     const bool wakes = isfinite(hybrid->fragments.items[index].strength) && shv_hybrid_judge(hybrid, &contact);
     return wakes ? shv_hybrid_wake(hybrid, &contact, error) : SHV_OK;
@@ -140,11 +144,12 @@ ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error)
     ShvCompanions *companions = &hybrid->companions;
     if (companions->count == 0 || hybrid->surface.touching == 0) return SHV_OK;
     memset(companions->touches, 0, (size_t)hybrid->fragments.count * sizeof *companions->touches);
-    shv_surface_contact_by_fragment(&hybrid->surface, companions->touches);
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) companions->masses[i] = hybrid->fragments.items[i].mass;
+    shv_surface_contact_by_fragment(&hybrid->surface, companions->masses, companions->touches);
     for (int32_t place = companions->count - 1; place >= 0; place--) {
         const ShvFragmentTouch *touch = &companions->touches[companions->fragments[place]];
         companions->impulses[place] += touch->impulse;
-        if (touch->fresh > 0) SHV_TRY(judge(hybrid, companions->fragments[place], touch, 0.0, error));
+        if (touch->severity > 0.0) SHV_TRY(judge(hybrid, companions->fragments[place], touch, 0.0, error));
     }
     return shv_awake_refresh(hybrid, error);
 }
@@ -160,80 +165,50 @@ static ShvStatus judge_loads(ShvHybrid *hybrid, ShvError *error)
         companions->impulses[place] = 0.0;
         if (time > 0.0) SHV_TRY(judge(hybrid, companions->fragments[place], NULL, impulse / time, error));
     }
-    companions->awake_mass = 0.0;
-    for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (hybrid->fragments.items[i].mode == SHV_MODE_FRACTURE)
-            companions->awake_mass += hybrid->fragments.items[i].mass;
     return shv_awake_refresh(hybrid, error);
 }
 
-/* ---- who is near ---- */
+/* ---- who goes along ---- */
 
-typedef struct Near {
-    ShvBox box;   /* of an awake fragment's nodes */
-    double speed; /* m/s, their largest */
-} Near;
-
-static Near near_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
-{
-    Near near = {.box = shv_box_empty(), .speed = 0.0};
-    for (int32_t k = 0; k < fragment->node_count; k++) {
-        const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
-        shv_box_add(&near.box, shv_state_position(&hybrid->state, node));
-        near.speed = fmax(near.speed, shv_norm(shv_load3(hybrid->state.velocity + 3 * (int64_t)node)));
-    }
-    return near;
-}
-
-/* Distance of a point from a box, 0 inside. */
-static double distance(const ShvBox *box, ShvVec3 p)
-{
-    const ShvVec3 out = {fmax(0.0, fmax(box->low.x - p.x, p.x - box->high.x)),
-                         fmax(0.0, fmax(box->low.y - p.y, p.y - box->high.y)),
-                         fmax(0.0, fmax(box->low.z - p.z, p.z - box->high.z))};
-    return shv_norm(out);
-}
-
-/* Whether a fragment's sphere may come to the box within the interval; companions stay until they are twice as far. */
-static bool comes_near(const ShvHybrid *hybrid, const ShvFragment *fragment, const Near *near, double interval)
+/* Whether a fragment may come to what is awake within the interval. */
+static bool comes_near(const ShvHybrid *hybrid, const ShvNear *near, const ShvFragment *fragment, double interval)
 {
     const double fall = interval * shv_norm(shv_load3(hybrid->gravity));
     const double way = interval * (shv_norm(fragment->velocity) + near->speed + 2.0 * fall) + 1e-3 * fragment->radius;
-    return distance(&near->box, fragment->position) <= fragment->radius + (fragment->companion ? 2.0 : 1.0) * way;
+    return shv_near_meets(near, fragment->position, fragment->radius + way);
 }
 
-static ShvStatus choose_beside(ShvHybrid *hybrid, const Near *near, double interval, uint8_t *wanted, ShvError *error)
+static void choose_beside(ShvHybrid *hybrid, const ShvNear *near, double interval)
 {
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        if (fragment->mode != SHV_MODE_FLIGHT || fragment->dust || wanted[i] ||
-            !comes_near(hybrid, fragment, near, interval))
-            continue;
-        wanted[i] = 1;
-        if (!fragment->companion) SHV_TRY(shv_companions_add(hybrid, i, error));
+        if (fragment->mode != SHV_MODE_FLIGHT || fragment->dust || hybrid->companions.wanted[i]) continue;
+        hybrid->companions.wanted[i] = comes_near(hybrid, near, fragment, interval);
     }
-    return SHV_OK;
 }
 
 ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error)
 {
-    if (!hybrid->mutual || (hybrid->awake.count == 0 && hybrid->companions.count == 0)) return SHV_OK;
+    ShvCompanions *companions = &hybrid->companions;
+    if (!hybrid->mutual || (hybrid->awake.count == 0 && companions->count == 0)) return SHV_OK;
+    SHV_TRY(shv_companions_reserve(hybrid, error));
     SHV_TRY(judge_loads(hybrid, error));
-    uint8_t *wanted = shv_allocate(hybrid->memory, SHV_PART_CONTACT, (size_t)hybrid->fragments.count, 1);
-    if (!wanted) return shv_fail_memory(error, "companions", (size_t)hybrid->fragments.count);
-    ShvStatus status = SHV_OK;
-    for (int32_t i = 0; i < hybrid->fragments.count && status == SHV_OK; i++) {
+    memset(companions->wanted, 0, (size_t)hybrid->fragments.count);
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         if (!hybrid->awake.flags[i]) continue;
-        const Near near = near_of(hybrid, &hybrid->fragments.items[i]);
-        status = choose_beside(hybrid, &near, interval, wanted, error);
+        ShvNear near;
+        shv_near_find(hybrid, &hybrid->fragments.items[i], &near);
+        choose_beside(hybrid, &near, interval);
     }
-    for (int32_t place = hybrid->companions.count - 1; place >= 0; place--)
-        if (status == SHV_OK && !wanted[hybrid->companions.fragments[place]]) {
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (companions->wanted[i] && !hybrid->fragments.items[i].companion)
+            SHV_TRY(shv_companions_add(hybrid, i, error));
+    for (int32_t place = companions->count - 1; place >= 0; place--)
+        if (!companions->wanted[companions->fragments[place]]) {
             let_go(hybrid, place);
             shv_surface_contact_invalidate(&hybrid->surface);
         }
-    shv_release(wanted);
-    return status;
+    return SHV_OK;
 }
 
 /* ---- the step ---- */

@@ -93,7 +93,8 @@ static inline void surfaces_place(ShvObjectDefinition *object, ShvVec3 position,
     shv_store3(object->placement.velocity, velocity);
 }
 
-static inline void surfaces_list_nodes(Surfaces *s)
+/* Nodes of what is awake; the lists of contact go on. */
+static inline void surfaces_relist(Surfaces *s)
 {
     shv_release(s->nodes);
     s->nodes = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)s->state.node_count, sizeof(int32_t));
@@ -110,8 +111,12 @@ static inline void surfaces_list_nodes(Surfaces *s)
     shv_release(seen);
     shv_release(s->before);
     s->before = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)s->state.node_count, sizeof(double));
-    shv_surface_contact_invalidate(&s->contact);
     shv_node_contact_invalidate(&s->floor_contact);
+}
+static inline void surfaces_list_nodes(Surfaces *s)
+{
+    surfaces_relist(s);
+    shv_surface_contact_invalidate(&s->contact);
 }
 
 /* Every object a fragment of its own, awake; obstacles: a floor z = 0 or none. */

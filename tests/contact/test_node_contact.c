@@ -388,8 +388,8 @@ static void test_works(void **state)
     nodes_release(&nodes);
 }
 
-/* Touches are summed by fragment, and a pause makes them fresh again. */
-static void test_fragments_and_pauses(void **state)
+/* A pause makes touches fresh again. */
+static void test_pauses(void **state)
 {
     (void)state;
     const ShvObstacleDefinition floor = plane_definition("floor", shv_vec3(0.0, 0.0, 1.0), 0.0);
@@ -398,15 +398,10 @@ static void test_fragments_and_pauses(void **state)
     nodes.gravity[2] = -10.0;
     for (int32_t i = 0; i < 4; i++)
         place_node(&nodes, i, shv_vec3(i, 0.0, i == 3 ? 1.0 : 0.0), shv_vec3(0.0, 0.0, 0.0));
-    const int32_t fragment[4] = {1, 0, 1, 1};
     for (int step = 0; step < 2; step++) {
-        ShvFragmentTouch touches[2] = {{0}};
         nodes_step(&nodes, STEP);
-        shv_node_contact_by_fragment(&nodes.contact, &nodes.state, fragment, touches);
-        assert_int_equal(touches[0].touching, 1);
-        assert_int_equal(touches[1].touching, 2);
-        assert_int_equal(touches[1].fresh, step == 0 ? 2 : 0);
-        check_near(touches[1].impulse, 2.0 * 10.0 * STEP * (step == 0 ? 0.5 : 1.0), 1e-15);
+        assert_int_equal(nodes.contact.touching, 3);
+        for (int32_t t = 0; t < 3; t++) assert_int_equal(nodes.contact.touches[t].fresh, step == 0);
     }
     nodes.state.time += 1.0;
     nodes_step(&nodes, STEP);
@@ -492,7 +487,7 @@ int main(void)
         cmocka_unit_test(test_box_on_nodes),
         cmocka_unit_test(test_energy_never_grows),
         cmocka_unit_test(test_works),
-        cmocka_unit_test(test_fragments_and_pauses),
+        cmocka_unit_test(test_pauses),
         cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_nothing_near),
     };

@@ -474,6 +474,15 @@ static bool is_listed(const ShvSurfaceContact *contact, const ShvFacetPair *pair
     return false;
 }
 
+/* Whether a tet has a copy of a node. */
+static bool are_neighbours(const ShvState *state, int32_t element, int32_t node)
+{
+    bool shared = false;
+    for (int k = 0; k < 4; k++)
+        shared = shared || state->origin[shv_state_node(state, element, k)] == state->origin[node];
+    return shared;
+}
+
 /* Pairs, by all nodes against all facets, that would be struck in a step. */
 static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, int32_t room)
 {
@@ -490,7 +499,8 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
                                                    .fragments = {node->fragment, facet->fragment}};
             ShvFacetPair pair;
             double distance;
-            if (facet->fragment == node->fragment || node->held ||
+            if (facet->fragment == node->fragment ||
+                (node->held && are_neighbours(&s->state, facet->element, node->node)) ||
                 !shv_facet_pair_look(&s->bodies, &s->model, &candidate, step, reach, &pair, &distance))
                 continue;
             const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
@@ -582,6 +592,99 @@ static void test_late_cracks(void **state)
     surfaces_release(&s);
 }
 
+/* The facets around the elements of a piece that are still whole; the piece becomes a fragment of its own. */
+static void cut_off(Surfaces *s, const int32_t *piece, int32_t index)
+{
+    const ShvAdjacency *adjacency = &s->model.adjacency;
+    int32_t *facets = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)adjacency->interior_count, sizeof(int32_t));
+    int32_t count = 0, duplicated;
+    for (int32_t f = 0; f < adjacency->interior_count; f++) {
+        const int32_t *sides = adjacency->facet_elements + 2 * (int64_t)f;
+        if ((piece[sides[0]] == index) != (piece[sides[1]] == index) && s->cohesive.facet_cohesive[f] < 0)
+            facets[count++] = f;
+    }
+    check_ok(shv_cohesive_insert(&s->cohesive, &s->state, NULL, facets, count, &duplicated, &s->error), s->error);
+    for (int32_t e = 0; e < s->state.element_count; e++)
+        if (piece[e] == index) s->state.element_fragment[e] = s->bodies.fragment_count;
+    s->awake[s->bodies.fragment_count++] = 1;
+    surfaces_relist(s);
+    shv_release(facets);
+}
+
+static void wake_companion(Surfaces *s, int32_t index)
+{
+    const ShvCompanion *companion = s->companions[index];
+    const ShvObject *object = &s->model.objects[index];
+    for (int32_t i = object->node_begin; i < object->node_end; i++) {
+        const ShvVec3 reference = shv_load3(s->state.reference + 3 * (int64_t)i);
+        const ShvVec3 x = shv_companion_point(companion, reference);
+        shv_store3(s->state.displacement + 3 * (int64_t)i, shv_sub(x, reference));
+        shv_store3(s->state.velocity + 3 * (int64_t)i, shv_companion_velocity(companion, x));
+    }
+    s->companions[index] = NULL;
+    s->awake[index] = 1;
+    surfaces_relist(s);
+    shv_surface_contact_wake(&s->contact);
+}
+
+static bool both_rigid(const Surfaces *s, const ShvFacetPair *pair)
+{
+    return s->companions[pair->fragments[0]] && s->companions[pair->fragments[1]];
+}
+
+/* A block comes to pieces one by one while it runs into two companions, which run into each other too, and one of which wakes:
+   candidates go on without new lists, and nothing is missed. Neighbours in place are left out: they are no candidates by
+   intention; so are companions among themselves, which are looked at now and then. */
+static void test_lists_go_on(void **state)
+{
+    (void)state;
+    enum { ROOM = 4000, PIECES = 12, PAUSE = 12 };
+    static ShvFacetPair expected[ROOM];
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_box(&s, 0.04, 0.04, 0.04, 0.01);
+    ShvObjectDefinition *other = surfaces_box(&s, 0.05, 0.05, 0.03, 0.0125);
+    surfaces_place(other, shv_vec3(0.003, 0.002, 0.035001), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_place(surfaces_box(&s, 0.03, 0.05, 0.05, 0.0125), shv_vec3(0.035001, 0.001, 0.002),
+                   shv_vec3(0.0, 0.0, 0.0));
+    surfaces_build(&s, 0.3, false);
+    surfaces_make_companion(&s, 1, shv_vec3(0.8, 0.1, -3.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_companion(&s, 2, shv_vec3(-3.0, 0.0, 0.3), shv_vec3(1.0, 2.0, 0.0));
+    int32_t *piece = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)s.state.element_count, sizeof(int32_t));
+    for (int32_t e = 0; e < s.state.element_count; e++)
+        piece[e] = e < s.model.objects[0].element_end ? 1 + e * 7 % PIECES : 0;
+    const double step = surfaces_stable_step(&s);
+    int64_t found = 0, kept = 0, copies = 0, built = 0;
+    int32_t nodes = 0; /* when lists were last made */
+    for (int k = 0; k < PAUSE * (PIECES + 4); k++) {
+        const bool changed = k % PAUSE == 0 && k > 0 && k / PAUSE <= PIECES;
+        if (changed) cut_off(&s, piece, k / PAUSE);
+        if (k == PAUSE * 3 + 1) wake_companion(&s, 2);
+        const int64_t rebuilds = s.contact.rebuilds;
+        surfaces_forces(&s);
+        check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
+        kept += (changed || k == PAUSE * 3 + 1) && rebuilds == s.contact.rebuilds;
+        if (built != s.contact.rebuilds) nodes = s.state.node_count;
+        built = s.contact.rebuilds;
+        shv_motion_kick(&s.state, s.nodes, s.node_count, 0.5 * (s.state.last_step + step), s.gravity, 1);
+        const int32_t count = brute_force(&s, step, expected, ROOM);
+        check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
+        for (int32_t i = 0; i < count; i++)
+            assert_true(are_neighbours(&s.state, expected[i].element, expected[i].node) ||
+                        both_rigid(&s, &expected[i]) || is_listed(&s.contact, &expected[i]));
+        for (int32_t i = 0; i < count; i++)
+            copies += expected[i].node >= nodes && !are_neighbours(&s.state, expected[i].element, expected[i].node);
+        found += count;
+        surfaces_drift(&s, step);
+    }
+                  (int)s.contact.rebuilds);
+    assert_true(copies > 10);
+    assert_true(kept > PIECES / 2);
+    assert_true(found > 100);
+    shv_release(piece);
+    surfaces_release(&s);
+}
+
 /* One awake fragment without parted cracks: nothing is allocated. */
 static void test_idle(void **state)
 {
@@ -663,6 +766,7 @@ int main(void)
                                        cmocka_unit_test(test_steps_thrown_away),
                                        cmocka_unit_test(test_nothing_is_missed),
                                        cmocka_unit_test(test_late_cracks),
+                                       cmocka_unit_test(test_lists_go_on),
                                        cmocka_unit_test(test_idle),
                                        cmocka_unit_test(test_out_of_memory),
                                        cmocka_unit_test(test_friction_is_checked)};
