@@ -677,7 +677,6 @@ static void test_lists_go_on(void **state)
         found += count;
         surfaces_drift(&s, step);
     }
-                  (int)s.contact.rebuilds);
     assert_true(copies > 10);
     assert_true(kept > PIECES / 2);
     assert_true(found > 100);
