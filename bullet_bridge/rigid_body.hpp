@@ -2,6 +2,8 @@
 #ifndef BULLET_BRIDGE_RIGID_BODY_HPP
 #define BULLET_BRIDGE_RIGID_BODY_HPP
 
+#include <memory>
+
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -46,10 +48,11 @@ class ShvCollider
         const btMatrix3x3 *axes;
         btVector3 origin;
         btVector3 at(size_t vertex) const { return origin + *axes * convex->vertices[vertex]; }
+        btScalar highest(const btVector3 &normal) const { return convex->highest(normal * *axes); }
     };
     struct Near {
         Placed part;
-        btVector3 centre;
+        btVector3 middle, half; // of its box
     };
     struct Axis {
         btVector3 normal{0, 0, 0}; // from the second part to the first
@@ -76,16 +79,14 @@ class ShvCollider
     // A surface's part is seen from outside only.
     void part_part(const Placed &first, const Placed &second, bool surface_first, bool surface_second);
     btScalar gap_along(const Placed &first, const Placed &second, const btVector3 &normal) const;
-    void look(const Placed &first, const Placed &second, const btConvexShape &core_first,
-              const btConvexShape &core_second, const btVector3 &guess, Axis *axis) const;
+    bool look(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
+              const btVector3 &guess, Axis *axis) const;
     void try_faces(const Placed &first, const Placed &second, const btVector3 &outward_first,
                    const btVector3 &outward_second, Axis *axis) const;
     Face nearest_face(const Placed &first, const Placed &second, const btVector3 &normal) const;
     bool emit_faces(const Placed &first, const Placed &second, const Axis &axis);
     void parts_surface(const ShvBulletBody &parts, const ShvBulletBody &surface, const btVector3 &parts_origin,
                        const btVector3 &surface_origin, bool swapped);
-    bool gjk(const btConvexShape &first, const btTransform &at_first, const btConvexShape &second,
-             const btTransform &at_second, const btVector3 &guess, btVector3 *normal, btVector3 *witness) const;
     bool clip(const Placed &reference, size_t face, const Placed &incident, const btVector3 &outward);
     void reduce();
     void emit(const btVector3 &normal);

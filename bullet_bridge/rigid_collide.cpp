@@ -3,12 +3,8 @@
 // their overlap is clipped out, so that a contact has its whole area from the first moment on.
 #include <algorithm>
 
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
-#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
-#include <LinearMath/btAabbUtil2.h>
-
 #include "bullet_bridge/rigid_body.hpp"
+#include "bullet_bridge/rigid_gjk.hpp"
 
 static const size_t most_points = 4;
 static const btScalar beside_a_face = 0.9; // cosine: faces farther from the contact's normal cannot be what touches
@@ -16,51 +12,15 @@ static const btScalar beside_a_face = 0.9; // cosine: faces farther from the con
 // face an overhanging corner may lie.
 static const btScalar on_a_face = 1e-4, beyond_a_face = 1e-3;
 
-namespace
-{
-struct Closest : public btDiscreteCollisionDetectorInterface::Result {
-    bool found = false;
-    btVector3 normal{0, 0, 0}, point{0, 0, 0};
-    btScalar distance = 0;
-    void setShapeIdentifiersA(int, int) override {}
-    void setShapeIdentifiersB(int, int) override {}
-    void addContactPoint(const btVector3 &normal_on_second, const btVector3 &point_on_second, btScalar depth) override
-    {
-        found = true;
-        normal = normal_on_second;
-        point = point_on_second;
-        distance = depth;
-    }
-};
-} // namespace
-
-bool ShvCollider::gjk(const btConvexShape &first, const btTransform &at_first, const btConvexShape &second,
-                      const btTransform &at_second, const btVector3 &guess, btVector3 *normal, btVector3 *witness) const
-{
-    btVoronoiSimplexSolver simplex;
-    btGjkPairDetector detector(&first, &second, &simplex, nullptr);
-    detector.setIgnoreMargin(true);
-    detector.setCachedSeparatingAxis(guess.fuzzyZero() ? btVector3(0, 1, 0) : guess);
-    btDiscreteCollisionDetectorInterface::ClosestPointInput input;
-    input.m_transformA = at_first;
-    input.m_transformB = at_second;
-    Closest closest;
-    detector.getClosestPoints(input, closest, nullptr);
-    const btScalar length = closest.normal.length();
-    if (!closest.found || !(closest.distance > 0) || !(length > 0)) return false;
-    *normal = closest.normal / length;
-    *witness = closest.point + *normal * (closest.distance / 2);
-    return true;
-}
-
 // Keeps the part of the incident face that lies over the reference face.
 bool ShvCollider::clip(const Placed &reference, size_t face_index, const Placed &incident, const btVector3 &outward)
 {
     const ShvConvexFace &face = reference.convex->faces[face_index];
     const ShvConvexFace *other = nullptr;
     btScalar least = BT_LARGE_FLOAT;
+    const btVector3 local = outward * *incident.axes;
     for (const ShvConvexFace &candidate : incident.convex->faces) {
-        const btScalar along = (*incident.axes * candidate.normal).dot(outward);
+        const btScalar along = candidate.normal.dot(local);
         if (along < least) {
             least = along;
             other = &candidate;
@@ -228,10 +188,14 @@ void ShvCollider::sphere_part(const ShvBulletBody &sphere, const Placed &part, b
             height = nearest;
         }
     } else if (height > 0) {
-        btSphereShape point(0);
-        const btTransform here(btMatrix3x3::getIdentity(), centre);
-        if (gjk(point, here, *part.convex->core, btTransform(*part.axes, part.origin), normal, &normal, &witness))
-            height = normal.dot(centre - part.origin) - part.convex->highest(normal, *part.axes);
+        static const std::vector<btVector3> point(1, btVector3(0, 0, 0));
+        const ShvCore core = {part.convex->vertices, part.convex->centre, part.convex->core};
+        const ShvNearest nearest =
+            shv_nearest({point, point[0], 1}, core, *part.axes, part.origin - centre, normal, BT_LARGE_FLOAT);
+        if (nearest.apart) {
+            normal = nearest.normal;
+            height = normal.dot(centre - part.origin) - part.highest(normal);
+        }
     }
     const btScalar gap = height - sphere.radius;
     if (gap <= limit) points.push_back({centre - normal * (sphere.radius + gap / 2), gap});
@@ -241,24 +205,30 @@ void ShvCollider::sphere_part(const ShvBulletBody &sphere, const Placed &part, b
 // How far the first lies above the second along an axis.
 btScalar ShvCollider::gap_along(const Placed &first, const Placed &second, const btVector3 &normal) const
 {
-    return normal.dot(first.origin - second.origin) - first.convex->highest(-normal, *first.axes) -
-           second.convex->highest(normal, *second.axes);
+    return normal.dot(first.origin - second.origin) - first.highest(-normal) - second.highest(normal);
 }
 
-// The direction in which two cores are nearest, if it parts the bodies better than what is known.
-void ShvCollider::look(const Placed &first, const Placed &second, const btConvexShape &core_first,
-                       const btConvexShape &core_second, const btVector3 &guess, Axis *axis) const
+// The direction in which two cores are nearest, if it parts the bodies better than what is known; false when the bodies are out
+// of reach.
+bool ShvCollider::look(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
+                       const btVector3 &guess, Axis *axis) const
 {
-    btVector3 normal = guess, witness(0, 0, 0);
-    if (!gjk(core_first, btTransform(*first.axes, first.origin), core_second, btTransform(*second.axes, second.origin),
-             guess, &normal, &witness))
-        return;
+    const ShvConvex &a_part = *first.convex, &b_part = *second.convex;
+    const btScalar far = limit + (1 - share_first) * a_part.radius + (1 - share_second) * b_part.radius;
+    const btVector3 start = guess.fuzzyZero() ? btVector3(0, 1, 0) : guess * *first.axes;
+    const ShvNearest nearest =
+        shv_nearest({a_part.vertices, a_part.centre, share_first}, {b_part.vertices, b_part.centre, share_second},
+                    first.axes->transposeTimes(*second.axes), (second.origin - first.origin) * *first.axes, start, far);
+    if (nearest.far) return false;
+    if (!nearest.apart) return true;
+    const btVector3 normal = *first.axes * nearest.normal;
     const btScalar gap = gap_along(first, second, normal);
-    if (gap <= axis->gap) return;
+    if (gap <= axis->gap) return true;
     axis->normal = normal;
     axis->gap = gap;
     axis->witnessed = true;
-    axis->witness = witness;
+    axis->witness = first.origin + *first.axes * nearest.middle;
+    return true;
 }
 
 void ShvCollider::try_faces(const Placed &first, const Placed &second, const btVector3 &outward_first,
@@ -266,13 +236,16 @@ void ShvCollider::try_faces(const Placed &first, const Placed &second, const btV
 {
     for (int side = 0; side < 2; side++) {
         const Placed &own = side ? second : first, &other = side ? first : second;
-        const btVector3 &against = side ? outward_first : outward_second;
+        const btVector3 against = (side ? outward_first : outward_second) * *own.axes;
+        const btMatrix3x3 turn = other.axes->transposeTimes(*own.axes); // to the other's frame
+        const btVector3 away = (other.origin - own.origin) * *own.axes;
+        const btVector3 centre = (other.origin + *other.axes * other.convex->centre - own.origin) * *own.axes;
         for (const ShvConvexFace &face : own.convex->faces) {
-            const btVector3 outward = *own.axes * face.normal;
-            if (against.dot(outward) > 0) continue;
-            const btScalar gap =
-                outward.dot(other.origin - own.origin) - other.convex->highest(-outward, *other.axes) - face.offset;
+            if (against.dot(face.normal) > 0) continue;
+            if (face.normal.dot(centre) - face.offset <= axis->gap) continue; // a vertex lies lower than the centre
+            const btScalar gap = face.normal.dot(away) - other.convex->highest(-(turn * face.normal)) - face.offset;
             if (gap <= axis->gap) continue;
+            const btVector3 outward = *own.axes * face.normal;
             axis->normal = side ? outward : -outward;
             axis->gap = gap;
             axis->witnessed = false;
@@ -283,12 +256,13 @@ void ShvCollider::try_faces(const Placed &first, const Placed &second, const btV
 ShvCollider::Face ShvCollider::nearest_face(const Placed &first, const Placed &second, const btVector3 &normal) const
 {
     Face nearest = {0, false, -1};
+    const btVector3 local_second = normal * *second.axes, local_first = -normal * *first.axes;
     for (size_t f = 0; f < second.convex->faces.size(); f++) {
-        const btScalar along = (*second.axes * second.convex->faces[f].normal).dot(normal);
+        const btScalar along = second.convex->faces[f].normal.dot(local_second);
         if (along > nearest.along) nearest = {f, false, along};
     }
     for (size_t f = 0; f < first.convex->faces.size(); f++) {
-        const btScalar along = -(*first.axes * first.convex->faces[f].normal).dot(normal);
+        const btScalar along = first.convex->faces[f].normal.dot(local_first);
         if (along > nearest.along) nearest = {f, true, along};
     }
     return nearest;
@@ -324,14 +298,14 @@ void ShvCollider::part_part(const Placed &first, const Placed &second, bool surf
     if (distance > first.convex->radius + second.convex->radius + limit) return;
     if (distance > 0 && gap_along(first, second, between / distance) > limit) return;
     Axis axis;
-    look(first, second, *first.convex->core, *second.convex->core, between, &axis);
+    if (!look(first, second, first.convex->core, second.convex->core, between, &axis)) return;
     const btVector3 none(0, 0, 0);
     const btVector3 outward_first = surface_first ? *first.axes * first.convex->faces[0].normal : none;
     const btVector3 outward_second = surface_second ? *second.axes * second.convex->faces[0].normal : none;
     if (axis.gap > 0 && (outward_first.dot(axis.normal) > 0 || outward_second.dot(axis.normal) < 0))
         return; // behind a surface
     if (axis.gap > limit) return;
-    if (!axis.witnessed) look(first, second, *first.convex->kernel, *second.convex->kernel, between, &axis);
+    if (!axis.witnessed) look(first, second, first.convex->kernel, second.convex->kernel, between, &axis);
     if (axis.gap < 0) try_faces(first, second, outward_first, outward_second, &axis);
     if (axis.gap > limit) return;
     const btScalar size = surface_first    ? second.convex->radius
@@ -394,16 +368,19 @@ void ShvCollider::parts_surface(const ShvBulletBody &parts, const ShvBulletBody 
     }
 }
 
-// Parts of a body that may touch another one, by their spheres.
+// Parts of a body that may touch another one: their spheres reach its box. Their own boxes.
 void ShvCollider::near_parts(const ShvBulletBody &own, const btVector3 &origin, const ShvBulletBody &other,
                              const btVector3 &other_origin, std::vector<Near> *list) const
 {
     list->clear();
+    const btMatrix3x3 turn = other.axes.transposeTimes(own.axes), spread = own.axes.absolute();
+    const btVector3 middle = (other.low + other.high) / 2, half = (other.high - other.low) / 2;
+    const btVector3 away = (origin - other_origin) * other.axes - middle;
     for (const ShvConvex &part : own.parts) {
-        const btVector3 centre = origin + own.axes * part.centre;
         const btScalar reach = part.radius + limit;
-        if ((centre - other_origin).length2() > (reach + other.radius) * (reach + other.radius)) continue;
-        list->push_back({{&part, &own.axes, origin}, centre});
+        const btVector3 beyond = (turn * part.centre + away).absolute() - half;
+        if (beyond.x() > reach || beyond.y() > reach || beyond.z() > reach) continue;
+        list->push_back({{&part, &own.axes, origin}, origin + own.axes * part.middle, spread * part.half});
     }
 }
 
@@ -423,8 +400,9 @@ void ShvCollider::parts_parts()
     near_parts(*b, shift, *a, zero, &near_second);
     for (const Near &own : near_first)
         for (const Near &other : near_second) {
-            const btScalar reach = own.part.convex->radius + other.part.convex->radius + limit;
-            if ((own.centre - other.centre).length2() <= reach * reach) part_part(own.part, other.part, false, false);
+            const btVector3 beyond = (own.middle - other.middle).absolute() - own.half - other.half;
+            if (beyond.x() <= limit && beyond.y() <= limit && beyond.z() <= limit)
+                part_part(own.part, other.part, false, false);
         }
 }
 

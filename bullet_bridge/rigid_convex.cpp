@@ -8,32 +8,29 @@ static const btScalar hull_core_share = 0.995, hull_kernel_share = 0.8;
 // Faces of one plane: the hull computer's grid tears them apart.
 static const btScalar same_normal = 1 - 1e-8, same_plane = 1e-6;
 
-btScalar ShvConvex::highest(const btVector3 &direction, const btMatrix3x3 &axes) const
+btScalar ShvConvex::highest(const btVector3 &direction) const
 {
-    const btVector3 local = direction * axes;
     btScalar most = -BT_LARGE_FLOAT;
-    for (const btVector3 &vertex : vertices) most = btMax(most, local.dot(vertex));
+    for (const btVector3 &vertex : vertices) most = btMax(most, direction.dot(vertex));
     return most;
-}
-
-std::unique_ptr<btConvexHullShape> ShvConvex::shrunk(btScalar share) const
-{
-    auto shape = std::make_unique<btConvexHullShape>();
-    for (const btVector3 &vertex : vertices) shape->addPoint(centre + share * (vertex - centre), false);
-    shape->setMargin(0);
-    shape->recalcLocalAabb();
-    return shape;
 }
 
 void ShvConvex::finish(btScalar core_share, btScalar kernel_share)
 {
     centre.setZero();
-    for (const btVector3 &vertex : vertices) centre += vertex;
+    btVector3 low = vertices[0], high = low;
+    for (const btVector3 &vertex : vertices) {
+        centre += vertex;
+        low.setMin(vertex);
+        high.setMax(vertex);
+    }
     centre /= btScalar(vertices.size());
+    middle = (low + high) / 2;
+    half = (high - low) / 2;
     radius = 0;
     for (const btVector3 &vertex : vertices) radius = btMax(radius, (vertex - centre).length());
-    core = shrunk(core_share);
-    kernel = shrunk(kernel_share);
+    core = core_share;
+    kernel = kernel_share;
 }
 
 // Newell's normal of a polygon; twice its area.

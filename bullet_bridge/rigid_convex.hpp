@@ -2,10 +2,9 @@
 #ifndef BULLET_BRIDGE_RIGID_CONVEX_HPP
 #define BULLET_BRIDGE_RIGID_CONVEX_HPP
 
-#include <memory>
 #include <vector>
 
-#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <LinearMath/btMatrix3x3.h>
 #include <LinearMath/btVector3.h>
 
 struct ShvConvexFace {
@@ -18,12 +17,13 @@ struct ShvConvex {
     std::vector<btVector3> vertices;
     std::vector<ShvConvexFace> faces;
     btVector3 centre;
-    btScalar radius = 0; // about the centre
+    btScalar radius = 0;    // about the centre
+    btVector3 middle, half; // of the box
     // Smaller, with edges and faces of the same directions: as long as the true surfaces overlap by less than the difference,
     // the distance of two cores still tells the direction of contact. The second is for deep overlaps.
-    std::unique_ptr<btConvexHullShape> core, kernel;
+    btScalar core = 1, kernel = 1; // shares of the distance from the centre
 
-    btScalar highest(const btVector3 &direction, const btMatrix3x3 &axes) const;
+    btScalar highest(const btVector3 &direction) const;
 
     // Hull of points; false when it has no volume.
     bool make_hull(const std::vector<btVector3> &points);
@@ -34,7 +34,6 @@ struct ShvConvex {
     void merge_faces();
     void outline(ShvConvexFace *face) const;
     void finish(btScalar core_share, btScalar kernel_share);
-    std::unique_ptr<btConvexHullShape> shrunk(btScalar share) const;
 };
 
 #endif

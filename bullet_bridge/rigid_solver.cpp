@@ -2,6 +2,10 @@
 
 #include <new>
 
+// Islands that sweeps alone have not settled by then are helped, when there is a solution: impulses of contacts that
+// contradict each other (a ram that presses a body into the floor) have no limit, to which no mix should lead.
+static const int plain_sweeps = 40;
+
 static btVector3 load(const double *p)
 {
     return btVector3(p[0], p[1], p[2]);
@@ -68,13 +72,16 @@ btScalar ShvSolver::solveGroupCacheFriendlySetup(btCollisionObject **all, int co
                row.m_contactNormal2.dot(second.m_linearVelocity) +
                row.m_relpos2CrossNormal.dot(second.m_angularVelocity);
     };
-    mobilities.resize(size_t(m_tmpSolverContactConstraintPool.size()));
+    restful = true;
+    grips.resize(size_t(m_tmpSolverContactConstraintPool.size()));
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) {
         btSolverConstraint &row = m_tmpSolverContactConstraintPool[i];
-        mobilities[size_t(i)] = mobility_of(row);
         const ShvBulletContact &contact = contact_of(row);
+        grips[size_t(i)] = {contact.friction, mobility_of(row)};
         const btVector3 support = load(contact.support), normal = load(contact.normal);
-        row.m_rhs = (contact.target - speed(row) + normal.dot(support)) * row.m_jacDiagABInv;
+        const btScalar wanted = contact.target + normal.dot(support);
+        restful = restful && wanted <= 0;
+        row.m_rhs = (wanted - speed(row)) * row.m_jacDiagABInv;
         row.m_rhsPenetration = contact.push * row.m_jacDiagABInv;
         row.m_upperLimit = BT_LARGE_FLOAT;
         const btManifoldPoint &point = *static_cast<btManifoldPoint *>(row.m_originalContactPoint);
@@ -100,11 +107,11 @@ btScalar ShvSolver::mobility_of(const btSolverConstraint &row) const
 // Coulomb's law of one contact in both directions at once: the impulse moves against the sliding velocity, by what the largest
 // effective mobility bears, and back onto the disc. At rest of the iteration friction is opposite to the sliding. (Row by row,
 // each brought to rest and cut, it would not be: the rows are coupled by the bodies' turning.) Returns the change of velocity.
-btScalar ShvSolver::rub(const btSolverConstraint &row, btScalar mobility)
+btScalar ShvSolver::rub(const btSolverConstraint &row, const Grip &grip)
 {
     btSolverConstraint *rows = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
     btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA], &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-    const btScalar limit = contact_of(row).friction * row.m_appliedImpulse;
+    const btScalar limit = grip.friction * row.m_appliedImpulse, give = 1 / grip.mobility;
     if (!(limit > 0) && rows[0].m_appliedImpulse == 0 && rows[1].m_appliedImpulse == 0) return 0;
     btScalar wanted[2];
     for (int k = 0; k < 2; k++) {
@@ -112,7 +119,7 @@ btScalar ShvSolver::rub(const btSolverConstraint &row, btScalar mobility)
                                 rows[k].m_relpos1CrossNormal.dot(first.internalGetDeltaAngularVelocity()) +
                                 rows[k].m_contactNormal2.dot(second.internalGetDeltaLinearVelocity()) +
                                 rows[k].m_relpos2CrossNormal.dot(second.internalGetDeltaAngularVelocity());
-        wanted[k] = rows[k].m_appliedImpulse + (rows[k].m_rhs - slides) / mobility;
+        wanted[k] = rows[k].m_appliedImpulse + (rows[k].m_rhs - slides) * give;
     }
     const btScalar size = btSqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
     btScalar change = 0;
@@ -124,24 +131,69 @@ btScalar ShvSolver::rub(const btSolverConstraint &row, btScalar mobility)
         second.internalApplyImpulse(rows[k].m_contactNormal2 * second.internalGetInvMass(), rows[k].m_angularComponentB,
                                     more);
         rows[k].m_appliedImpulse = impulse;
-        change = btMax(change, btFabs(more) * mobility);
+        change = btMax(change, btFabs(more) * grip.mobility);
     }
     return change;
 }
 
-btScalar ShvSolver::solveSingleIteration(int, btCollisionObject **, int, btPersistentManifold **, int,
-                                         btTypedConstraint **, int, const btContactSolverInfo &, btIDebugDraw *)
+// One pass over the contacts; the largest change of velocity.
+btScalar ShvSolver::sweep()
 {
     btScalar change = 0;
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) {
         btSolverConstraint &row = m_tmpSolverContactConstraintPool[i];
-        const btScalar before = row.m_appliedImpulse;
+        const btScalar earlier = row.m_appliedImpulse;
         resolveSingleConstraintRowLowerLimit(m_tmpSolverBodyPool[row.m_solverBodyIdA],
                                              m_tmpSolverBodyPool[row.m_solverBodyIdB], row);
-        change = btMax(change, btFabs(row.m_appliedImpulse - before) / row.m_jacDiagABInv);
-        if (contact_of(row).friction > 0) change = btMax(change, rub(row, mobilities[size_t(i)]));
+        change = btMax(change, btFabs(row.m_appliedImpulse - earlier) / row.m_jacDiagABInv);
+        if (grips[size_t(i)].friction > 0) change = btMax(change, rub(row, grips[size_t(i)]));
     }
-    return change * change;
+    return change;
+}
+
+void ShvSolver::read(std::vector<btScalar> *impulses) const
+{
+    impulses->clear();
+    const auto add = [impulses](const btSolverConstraint &row) {
+        impulses->push_back(row.m_appliedImpulse / btSqrt(row.m_jacDiagABInv));
+    };
+    for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) add(m_tmpSolverContactConstraintPool[i]);
+    for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); i++)
+        add(m_tmpSolverContactFrictionConstraintPool[i]);
+}
+
+void ShvSolver::apply(const std::vector<btScalar> &impulses)
+{
+    size_t next = 0;
+    const auto set = [&](btSolverConstraint &row) {
+        const btScalar impulse = impulses[next++] * btSqrt(row.m_jacDiagABInv), more = impulse - row.m_appliedImpulse;
+        btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA];
+        btSolverBody &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+        first.internalApplyImpulse(row.m_contactNormal1 * first.internalGetInvMass(), row.m_angularComponentA, more);
+        second.internalApplyImpulse(row.m_contactNormal2 * second.internalGetInvMass(), row.m_angularComponentB, more);
+        row.m_appliedImpulse = impulse;
+    };
+    for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) set(m_tmpSolverContactConstraintPool[i]);
+    for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); i++)
+        set(m_tmpSolverContactFrictionConstraintPool[i]);
+}
+
+// What is left at the end comes from a plain sweep: its impulses keep to their bounds.
+btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **, int, btPersistentManifold **, int,
+                                         btTypedConstraint **, int, const btContactSolverInfo &info, btIDebugDraw *)
+{
+    const bool helped = restful && iteration >= plain_sweeps;
+    if (iteration == plain_sweeps) mixing.begin();
+    if (helped) read(&before);
+    const btScalar change = sweep(), residual = change * change;
+    if (!helped || residual <= info.m_leastSquaresResidualThreshold) return residual;
+    read(&after);
+    if (iteration + 1 == info.m_numIterations)
+        after = mixing.best(before, after);
+    else
+        mixing.mix(before, after);
+    apply(after);
+    return residual;
 }
 
 btScalar ShvSolver::solveGroupCacheFriendlyFinish(btCollisionObject **all, int count, const btContactSolverInfo &info)

@@ -9,12 +9,13 @@
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 #include "bullet_bridge/rigid_body.hpp"
+#include "bullet_bridge/rigid_mixing.hpp"
 
 class ShvSolver : public btSequentialImpulseConstraintSolver
 {
   public:
     ShvSolver();
-    // `bodies[i]` belongs to motions[i]; `find(number)` is the body with mass under that number, or NULL.
+    // `bodies[i]` belongs to motions[i], `firsts[i]` and `seconds[i]` to contacts[i]: NULL without mass.
     void solve(const std::vector<ShvBulletBody *> &bodies, ShvBulletMotion *motions,
                const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
                ShvBulletContact *contacts, int contact_count, const ShvBulletSolve &settings);
@@ -30,17 +31,28 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
                                            const btContactSolverInfo &info) override;
 
   private:
+    struct Grip {          // of a contact
+        btScalar friction; // Coulomb's coefficient
+        btScalar mobility; // the largest velocity along the surface for a unit impulse
+    };
     static ShvBulletContact &contact_of(const btSolverConstraint &row);
     void fill(const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
               ShvBulletContact *contacts, int count);
     btScalar mobility_of(const btSolverConstraint &row) const;
-    btScalar rub(const btSolverConstraint &row, btScalar mobility);
+    btScalar rub(const btSolverConstraint &row, const Grip &grip);
 
     btRigidBody ground;
     std::vector<btPersistentManifold> manifolds;
     std::vector<btPersistentManifold *> manifold_pointers;
     std::vector<btCollisionObject *> objects;
-    std::vector<btScalar> mobilities; // of each contact: its largest velocity along the surface for a unit impulse
+    btScalar sweep();
+    void read(std::vector<btScalar> *impulses) const;
+    void apply(const std::vector<btScalar> &impulses);
+
+    std::vector<Grip> grips;
+    bool restful = false; // rest would do for every contact, so that they do not contradict each other
+    ShvMixing mixing;
+    std::vector<btScalar> before, after; // impulses times the roots of the rows' mobilities: their squares are energies
     ShvBulletMotion *motion = nullptr;
 };
 

@@ -1,4 +1,4 @@
-/* Bullet as a kit for rigid flight: its GJK, its hulls and its sequential impulses, without its integrator.
+/* Bullet as a kit for rigid flight: its hulls and its sequential impulses, without its integrator.
    The caller owns the motion (positions, free rotation, what a contact is worth); the world answers which pairs may meet,
    where two bodies touch in the poses given, and which impulses keep them apart. Nothing here depends on the order in which
    bodies came, nor on earlier steps: pairs are sorted by the caller's numbers, contacts are found afresh, impulses to start

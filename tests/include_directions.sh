@@ -20,9 +20,9 @@ allowed()
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;
-    study) echo base export study ;;
-    stability) echo base mesh model solid study stability ;;
-    verify) echo base export study verify ;;
+    study) echo base scene record export study ;;
+    stability) echo base mesh model solid hybrid export study stability ;;
+    verify) echo base scene export study verify ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
     esac

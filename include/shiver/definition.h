@@ -23,6 +23,13 @@ typedef enum ShvKinematics {
 
 typedef enum ShvCohesiveLaw { SHV_PPR, SHV_CAMACHO_ORTIZ } ShvCohesiveLaw;
 
+/* What becomes of a material whose cohesive zone the mesh is too coarse for. */
+typedef enum ShvUnresolved {
+    SHV_UNRESOLVED_KEEP,           /* strength and energy as given: crack tips are too tough on such a mesh */
+    SHV_UNRESOLVED_SCALE_STRENGTH, /* lowers the strengths: cracks cost G, but begin too early */
+    SHV_UNRESOLVED_SCALE_ENERGY    /* raises the energies: cracks begin at the strength, but cost too much */
+} ShvUnresolved;
+
 typedef struct ShvMaterialDefinition {
     uint32_t cookie;
     const char *name;
@@ -39,7 +46,9 @@ typedef struct ShvMaterialDefinition {
     double ppr_shape;               /* α > 1: 2 softens linearly in pure opening */
     double ppr_shape_shear;         /* β > 1; NaN: as α */
     double weibull_modulus;         /* spread of strength from facet to facet; 0: none */
-    double weibull_volume; /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
+    double weibull_volume;    /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
+    ShvUnresolved unresolved; /* where the cohesive zone is shorter than zone_edges mean edges of the mesh */
+    double zone_edges;        /* mean edges that a resolved cohesive zone spans, ≥ 1; 5 */
 } ShvMaterialDefinition;
 ShvMaterialDefinition shv_material_default(void);
 
@@ -94,6 +103,7 @@ typedef struct ShvPlacement {
     double rotation_degrees;
     double velocity[3];         /* m/s of the centre of mass */
     double angular_velocity[3]; /* rad/s, world axes, about the centre of mass */
+    double stretch_rate[3];     /* 1/s, objects: velocity rate × (x − centre of mass) along each world axis on top */
 } ShvPlacement;
 
 typedef struct ShvObjectDefinition {
@@ -174,6 +184,26 @@ typedef struct ShvObstacleDefinition {
     int32_t keyframe_count;
 } ShvObstacleDefinition;
 ShvObstacleDefinition shv_obstacle_default(void);
+
+/* ---- probes ------------------------------------------------------------------------------------------- */
+
+typedef enum ShvProbeKind {
+    SHV_PROBE_POINT,   /* a point of a body, in the tet that holds it at the start: it moves with that tet */
+    SHV_PROBE_NODES,   /* mean over chosen nodes of an object and all their copies */
+    SHV_PROBE_OBSTACLE /* an obstacle */
+} ShvProbeKind;
+
+/* What is watched; what a sample holds is told by ShvProbeSample (simulation.h). */
+typedef struct ShvProbeDefinition {
+    uint32_t cookie;
+    const char *name;
+    ShvProbeKind kind;
+    const char *object;     /* nodes; point: NULL takes the first object that has the point */
+    double point[3];        /* m, world at the start */
+    ShvSelection selection; /* nodes */
+    const char *obstacle;
+} ShvProbeDefinition;
+ShvProbeDefinition shv_probe_default(void);
 
 /* ---- events on the time line -------------------------------------------------------------------------- */
 
@@ -261,7 +291,8 @@ typedef enum ShvDeformation {
 } ShvDeformation;
 
 typedef struct ShvFractureDefinition {
-    bool enabled; /* false: bodies deform but nothing opens */
+    bool enabled;    /* false: bodies deform but nothing opens */
+    ShvSelection on; /* facets that may open: those whose three nodes are chosen, on the placed mesh; all */
     ShvStabiliser stabiliser;
     double time_step;    /* s; NaN: automatic */
     double safety;       /* share of the stable step when automatic, 0…1; 0.9 */
@@ -294,6 +325,8 @@ typedef struct ShvOutputDefinition {
     double rate;            /* frames a second */
     int64_t fracture_every; /* also record a frame every so many steps of fracture mode; 0: off */
     bool nodes;             /* node positions and facet damage of every frame */
+    int64_t probe_every;    /* probes are sampled every so many steps of fracture mode, ≥ 1; 1 */
+    double probe_interval;  /* s: instead, at the first step at or after every multiple of it; 0: off */
 } ShvOutputDefinition;
 
 /* A motion that is known in closed form and follows from the scene's own numbers: what `shiver compare` measures errors from. */
@@ -325,6 +358,8 @@ typedef struct ShvSceneDefinition {
     int32_t obstacle_count;
     const ShvEventDefinition *events; /* increasing time */
     int32_t event_count;
+    const ShvProbeDefinition *probes;
+    int32_t probe_count;
     double gravity[3];
     ShvRigidDefinition rigid;
     ShvPbdDefinition pbd;

@@ -16,13 +16,14 @@ typedef struct ShvExportOptions {
 } ShvExportOptions;
 ShvExportOptions shv_export_default(void);
 
-/* Four tables in the C locale, comma separated, with a row of names and units; numbers have as many digits as it takes to read
+/* Four tables, five with probes, in the C locale, comma separated, with a row of names and units; numbers have as many digits as it takes to read
    them back exactly, what is not finite is left empty:
      PREFIX_trajectories.csv  time, fragment, P, orient (w, x, y, z), v, w: a row for each living fragment of each frame;
                               the names are Houdini's
      PREFIX_genealogy.csv     id, parent, object, birth, death (empty: alive), mass, volume, tets
      PREFIX_ledger.csv        energies, works and momenta of each frame
      PREFIX_events.csv        all events
+     PREFIX_probes.csv        time, probe, displacement, velocity, stress, contact, reaction: a row for each known sample
    SHV_BAD_INPUT when one of them exists and `force` is false: then none is written. Each file takes its name when it is
    complete. */
 ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *options, ShvError *error);

@@ -11,6 +11,7 @@ extern "C" {
 /* Physics of one object, SI. */
 typedef struct ShvPreflight {
     const char *object, *material;
+    ShvMaterialView cohesion; /* of its material; strength and energy in effect hold for the figures below */
     int32_t tets, nodes;
     double mass, volume; /* lumped mass, kg; m³ */
     double shortest_edge, mean_edge, longest_edge, smallest_altitude;

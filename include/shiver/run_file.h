@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-/* 2: /events tell mass, reason, scales, cohesive and dropped energies and hulls of every mode switch. */
+/* 2, optional: /probes (name, time, samples), which files have whose scene has probes.
+   2: /events tell mass, reason, scales, cohesive and dropped energies and hulls of every mode switch. */
 #define SHV_RUN_FILE_FORMAT 2
 
 typedef struct ShvRecord ShvRecord;
@@ -49,8 +50,8 @@ typedef struct ShvRunFileInfo {
     bool nodes;            /* corners and damage were recorded */
     uint64_t scene_hash;
     int32_t threads;
-    int32_t node_count, element_count, object_count, obstacle_count, fragment_count;
-    int64_t frame_count, event_count;
+    int32_t node_count, element_count, object_count, obstacle_count, fragment_count, probe_count;
+    int64_t frame_count, event_count, probe_row_count;
     double first_time, last_time;
     double wall_seconds; /* from the making of the file to its last frame */
 } ShvRunFileInfo;
@@ -71,6 +72,9 @@ const ShvRunFileInfo *shv_run_file_info(const ShvRunFile *file);
 /* Name, material and ranges in the mesh; valid as long as the file is open. */
 const char *shv_run_file_object_name(const ShvRunFile *file, int32_t object);
 ShvObjectView shv_run_file_object(const ShvRunFile *file, int32_t object);
+/* What every material asked of its mesh and got; none in files of earlier versions. Names are valid as long as the file is open. */
+int32_t shv_run_file_material_count(const ShvRunFile *file);
+ShvMaterialView shv_run_file_material(const ShvRunFile *file, int32_t index);
 /* Times of all frames, s, and whether they are on the animation grid; frame_count each. */
 const double *shv_run_file_times(const ShvRunFile *file);
 const uint8_t *shv_run_file_animation(const ShvRunFile *file);
@@ -88,6 +92,11 @@ ShvStatus shv_run_file_progress(ShvRunFile *file, int64_t frame, ShvProgressView
 ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *event, ShvError *error);
 /* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */
 ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error);
+/* Name of a probe, valid as long as the file is open; "" for none. */
+const char *shv_run_file_probe_name(const ShvRunFile *file, int32_t probe);
+/* Rows [begin, begin + count) of all probes: times (count) and samples (count × probe_count). Any pointer may be NULL. */
+ShvStatus shv_run_file_probes(ShvRunFile *file, int64_t begin, int64_t count, double *times, ShvProbeSample *samples,
+                              ShvError *error);
 /* Cost and bytes by part as of the last frame; the arrays are valid as long as the file is open. */
 ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count,
                             const ShvBytesView **bytes, int32_t *bytes_count, ShvError *error);

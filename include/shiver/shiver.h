@@ -4,12 +4,16 @@
 
 #include "shiver/definition.h"
 #include "shiver/export.h"
+#include "shiver/library.h"
 #include "shiver/plan.h"
 #include "shiver/run_file.h"
 #include "shiver/scene.h"
 #include "shiver/simulation.h"
+#include "shiver/stability.h"
 #include "shiver/status.h"
 #include "shiver/study.h"
+#include "shiver/suite.h"
+#include "shiver/verify.h"
 #include "shiver/version.h"
 
 #endif

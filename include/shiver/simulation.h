@@ -115,6 +115,23 @@ typedef struct ShvBytesView {
     size_t bytes, peak;
 } ShvBytesView;
 
+/* One probe at one moment. NaN is what is not known: a whole sample while the probe's body is not looked at, stress and forces
+   of what flies, stress and reaction of obstacles, forces on points.
+   In fracture mode all values are those of one time step n: the velocity is that of the moment, not of the half step. */
+typedef struct ShvProbeSample {
+    double displacement[3]; /* m, since the start; of a set of nodes the mean weighted by mass */
+    double velocity[3];     /* m/s, likewise */
+    double stress[6];   /* Pa, Cauchy: xx, yy, zz, yz, xz, xy; of a set the mean of the tets at its nodes, by volume */
+    double contact[3];  /* N: by obstacles on the nodes of a set; by all nodes on an obstacle */
+    double reaction[3]; /* N: by supports and imposed velocities on the nodes of a set */
+} ShvProbeSample;
+enum { SHV_PROBE_NUMBERS = sizeof(ShvProbeSample) / sizeof(double) };
+
+typedef struct ShvProbeView {
+    const char *name;
+    ShvProbeKind kind;
+} ShvProbeView;
+
 /* Everything about the present moment. Arrays belong to the simulation and are valid until its next advance. */
 typedef struct ShvFrameView {
     double time;
@@ -127,6 +144,13 @@ typedef struct ShvFrameView {
     int32_t obstacle_count;
     const ShvEventView *events; /* since the last frame */
     int32_t event_count;
+    const ShvProbeView *probes;
+    int32_t probe_count;
+    /* Rows since the last frame: one a sampled step of fracture mode, and one a frame of the animation grid while the body of
+       some probe flies. Times do not decrease. */
+    const double *probe_times;           /* probe_row_count, s */
+    const ShvProbeSample *probe_samples; /* probe_row_count × probe_count */
+    int64_t probe_row_count;
     ShvLedgerView ledger;
     int64_t steps;            /* of fracture mode so far */
     double step, courant;     /* s: last step of fracture mode; its ratio to the stable step */
@@ -134,7 +158,10 @@ typedef struct ShvFrameView {
     int32_t audited,
         missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */
-    double edge_strain;     /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
+    /* What obstacles did to nodes in fracture mode so far: Σ of impulses, N s; Σ of the steps in which one acted, s; beginning of the
+       first such step and end of the last, s (NaN: none). Impacts in flight are not in it. */
+    double contact_impulse[3], contact_time, first_contact, last_contact;
+    double edge_strain; /* largest |length/rest − 1| of all edges; NaN unless position based dynamics is used */
     double
         bar_work_share; /* Σ|work of bars| / Σ(|work of bars| + |work of elastic forces|) over all steps, of which those
                                    of rigid mode have no elastic forces; NaN without bars: how much of the stiffness seen
@@ -144,6 +171,19 @@ typedef struct ShvFrameView {
     const ShvBytesView *bytes;
     int32_t bytes_count;
 } ShvFrameView;
+
+/* What a material asks of a mesh and gets from it. */
+typedef struct ShvMaterialView {
+    const char *name;
+    bool breakable; /* fracture is on, and its facets can open */
+    ShvUnresolved unresolved;
+    double mesh_edge;                  /* m: mean edge of the coarsest object of it; 0: no object is of it */
+    double zone_edges, resolved_edge;  /* edges that a resolved zone spans; m: longest mean edge for that, as given */
+    double nominal_strength, strength; /* Pa, mode I: as given, and in effect */
+    double nominal_energy, energy;     /* J/m², likewise */
+    double cohesive_zone, snap_back;   /* m: (π/8) E/(1−ν²) G/σ² and 2 E G/σ², in effect */
+    double tip_toughness;              /* times G: estimate of what a crack tip costs on this mesh, at least 1 */
+} ShvMaterialView;
 
 /* An object's half-open ranges in the joint mesh. */
 typedef struct ShvObjectView {
@@ -210,6 +250,11 @@ typedef struct ShvCrackView {
     double normal[3];
 } ShvCrackView;
 ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *crack, ShvError *error);
+/* Materials of the scene, in its order. */
+int32_t shv_simulation_material_count(const ShvSimulation *simulation);
+ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t index);
+/* "keep", "scale_strength", "scale_energy" */
+const char *shv_unresolved_name(ShvUnresolved unresolved);
 /* Threads that the solver uses. */
 int32_t shv_simulation_threads(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */

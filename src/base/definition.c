@@ -19,7 +19,8 @@ ShvMaterialDefinition shv_material_default(void)
                                    .fracture_energy_shear = unset,
                                    .cohesive_strength_shear = unset,
                                    .ppr_shape = 2.0,
-                                   .ppr_shape_shear = unset};
+                                   .ppr_shape_shear = unset,
+                                   .zone_edges = 5.0};
 }
 
 ShvMeshDefinition shv_mesh_default(void)
@@ -53,6 +54,11 @@ ShvObstacleDefinition shv_obstacle_default(void)
                                    .scale = 1.0,
                                    .motion = SHV_OBSTACLE_FIXED,
                                    .placement = placement_default()};
+}
+
+ShvProbeDefinition shv_probe_default(void)
+{
+    return (ShvProbeDefinition){.cookie = SHV_DEFINITION_COOKIE};
 }
 
 ShvEventDefinition shv_event_default(void)
@@ -93,6 +99,6 @@ ShvSceneDefinition shv_scene_default(void)
                                 .pbd = {.stiffness = 1.0, .iterations = 4, .damping = 1.0},
                                 .fracture = fracture_default(),
                                 .audit = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
-                                .output = {.rate = 240.0},
+                                .output = {.rate = 240.0, .probe_every = 1},
                                 .duration = unset};
 }

@@ -59,6 +59,7 @@ static void print_object(const ShvPreflight *p)
     if (!isnan(p->overshoot_each_step))
         printf("  first impact: stress behind the wave grows by about %.3g of the strength a step\n",
                p->overshoot_each_step);
+    shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
     warn_step(p);
 }
@@ -99,6 +100,8 @@ static void print_object_json(const ShvPreflight *p)
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
     }
+    printf(", ");
+    shv_cli_print_cohesion_json(&p->cohesion);
     printf("}");
 }
 

@@ -9,7 +9,7 @@
 /* Exit statuses of the program. */
 enum { SHV_EXIT_DONE = 0, SHV_EXIT_FAILED = 1, SHV_EXIT_INPUT = 2, SHV_EXIT_INTERRUPTED = 130 };
 
-enum { SHV_MOST_OPTIONS = 12, SHV_MOST_POSITIONAL = 4, SHV_MOST_OVERRIDES = 64 };
+enum { SHV_MOST_OPTIONS = 16, SHV_MOST_POSITIONAL = 32, SHV_MOST_OVERRIDES = 64 };
 
 typedef struct ShvOption {
     const char *name;  /* "--force"; NULL ends the table */
@@ -35,7 +35,7 @@ typedef struct ShvCommand {
 } ShvCommand;
 
 extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, shv_command_mesh, shv_command_info,
-    shv_command_export, shv_command_compare;
+    shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability, shv_command_verify;
 
 /* The whole program: finds the command, takes its arguments apart, runs it; returns the exit status. */
 int shv_program(int argc, char **argv);
@@ -47,6 +47,10 @@ ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
 typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
+/* One line on the strength and energy of a breakable material in effect, and whether its mesh resolves the cohesive zone. */
+void shv_cli_print_cohesion(const ShvMaterialView *material);
+/* The same as JSON members, without braces. */
+void shv_cli_print_cohesion_json(const ShvMaterialView *material);
 /* Prints "shiver: message" and returns the exit status that belongs to the status. */
 int shv_cli_failed(ShvStatus status, const ShvError *error);
 /* One JSON string with quotes and escapes. */

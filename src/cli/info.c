@@ -6,8 +6,9 @@
 
 enum { JSON, FRAGMENTS, SCENE };
 
-static void print_head(const ShvRunFileInfo *info)
+static void print_head(const ShvRunFile *file)
 {
+    const ShvRunFileInfo *info = shv_run_file_info(file);
     printf("%s: %s%s%s\n", info->scene_name, info->status, info->message[0] ? ": " : "", info->message);
     printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format,
            info->code_version, info->processor, (int)info->threads, info->wall_seconds);
@@ -16,6 +17,10 @@ static void print_head(const ShvRunFileInfo *info)
            info->last_time, (long long)info->event_count);
     printf("  %d objects, %d tets, %d nodes, %d fragments ever\n", (int)info->object_count, (int)info->element_count,
            (int)info->node_count, (int)info->fragment_count);
+    if (info->probe_count == 0) return;
+    printf("  %d probes with %lld rows of samples:", (int)info->probe_count, (long long)info->probe_row_count);
+    for (int32_t i = 0; i < info->probe_count; i++) printf(" %s", shv_run_file_probe_name(file, i));
+    printf("\n");
 }
 
 static void print_ledger(const ShvLedgerView *ledger)
@@ -34,7 +39,29 @@ static void print_fragments(const ShvRunFile *file, const ShvFragmentView *fragm
                (int)fragments[i].tets, fragments[i].mass);
 }
 
-static void print_json(const ShvRunFileInfo *info, const ShvLedgerView *ledger)
+static void print_materials(const ShvRunFile *file)
+{
+    for (int32_t i = 0; i < shv_run_file_material_count(file); i++) {
+        const ShvMaterialView material = shv_run_file_material(file, i);
+        shv_cli_print_cohesion(&material);
+    }
+}
+
+static void print_materials_json(const ShvRunFile *file)
+{
+    printf(", \"materials\": {");
+    for (int32_t i = 0; i < shv_run_file_material_count(file); i++) {
+        const ShvMaterialView material = shv_run_file_material(file, i);
+        if (i > 0) printf(", ");
+        shv_cli_print_json_text(material.name);
+        printf(": {");
+        shv_cli_print_cohesion_json(&material);
+        printf("}");
+    }
+    printf("}");
+}
+
+static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger)
 {
     printf("{\"scene\": ");
     shv_cli_print_json_text(info->scene_name);
@@ -44,9 +71,11 @@ static void print_json(const ShvRunFileInfo *info, const ShvLedgerView *ledger)
     shv_cli_print_json_text(info->message);
     printf(", \"code_version\": ");
     shv_cli_print_json_text(info->code_version);
-    printf(", \"frames\": %lld, \"events\": %lld, \"fragments\": %d, \"tets\": %d, \"nodes\": %d, \"threads\": %d",
+    printf(", \"frames\": %lld, \"events\": %lld, \"fragments\": %d, \"tets\": %d, \"nodes\": %d, \"threads\": %d, "
+           "\"probes\": %d, \"probe_rows\": %lld",
            (long long)info->frame_count, (long long)info->event_count, (int)info->fragment_count,
-           (int)info->element_count, (int)info->node_count, (int)info->threads);
+           (int)info->element_count, (int)info->node_count, (int)info->threads, (int)info->probe_count,
+           (long long)info->probe_row_count);
     printf(", \"first_time\": ");
     shv_cli_print_json_number(info->first_time);
     printf(", \"last_time\": ");
@@ -57,6 +86,7 @@ static void print_json(const ShvRunFileInfo *info, const ShvLedgerView *ledger)
     shv_cli_print_json_number(ledger->residual);
     printf(", \"largest_energy\": ");
     shv_cli_print_json_number(ledger->largest);
+    print_materials_json(file);
     printf("}\n");
 }
 
@@ -73,10 +103,11 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         if (status != SHV_OK) return status;
     }
     if (arguments->values[JSON]) {
-        print_json(info, &ledger);
+        print_json(file, info, &ledger);
         return SHV_OK;
     }
-    print_head(info);
+    print_head(file);
+    print_materials(file);
     if (info->frame_count > 0) print_ledger(&ledger);
     if (!arguments->values[FRAGMENTS]) return SHV_OK;
     ShvFragmentView *fragments = calloc((size_t)info->fragment_count + 1, sizeof *fragments);

@@ -23,7 +23,30 @@ static void print_plan(const ShvPlan *plan)
     printf("%d animation frames\n", (int)plan->frames);
 }
 
-static void print_json(const ShvPlan *plan)
+static void print_materials(const ShvSimulation *simulation)
+{
+    printf("\n");
+    for (int32_t i = 0; i < shv_simulation_material_count(simulation); i++) {
+        const ShvMaterialView material = shv_simulation_material(simulation, i);
+        shv_cli_print_cohesion(&material);
+    }
+}
+
+static void print_materials_json(const ShvSimulation *simulation)
+{
+    printf(", \"materials\": {");
+    for (int32_t i = 0; i < shv_simulation_material_count(simulation); i++) {
+        const ShvMaterialView material = shv_simulation_material(simulation, i);
+        if (i > 0) printf(", ");
+        shv_cli_print_json_text(material.name);
+        printf(": {");
+        shv_cli_print_cohesion_json(&material);
+        printf("}");
+    }
+    printf("}");
+}
+
+static void print_json(const ShvPlan *plan, const ShvSimulation *simulation)
 {
     printf("{\"parts\": [");
     for (int32_t i = 0; i < plan->part_count; i++) {
@@ -48,6 +71,7 @@ static void print_json(const ShvPlan *plan)
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
     }
+    print_materials_json(simulation);
     printf("}\n");
 }
 
@@ -55,8 +79,14 @@ static ShvStatus print_any(ShvSimulation *simulation, const ShvArguments *argume
 {
     ShvPlan plan;
     const ShvStatus status = shv_simulation_plan(simulation, &plan, error);
-    if (status == SHV_OK) (arguments->values[JSON] ? print_json : print_plan)(&plan);
-    return status;
+    if (status != SHV_OK) return status;
+    if (arguments->values[JSON]) {
+        print_json(&plan, simulation);
+    } else {
+        print_plan(&plan);
+        print_materials(simulation);
+    }
+    return SHV_OK;
 }
 
 static int run(const ShvArguments *arguments)

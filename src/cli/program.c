@@ -7,9 +7,10 @@
 
 #include "base/names.h"
 
-static const ShvCommand *const commands[] = {&shv_command_run,    &shv_command_check, &shv_command_plan,
-                                             &shv_command_mesh,   &shv_command_info,  &shv_command_export,
-                                             &shv_command_compare};
+static const ShvCommand *const commands[] = {&shv_command_run,       &shv_command_check,   &shv_command_plan,
+                                             &shv_command_mesh,      &shv_command_info,    &shv_command_export,
+                                             &shv_command_materials, &shv_command_compare, &shv_command_study,
+                                             &shv_command_stability, &shv_command_verify};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_overview(FILE *stream)
@@ -18,7 +19,7 @@ static void print_overview(FILE *stream)
             "shiver %s: scripted drops and impacts of brittle bodies, rigid in flight and cracking on impact\n\n"
             "usage: shiver COMMAND …\n\n",
             shv_version());
-    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(stream, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
+    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(stream, "  %-9s %s\n", commands[i]->name, commands[i]->summary);
     fprintf(
         stream,
         "\n`shiver COMMAND --help` tells more. Exit status: 0 done, 1 the run failed, 2 bad input, 130 interrupted.\n");

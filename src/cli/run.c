@@ -82,6 +82,14 @@ static void print_costs(const ShvFrameView *frame, double wall)
     printf("\n");
 }
 
+static void print_materials(const ShvSimulation *simulation)
+{
+    for (int32_t i = 0; i < shv_simulation_material_count(simulation); i++) {
+        const ShvMaterialView material = shv_simulation_material(simulation, i);
+        if (material.mesh_edge > material.resolved_edge) shv_cli_print_cohesion(&material);
+    }
+}
+
 static void print_summary(const ShvFrameView *frame, const char *path, double wall, ShvStatus status)
 {
     const ShvLedgerView *ledger = &frame->ledger;
@@ -158,6 +166,7 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"courant", history->courant},
                    {"worst_overshoot", frame->worst_overshoot},
                    {"opened_area", ledger->opened_area},
+                   {"inserted_area", ledger->inserted_area},
                    {"kinetic", ledger->kinetic},
                    {"strain", ledger->strain},
                    {"gravity_potential", ledger->gravity_potential},
@@ -243,6 +252,7 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
         print_json(frame, &history, path, shv_now() - start, status);
     else if (!arguments->values[QUIET])
         print_summary(frame, path, shv_now() - start, status);
+    if (!arguments->values[JSON] && !arguments->values[QUIET]) print_materials(simulation);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
 }

@@ -1,5 +1,6 @@
 #include "cli/command.h"
 
+#include <math.h>
 #include <stdio.h>
 
 ShvScene *shv_cli_load_scene(const ShvArguments *arguments)
@@ -29,4 +30,41 @@ int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)
     shv_simulation_destroy(simulation);
     shv_scene_destroy(scene);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+}
+
+void shv_cli_print_cohesion(const ShvMaterialView *m)
+{
+    if (!m->breakable) return;
+    const bool resolved = m->mesh_edge <= m->resolved_edge;
+    printf("  %s: strength %.4g Pa, G %.4g J/m²", m->name, m->strength, m->energy);
+    if (m->strength < m->nominal_strength)
+        printf(" (%s; %.4g Pa as given)", shv_unresolved_name(m->unresolved), m->nominal_strength);
+    if (m->energy > m->nominal_energy)
+        printf(" (%s; %.4g J/m² as given)", shv_unresolved_name(m->unresolved), m->nominal_energy);
+    printf("; resolved up to edges of %.3g m as given, mean edge %.3g m: %s\n", m->resolved_edge, m->mesh_edge,
+           resolved                                         ? "resolved"
+           : m->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH ? "UNDER-RESOLVED, strength lowered until it is"
+           : m->unresolved == SHV_UNRESOLVED_SCALE_ENERGY   ? "UNDER-RESOLVED, energy raised until it is"
+                                                            : "UNDER-RESOLVED, kept");
+    if (!resolved && m->unresolved == SHV_UNRESOLVED_KEEP && m->tip_toughness > 1.0)
+        printf("    a crack tip costs about %.2g G on this mesh; see materials.<name>.unresolved in docs/scene.md\n",
+               m->tip_toughness);
+}
+
+void shv_cli_print_cohesion_json(const ShvMaterialView *m)
+{
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"mesh_edge", m->mesh_edge},         {"zone_edges", m->zone_edges},
+        {"resolved_edge", m->resolved_edge}, {"nominal_strength", m->nominal_strength},
+        {"strength", m->strength},           {"nominal_fracture_energy", m->nominal_energy},
+        {"fracture_energy", m->energy},      {"tip_toughness", m->breakable ? m->tip_toughness : (double)NAN}};
+    printf("\"resolved\": %s, \"unresolved\": \"%s\"",
+           !m->breakable || m->mesh_edge <= m->resolved_edge ? "true" : "false", shv_unresolved_name(m->unresolved));
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        printf(", \"%s\": ", numbers[i].name);
+        shv_cli_print_json_number(numbers[i].value);
+    }
 }

@@ -102,12 +102,25 @@ static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed, d
 /* A cluster that was limited (limit_given) has given all it stored, but for round-off: to keep nothing it would have to let go
    for good, and lose its work of separation. It may keep this share of what it exchanged. */
 static const double spared_share = 1e-9;
+/* A point that has hardly opened exchanges round-off: it may keep this share of strength × opening of its start (shv_law_start),
+   1e-11 of its work of separation at most. Without that a corner held shut by its neighbours is worn to nothing by the signs of
+   numbers of 1e-40 J. */
+static const double start_share = 1e-3;
+
+static double start_energy(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
+{
+    const int32_t index = point->point / 3;
+    const ShvLaw *law = &cohesive->law[index];
+    const ShvMaterial *material = shv_cohesive_material(cohesive->model, cohesive->facet[index]);
+    const double length = sqrt(cohesive->area[index]);
+    return point->weight * law->strength[SHV_NORMAL] * shv_law_start(law, length, material->youngs_modulus).normal;
+}
 
 /* Moves the histories of a cluster along the last step, in the frame its tractions had. Sweeps that have not settled leave
    a difference between the work of the tractions and the law; a cluster never keeps more than it had and was given. */
 static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t cluster)
 {
-    double allowed = 0.0, kept = 0.0, exchanged = 0.0;
+    double allowed = 0.0, kept = 0.0, exchanged = 0.0, started = 0.0;
     bool moved = false;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1] && !moved; i++) {
         const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
@@ -131,8 +144,9 @@ static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t clust
         allowed += point->stored + work;
         exchanged += point->stored + fabs(work);
         kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
+        started += start_energy(cohesive, point);
     }
-    allowed = shv_larger(allowed, spared_share * exchanged);
+    allowed = shv_larger(allowed, shv_larger(spared_share * exchanged, start_share * started));
     if (kept > allowed) wear(cohesive, cluster, allowed, kept);
 }
 

@@ -1,5 +1,7 @@
 #include "cohesive/storage.h"
 
+#include "model/selection.h"
+
 /* X(type, name, components): per cohesive facet */
 #define FACET_ARRAYS(X)                                                                                                \
     X(int32_t, facet, 1)                                                                                               \
@@ -73,10 +75,21 @@ static int32_t most_corners(const ShvAdjacency *adjacency, int32_t nodes)
     return most;
 }
 
-static double facet_strength(const ShvModel *model, int32_t facet)
+static bool may_open(const ShvModel *model, const ShvSelection *where, int32_t facet)
+{
+    const int32_t element = model->adjacency.facet_elements[2 * (int64_t)facet];
+    const uint8_t face = model->adjacency.facet_faces[2 * (int64_t)facet];
+    for (int i = 0; i < 3; i++) {
+        const int32_t node = model->mesh.elements[4 * (int64_t)element + shv_face_corners[face][i]];
+        if (!shv_selection_contains(where, shv_mesh_position(&model->mesh, node))) return false;
+    }
+    return true;
+}
+
+static double facet_strength(const ShvModel *model, const ShvSelection *where, int32_t facet)
 {
     const ShvMaterial *material = shv_cohesive_material(model, facet);
-    if (!material) return (double)INFINITY;
+    if (!material || !may_open(model, where, facet)) return (double)INFINITY;
     return material->strength[SHV_NORMAL] * shv_cohesive_strength_scale(model, facet);
 }
 
@@ -119,7 +132,7 @@ ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, cons
     }
     for (int32_t i = 0; i < model->adjacency.interior_count; i++) {
         cohesive->facet_cohesive[i] = -1;
-        cohesive->facet_strength[i] = facet_strength(model, i);
+        cohesive->facet_strength[i] = facet_strength(model, &settings->on, i);
     }
     return SHV_OK;
 }

@@ -5,7 +5,8 @@
 #include "base/text.h"
 #include "export/output.h"
 
-static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv"};
+static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv",
+                                       "_probes.csv"};
 
 typedef ShvStatus (*WriteTable)(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error);
 
@@ -226,13 +227,51 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
     return SHV_OK;
 }
 
+static ShvStatus put_probe_rows(ShvRunFile *file, FILE *stream, ShvProbeSample *row, ShvError *error)
+{
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    for (int64_t i = 0; i < info->probe_row_count; i++) {
+        double time;
+        char start[SHV_OUTPUT_NUMBER];
+        SHV_TRY(shv_run_file_probes(file, i, 1, &time, row, error));
+        shv_output_format(start, time);
+        for (int32_t k = 0; k < info->probe_count; k++) {
+            if (isnan(row[k].displacement[0])) continue;
+            shv_print(stream, "%s,%s", start, shv_run_file_probe_name(file, k));
+            put_numbers(stream, row[k].displacement, 3);
+            put_numbers(stream, row[k].velocity, 3);
+            put_numbers(stream, row[k].stress, 6);
+            put_numbers(stream, row[k].contact, 3);
+            put_numbers(stream, row[k].reaction, 3);
+            shv_print(stream, "\n");
+        }
+    }
+    return SHV_OK;
+}
+
+static ShvStatus put_probes(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    const size_t count = (size_t)shv_run_file_info(file)->probe_count;
+    shv_print(
+        stream,
+        "time [s],probe,displacement.x [m],displacement.y [m],displacement.z [m],velocity.x [m/s],velocity.y [m/s],"
+        "velocity.z [m/s],stress.xx [Pa],stress.yy [Pa],stress.zz [Pa],stress.yz [Pa],stress.xz [Pa],stress.xy [Pa],"
+        "contact.x [N],contact.y [N],contact.z [N],reaction.x [N],reaction.y [N],reaction.z [N]\n");
+    ShvProbeSample *row = shv_allocate(options->memory, SHV_PART_RECORD, count, sizeof *row);
+    if (!row) return shv_fail_memory(error, "a row of probes", count * sizeof *row);
+    const ShvStatus status = put_probe_rows(file, stream, row, error);
+    shv_release(row);
+    return status;
+}
+
 ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events};
+    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events, put_probes};
+    const int count = shv_run_file_info(file)->probe_count > 0 ? 5 : 4;
     ShvExportOptions options;
     SHV_TRY(shv_export_options(given, &options, error));
-    SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, 4, error));
-    for (int i = 0; i < 4; i++) {
+    SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, count, error));
+    for (int i = 0; i < count; i++) {
         ShvOutput output;
         SHV_TRY(shv_output_open(&output, &options, prefix, SUFFIXES[i], error));
         const ShvStatus status = tables[i](file, &options, output.stream, error);

@@ -58,6 +58,7 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
         const int32_t index = hybrid->state.element_fragment[element];
         ShvFragment *fragment = &hybrid->fragments.items[index];
         fragment->last_insertion = hybrid->state.time;
+        fragment->impact = fragment->borne_impact = 0.0;
         fragment->quiet = 0;
         hybrid->missed += fragment->audited;
         fragment->audited = false;

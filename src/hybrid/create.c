@@ -29,6 +29,13 @@ static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
+/* A rigid body cannot carry a motion that stretches it. */
+static bool starts_stretching(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double *rate = hybrid->scene->objects[fragment->object].placement.stretch_rate;
+    return fabs(rate[0]) + fabs(rate[1]) + fabs(rate[2]) > 0.0;
+}
+
 static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
 {
     ShvFragments *fragments = &hybrid->fragments;
@@ -40,7 +47,8 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
                                        fragment->element_count)
                 : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
-        if (shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
+        if (starts_stretching(hybrid, fragment) ||
+            shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
             fragment->mode = SHV_MODE_FRACTURE;
         } else {
             shv_fragment_fit(fragment, fragments, &hybrid->state);
@@ -84,6 +92,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
     SHV_TRY(create_backend(hybrid, &world, error));
     SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, scene->rigid.friction, error));
+    SHV_TRY(shv_probes_create(&hybrid->probes, &hybrid->model, scene, &hybrid->obstacles, &hybrid->state, error));
     return start_fragments(hybrid, error);
 }
 
@@ -107,6 +116,7 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     if (hybrid->relaxed) shv_bars_release(&hybrid->bars);
     shv_fragments_release(&hybrid->fragments);
     shv_imposed_release(&hybrid->imposed);
+    shv_probes_release(&hybrid->probes);
     shv_node_contact_release(&hybrid->contact);
     shv_surface_contact_release(&hybrid->surface);
     shv_companions_release(hybrid);

@@ -14,6 +14,7 @@
 #include "contact/imposed.h"
 #include "contact/node_contact.h"
 #include "contact/surface_contact.h"
+#include "hybrid/probes.h"
 #include "model/ledger.h"
 #include "model/state.h"
 #include "pbd/bars.h"
@@ -57,9 +58,10 @@ typedef struct ShvCompanions {
     int32_t *fragments;         /* index of each */
     ShvCompanion **by_fragment; /* NULL where none */
     ShvFragmentTouch *touches;  /* per fragment, of the step */
+    double *masses;             /* per fragment, kg */
+    uint8_t *wanted;            /* per fragment: it goes along */
     int32_t count, room;
-    double since;      /* s: when the sums of impulses began */
-    double awake_mass; /* kg */
+    double since; /* s: when the sums of impulses began */
 } ShvCompanions;
 
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
@@ -96,6 +98,7 @@ typedef struct ShvHybrid {
     uint8_t *fixed; /* per node: components that conditions hold */
     int64_t fixed_capacity;
     double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
+    ShvProbes probes;
     ShvFragments fragments;
     ShvRigidBackend *backend;
     double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
@@ -112,6 +115,9 @@ typedef struct ShvHybrid {
     double bulk_step;       /* s: stable step of the awake batches */
     double step;            /* s: last step taken */
     ShvCheckClock clock;
+    ShvVec3 contact_impulse;                          /* N s: by obstacles on nodes so far */
+    double contact_time, first_contact, last_contact; /* s: of the steps with such impulses; with contact_steps > 0 */
+    int64_t contact_steps;
     int32_t inverted; /* most elements found inside out at once so far */
     double *stress;   /* of the criterion, only with model.can_break */
     double *nodal;    /* principal criterion only; 6 per node */

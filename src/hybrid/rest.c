@@ -108,6 +108,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
     if (taker != TAKER_KEPT) shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, NULL);
     fragment->mode = SHV_MODE_FLIGHT;
     fragment->borne = fmax(fragment->borne, fragment->load);
+    fragment->borne_impact = fmax(fragment->borne_impact, fragment->impact);
     fragment->deformed = taker == TAKER_KEPT;
     fragment->strain = event->strain_after;
     fragment->rest_position = fragment->position;

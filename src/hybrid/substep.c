@@ -117,6 +117,40 @@ static ShvStatus look_now_and_then(ShvHybrid *hybrid, ShvError *error)
     return shv_hybrid_observe(hybrid, error);
 }
 
+/* Whether obstacles pushed nodes in the step just kicked, and with what impulse. */
+static bool pushed_by_obstacles(const ShvHybrid *hybrid, ShvVec3 *impulse)
+{
+    *impulse = hybrid->relaxed ? shv_vec3(0.0, 0.0, 0.0) : hybrid->contact.impulse;
+    if (!hybrid->relaxed) return hybrid->contact.touching > 0;
+    const ShvRelax *relax = &hybrid->relax;
+    for (int32_t i = 0; i < relax->touch_count; i++)
+        if (relax->touches[i].push > 0.0)
+            *impulse = shv_add(*impulse, shv_add(relax->touches[i].impulse, relax->touches[i].friction));
+    return relax->touching > 0;
+}
+
+static void count_contact(ShvHybrid *hybrid, double step)
+{
+    ShvVec3 impulse;
+    if (!pushed_by_obstacles(hybrid, &impulse)) return;
+    if (hybrid->contact_steps++ == 0) hybrid->first_contact = hybrid->state.time;
+    hybrid->contact_impulse = shv_add(hybrid->contact_impulse, impulse);
+    hybrid->contact_time += step;
+    hybrid->last_contact = hybrid->state.time + step;
+}
+
+static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
+{
+    const double before = hybrid->state.last_step;
+    const ShvProbeScene scene = {&hybrid->solid, &hybrid->state, &hybrid->fragments, &hybrid->obstacles};
+    const bool due = shv_probes_due(&hybrid->probes, &hybrid->state);
+    if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
+    SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
+    const ShvRelax *relax = hybrid->relaxed ? &hybrid->relax : NULL;
+    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, relax, &hybrid->imposed);
+    return SHV_OK;
+}
+
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
 {
     ShvState *state = &hybrid->state;
@@ -125,7 +159,8 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     const double step = choose_step(hybrid, limit);
     shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
-    SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, step, error));
+    SHV_TRY(sampled_kick(hybrid, step, error));
+    count_contact(hybrid, step);
     const double start = shv_now();
     if (hybrid->relaxed)
         hybrid->bars_turnover += fabs(hybrid->relax.work.bars[0] + hybrid->relax.work.bars[1]);

@@ -2,15 +2,33 @@
    unchanged, since both sides use the lumped inertia. */
 #include "hybrid/hybrid.h"
 
-/* Impact stress estimate K ρ c₀ v √max(1, m_other/m_own) against the weakest facet; what is held fast counts as ratio 1,
-   since the estimate's factor K already holds for a rigid wall. */
-static double impact_stress(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+/* A touch from a gap, or one that closes faster than resting and rolling bodies do: a body that stands on one edge may slam on
+   the other, and one may touch from the start. */
+static bool is_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
+    return contact->fresh || contact->closing_speed > 2.0 * rest_speed;
+}
+
+/* v √max(1, m_other/m_own); what is held fast counts as ratio 1, since the estimate's factor K already holds for a rigid
+   wall. */
+static double severity(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const double own = hybrid->fragments.items[contact->fragment].mass, other = contact->other_mass;
+    if (!is_impact(hybrid, contact)) return 0.0;
+    return contact->closing_speed * (isfinite(other) ? sqrt(fmax(1.0, other / own)) : 1.0);
+}
+
+/* Impact stress estimate K ρ c₀ × severity against the weakest facet. What it has borne once, without a facet inserted, does not
+   wake it again. */
+static bool wakes_by_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
-    const double ratio = isfinite(contact->other_mass) ? fmax(1.0, contact->other_mass / fragment->mass) : 1.0;
-    return hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * contact->closing_speed *
-           sqrt(ratio);
+    const double speed = severity(hybrid, contact);
+    if (!(speed > 1.1 * fragment->borne_impact)) return false;
+    const double stress = hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * speed;
+    return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
 /* a² = 6 (I₂ + I₃ − I₁)/m. */
@@ -41,9 +59,10 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
     const double strength = hybrid->fragments.items[contact->fragment].strength;
     if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
     if (rigid->wake == SHV_WAKE_CONTACT)
-        return contact->fresh && (isfinite(strength) || !hybrid->scene->fracture.enabled) ? SHV_REASON_CONTACT
-                                                                                          : SHV_REASON_NONE;
-    if (contact->fresh && impact_stress(hybrid, contact) >= rigid->wake_fraction * strength) return SHV_REASON_IMPACT;
+        return is_impact(hybrid, contact) && (isfinite(strength) || !hybrid->scene->fracture.enabled)
+                   ? SHV_REASON_CONTACT
+                   : SHV_REASON_NONE;
+    if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
     const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
     const bool audit = hybrid->audited < hybrid->audit_wakes && contact->fresh && contact->closing_speed > rest_speed;
@@ -133,6 +152,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->deformed = false;
     fragment->wake_energy = event.kinetic_after / fragment->mass;
     fragment->load = contact->load;
+    fragment->impact = severity(hybrid, contact);
     hybrid->awake.stale = true;
     shv_check_clock_start(&hybrid->clock);
     step_back(hybrid, fragment);

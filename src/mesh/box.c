@@ -1,3 +1,4 @@
+#include "mesh/bricks.h"
 #include "mesh/generate.h"
 #include "mesh/lattice.h"
 #include "mesh/parameters.h"
@@ -24,6 +25,7 @@ ShvStatus shv_mesh_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition
         thinnest = fmin(thinnest, definition->size[axis]);
     }
     SHV_TRY(shv_require_edge(definition->edge, thinnest, "box", "thinnest side", error));
+    if (definition->pattern == SHV_PATTERN_BRICKS) return shv_mesh_brick_box(mesh, memory, definition, error);
     /* A thin box has many surface tets with long diagonals: the cell length is corrected for them once. */
     ShvLattice lattice = shv_lattice_box(definition->size, definition->edge / SHV_LATTICE_EDGE);
     lattice = shv_lattice_box(definition->size, definition->edge / mean_edge(lattice.roots));

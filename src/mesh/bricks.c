@@ -11,6 +11,7 @@ typedef struct Sides {
 } Sides;
 
 typedef struct Bricks {
+    const char *what;  /* "box", "notched beam": for messages */
     int32_t count[3];  /* along each axis */
     double *planes[3]; /* count + 1 each, increasing */
     int32_t slit, tip; /* the slit is in plane `slit` across x, below plane `tip` across z */
@@ -55,7 +56,7 @@ static ShvStatus place_axis(Bricks *bricks, ShvMemory *memory, int axis, double 
     double reach;
     const int32_t below = knot > -half ? count_bricks(sides, knot + half, &reach) : 0;
     const int32_t count = below + count_bricks(sides, half - knot, &reach);
-    SHV_TRY(shv_require_count(count, sides->first, "notched beam", error));
+    SHV_TRY(shv_require_count(count, sides->first, bricks->what, error));
     double *planes = shv_allocate(memory, SHV_PART_MESH, (size_t)count + 1, sizeof(double));
     if (!planes) return shv_fail_memory(error, "planes between bricks", ((size_t)count + 1) * sizeof(double));
     if (below > 0) place_run(sides, knot, -half, planes + below);
@@ -63,6 +64,17 @@ static ShvStatus place_axis(Bricks *bricks, ShvMemory *memory, int axis, double 
     bricks->planes[axis] = planes;
     bricks->count[axis] = count;
     *plane = below;
+    return SHV_OK;
+}
+
+static ShvStatus place_even_planes(Bricks *bricks, ShvMemory *memory, const ShvMeshDefinition *d, ShvError *error)
+{
+    const double side = d->edge / SHV_BRICK_EDGE;
+    const Sides even = {side, side, 0.0};
+    for (int axis = 0; axis < 3; axis++) {
+        int32_t bottom;
+        SHV_TRY(place_axis(bricks, memory, axis, 0.5 * d->size[axis], -0.5 * d->size[axis], &even, &bottom, error));
+    }
     return SHV_OK;
 }
 
@@ -144,7 +156,7 @@ static void add_bricks(ShvMesh *mesh, const Bricks *b)
 static ShvStatus fill(ShvMesh *mesh, ShvMemory *memory, const Bricks *b, double edge, ShvError *error)
 {
     const double elements = 5.0 * (double)b->count[0] * (double)b->count[1] * (double)b->count[2];
-    SHV_TRY(shv_require_count(elements, edge, "notched beam", error));
+    SHV_TRY(shv_require_count(elements, edge, b->what, error));
     const int64_t lip = ((int64_t)b->count[1] + 1) * b->tip;
     SHV_TRY(shv_mesh_allocate(mesh, memory, grid_nodes(b) + lip, (int64_t)elements, error));
     place_nodes(mesh, b);
@@ -155,8 +167,18 @@ static ShvStatus fill(ShvMesh *mesh, ShvMemory *memory, const Bricks *b, double 
 ShvStatus shv_mesh_brick_beam(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error)
 {
     *mesh = (ShvMesh){0};
-    Bricks bricks = {0};
+    Bricks bricks = {.what = "notched beam"};
     ShvStatus status = place_planes(&bricks, memory, definition, error);
+    if (status == SHV_OK) status = fill(mesh, memory, &bricks, definition->edge, error);
+    for (int axis = 0; axis < 3; axis++) shv_release(bricks.planes[axis]);
+    return status;
+}
+
+ShvStatus shv_mesh_brick_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error)
+{
+    *mesh = (ShvMesh){0};
+    Bricks bricks = {.what = "box"};
+    ShvStatus status = place_even_planes(&bricks, memory, definition, error);
     if (status == SHV_OK) status = fill(mesh, memory, &bricks, definition->edge, error);
     for (int axis = 0; axis < 3; axis++) shv_release(bricks.planes[axis]);
     return status;

@@ -11,6 +11,8 @@
 /* Mean of the edges of the five tets of a cube, over its side: of 30 edges 12 are sides and 18 are diagonals. */
 #define SHV_BRICK_EDGE 1.2485281374238570
 
+/* A box of such bricks, all alike and about cubes, without a slit; not renumbered. */
+ShvStatus shv_mesh_brick_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);
 /* The beam of a definition whose lengths have been checked; not renumbered. The nodes of the slit are those of
    shv_mesh_notched_beam: two lips, one front. */
 ShvStatus shv_mesh_brick_beam(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);

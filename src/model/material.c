@@ -57,6 +57,16 @@ static ShvStatus check_fracture(const ShvMaterialDefinition *definition, ShvErro
     if (!(definition->weibull_volume >= 0.0 && isfinite(definition->weibull_volume)))
         return bad_value(error, name, "weibull_volume", definition->weibull_volume,
                          "a finite number of at least 0, in m³ (0: facets of any size scatter alike)");
+    if (definition->unresolved != SHV_UNRESOLVED_KEEP && definition->unresolved != SHV_UNRESOLVED_SCALE_STRENGTH &&
+        definition->unresolved != SHV_UNRESOLVED_SCALE_ENERGY)
+        return bad_value(error, name, "unresolved", (double)definition->unresolved, "one of ShvUnresolved");
+    if (!(definition->zone_edges >= 1.0 && isfinite(definition->zone_edges)))
+        return bad_value(error, name, "zone_edges", definition->zone_edges, "a finite number of at least 1");
+    if (definition->unresolved != SHV_UNRESOLVED_KEEP && definition->fracture_energy <= 0.0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "material '%s': without fracture_energy there is no cohesive zone to scale; give an energy, or "
+                        "'unresolved: keep'",
+                        name);
     return SHV_OK;
 }
 
@@ -86,6 +96,8 @@ static void derive_fracture(ShvMaterial *material, const ShvMaterialDefinition *
     material->strength[SHV_SHEAR] = or_else(definition->cohesive_strength_shear, material->strength[SHV_NORMAL]);
     material->shape[SHV_NORMAL] = or_else(definition->ppr_shape, 2.0);
     material->shape[SHV_SHEAR] = or_else(definition->ppr_shape_shear, material->shape[SHV_NORMAL]);
+    material->nominal_energy = material->fracture_energy[SHV_NORMAL];
+    material->nominal_strength = material->strength[SHV_NORMAL];
 }
 
 ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *definition, ShvError *error)
@@ -106,7 +118,9 @@ ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *
                               .breakable = definition->breakable,
                               .law = definition->law,
                               .weibull_modulus = definition->weibull_modulus,
-                              .weibull_volume = definition->weibull_volume};
+                              .weibull_volume = definition->weibull_volume,
+                              .unresolved = definition->unresolved,
+                              .zone_edges = definition->zone_edges};
     derive_elasticity(material);
     derive_fracture(material, definition);
     if (!isfinite(material->dilatational_speed))
@@ -142,4 +156,31 @@ double shv_material_final_opening(const ShvMaterial *material)
     if (energy == 0.0) return 0.0;
     if (strength == 0.0 || isinf(energy)) return (double)INFINITY;
     return (material->law == SHV_PPR ? material->shape[SHV_NORMAL] : 2.0) * energy / strength;
+}
+
+void shv_material_resolve(ShvMaterial *material, double edge)
+{
+    material->mesh_edge = edge;
+    const double share = shv_material_cohesive_zone(material) / (material->zone_edges * edge);
+    if (material->unresolved == SHV_UNRESOLVED_KEEP || !(share < 1.0)) return;
+    for (int mode = 0; mode < 2; mode++) {
+        if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH)
+            material->strength[mode] *= sqrt(share);
+        else
+            material->fracture_energy[mode] /= share;
+    }
+}
+
+double shv_material_resolved_edge(const ShvMaterial *material)
+{
+    ShvMaterial nominal = *material;
+    nominal.fracture_energy[SHV_NORMAL] = material->nominal_energy;
+    nominal.strength[SHV_NORMAL] = material->nominal_strength;
+    return shv_material_cohesive_zone(&nominal) / material->zone_edges;
+}
+
+double shv_material_tip_toughness(const ShvMaterial *material, double edge)
+{
+    const double squared_pi = 9.8696044010893586;
+    return fmax(1.0, 0.125 * squared_pi * edge / shv_material_cohesive_zone(material));
 }

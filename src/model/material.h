@@ -19,9 +19,13 @@ typedef struct ShvMaterial {
     ShvKinematics kinematics;
     bool breakable;
     ShvCohesiveLaw law;
-    double fracture_energy[2]; /* normal, shear, J/m² */
-    double strength[2];        /* normal, shear, Pa */
-    double shape[2];           /* PPR α, β */
+    double fracture_energy[2];               /* normal, shear, J/m²; in effect, see shv_material_resolve */
+    double strength[2];                      /* normal, shear, Pa; in effect */
+    double nominal_energy, nominal_strength; /* normal, as given */
+    ShvUnresolved unresolved;
+    double zone_edges; /* mean edges that a resolved zone spans */
+    double mesh_edge;  /* m: mean edge of the coarsest object of it; 0 before shv_material_resolve */
+    double shape[2];   /* PPR α, β */
     double weibull_modulus, weibull_volume;
 } ShvMaterial;
 
@@ -33,6 +37,18 @@ static inline bool shv_material_can_open(const ShvMaterial *material)
 {
     return material->breakable && isfinite(material->strength[SHV_NORMAL]);
 }
+
+/* Fits the material to the mean edge of its mesh: where the cohesive zone R is shorter than zone_edges × edge, and the material
+   asks for it, strengths are multiplied by √(R / (zone_edges edge)) or energies by zone_edges edge / R, both of which make
+   R = zone_edges × edge. The first is the lowered interface strength of Turon, Dávila, Camanho and Costa (Engineering
+   Fracture Mechanics 74, 2007, 1665-1682) with the zone length below; the second keeps the strength instead. */
+void shv_material_resolve(ShvMaterial *material, double edge);
+/* Longest mean edge at which the material as given is resolved, m: R of the nominal strength and energy over zone_edges. */
+double shv_material_resolved_edge(const ShvMaterial *material);
+/* How many times G a crack tip costs on a mesh of this edge at least, where it is more than once: the stress K/√(2πr) at
+   the middle of the edge ahead of the tip, r = edge/2, has to reach the strength in effect, so that
+   K²(1−ν²)/E = π edge σ² (1−ν²)/E = (π²/8) (edge/R) G. An estimate of size, not a prediction. */
+double shv_material_tip_toughness(const ShvMaterial *material, double edge);
 
 /* Length over which a crack tip softens, R = (π/8) E/(1−ν²) G/σ², m (physics of cohesive zones; 5-10 elements resolve
    it), and the length 2 E G/σ² above which one element in series with a crack snaps back. Infinite when σ = 0 and

@@ -57,10 +57,12 @@ static ShvStatus check_placement(const ShvObjectDefinition *object, ShvError *er
     const ShvVec3 axis = shv_load3(placement->rotation_axis);
     const double squared_length = shv_dot(axis, axis);
     if (!shv_finite3(shv_load3(placement->position)) || !shv_finite3(shv_load3(placement->velocity)) ||
-        !shv_finite3(shv_load3(placement->angular_velocity)) || !isfinite(placement->rotation_degrees))
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "object '%s': position, rotation, velocity and angular velocity must be finite numbers",
-                        object->name);
+        !shv_finite3(shv_load3(placement->angular_velocity)) || !shv_finite3(shv_load3(placement->stretch_rate)) ||
+        !isfinite(placement->rotation_degrees))
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "object '%s': position, rotation, velocity, angular velocity and stretch rate must be finite numbers",
+            object->name);
     if (placement->rotation_degrees != 0.0 && !(squared_length > 0.0 && isfinite(squared_length)))
         return shv_fail(error, SHV_BAD_INPUT,
                         "object '%s': the axis of its rotation has no direction; give a vector of about unit length",
@@ -202,6 +204,29 @@ static ShvStatus make_mesh(ShvModel *model, const ShvSceneDefinition *scene, con
     return status;
 }
 
+static double mean_edge(const ShvMesh *mesh, const ShvObject *object)
+{
+    double sum = 0.0;
+    for (int32_t e = object->element_begin; e < object->element_end; e++)
+        for (int i = 0; i < 4; i++)
+            for (int j = i + 1; j < 4; j++) {
+                const int32_t *nodes = mesh->elements + 4 * (int64_t)e;
+                sum += shv_norm(shv_sub(shv_mesh_position(mesh, nodes[i]), shv_mesh_position(mesh, nodes[j])));
+            }
+    return sum / (6.0 * (object->element_end - object->element_begin));
+}
+
+/* Every material to the coarsest of its objects: it is one material in all of them. */
+static void resolve_materials(ShvModel *model)
+{
+    for (int32_t m = 0; m < model->material_count; m++) {
+        double coarsest = 0.0;
+        for (int32_t i = 0; i < model->object_count; i++)
+            if (model->objects[i].material == m) coarsest = fmax(coarsest, mean_edge(&model->mesh, &model->objects[i]));
+        if (coarsest > 0.0) shv_material_resolve(&model->materials[m], coarsest);
+    }
+}
+
 static bool something_can_break(const ShvModel *model, const ShvSceneDefinition *scene)
 {
     if (!scene->fracture.enabled) return false;
@@ -217,6 +242,7 @@ static ShvStatus build(ShvModel *model, const ShvSceneDefinition *scene, const c
     SHV_TRY(make_materials(model, scene, error));
     SHV_TRY(make_objects(model, scene, error));
     SHV_TRY(make_mesh(model, scene, folder, error));
+    resolve_materials(model);
     model->threads = choose_threads(scene, model);
     model->can_break = something_can_break(model, scene);
     if (model->can_break) SHV_TRY(shv_adjacency_build(&model->adjacency, &model->mesh, error));

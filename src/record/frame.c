@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/timer.h"
+#include "record/hdf5_array.h"
 #include "record/record.h"
 
 /* ---- room ---- */
@@ -157,12 +158,27 @@ static bool put_owners(ShvRecord *record, const ShvSimulation *simulation)
     return H5Dwrite(record->owners, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, record->element_fragment) >= 0;
 }
 
-/* Owners change only where fragments start. New fragments are on the disk before the frame that shows them. */
-static bool put_births(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
+static bool put_probes(ShvRecord *record, const ShvFrameView *frame)
+{
+    const int64_t begin = record->probe_rows, count = frame->probe_row_count;
+    if (frame->probe_count == 0) return true;
+    if (!shv_series_write(&record->series[SHV_SERIES_PROBE_TIME], begin, count, 0, frame->probe_times) ||
+        !shv_series_write(&record->series[SHV_SERIES_PROBE_SAMPLES], begin, count, frame->probe_count,
+                          frame->probe_samples))
+        return false;
+    record->probe_rows += count;
+    return true;
+}
+
+/* What a frame goes back to is on the disk before it: new fragments, whose owners change only where fragments start, and rows of
+   probes. */
+static bool put_ahead(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     const bool born = record->frames == 0 || frame->fragment_count != record->fragment_count;
-    if (!put_genealogy(record, frame)) return false;
-    return !born || (put_owners(record, simulation) && H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0);
+    const bool sampled = frame->probe_count > 0 && frame->probe_row_count > 0;
+    if (!put_genealogy(record, frame) || (born && !put_owners(record, simulation)) || !put_probes(record, frame))
+        return false;
+    return !(born || sampled) || H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
 static bool put_events(ShvRecord *record, const ShvFrameView *frame)
@@ -184,12 +200,16 @@ static bool create_series(ShvRecord *record, const ShvFrameView *frame)
                                [SHV_WIDTH_OBSTACLE] = frame->obstacle_count,
                                [SHV_WIDTH_ELEMENT] = record->element_count,
                                [SHV_WIDTH_COST] = frame->cost_count,
-                               [SHV_WIDTH_BYTES] = frame->bytes_count}};
+                               [SHV_WIDTH_BYTES] = frame->bytes_count,
+                               [SHV_WIDTH_PROBE] = frame->probe_count}};
     record->obstacle_count = frame->obstacle_count;
     record->cost_count = frame->cost_count;
     record->bytes_count = frame->bytes_count;
+    record->probe_count = frame->probe_count;
+    if (frame->probe_count > 0 && !shv_group_put(record->file, "/probes")) return false;
     for (int i = 0; i < SHV_SERIES_COUNT; i++) {
         if (shv_series_of_nodes((ShvSeriesName)i) && !record->nodes) continue;
+        if (shv_series_of_probes((ShvSeriesName)i) && frame->probe_count == 0) continue;
         if (!shv_series_create(&record->series[i], record->file, (ShvSeriesName)i, &widths)) return false;
     }
     return shv_record_write_names(record->file, frame);
@@ -198,7 +218,7 @@ static bool create_series(ShvRecord *record, const ShvFrameView *frame)
 static bool put_all(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     if (record->frames == 0 && !create_series(record, frame)) return false;
-    return put_births(record, simulation, frame) && put_events(record, frame) && put_motion(record, frame) &&
+    return put_ahead(record, simulation, frame) && put_events(record, frame) && put_motion(record, frame) &&
            put_cost(record, frame) && put_moment(record, frame) && (!record->nodes || put_nodes(record, simulation)) &&
            H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
 }
@@ -206,7 +226,7 @@ static bool put_all(ShvRecord *record, const ShvSimulation *simulation, const Sh
 static ShvStatus check_frame(const ShvRecord *record, const ShvFrameView *frame, ShvError *error)
 {
     const bool same = frame->obstacle_count == record->obstacle_count && frame->cost_count == record->cost_count &&
-                      frame->bytes_count == record->bytes_count;
+                      frame->bytes_count == record->bytes_count && frame->probe_count == record->probe_count;
     if (frame->fragment_count < record->fragment_count || (record->frames > 0 && !same))
         return shv_fail(error, SHV_BAD_INPUT, "the frame belongs to another simulation than the record was made for");
     return SHV_OK;

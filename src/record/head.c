@@ -1,37 +1,18 @@
 /* What is written once: root attributes, scene, mesh, names. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 
 #include "base/text.h"
 #include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
+#include "record/processor.h"
 #include "record/record.h"
-
-/* "model name : …" of Linux; elsewhere the name of the machine type. */
-static void find_processor(char *name, size_t size)
-{
-    struct utsname system;
-    shv_format(name, size, "%s", uname(&system) >= 0 ? system.machine : "unknown");
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    if (!file) return;
-    char line[256];
-    while (fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (strncmp(line, "model name", 10) != 0 || !colon) continue;
-        line[strcspn(line, "\n")] = '\0';
-        shv_format(name, size, "%s", colon + 1 + strspn(colon + 1, " "));
-        break;
-    }
-    fclose(file);
-}
 
 static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
 {
     const int32_t format = SHV_RUN_FILE_FORMAT;
     char processor[256];
-    find_processor(processor, sizeof processor);
+    shv_processor_name(processor, sizeof processor);
     return shv_attribute_put_number(file, "shiver_format", H5T_STD_I32LE, H5T_NATIVE_INT32, &format) &&
            shv_attribute_put_text(file, "code_version", SHIVER_VERSION, 1) &&
            shv_attribute_put_text(file, "scene_name", definition->scene_name ? definition->scene_name : "", 1) &&
@@ -115,6 +96,48 @@ static const char *bytes_name(const void *items, int32_t i)
     return ((const ShvBytesView *)items)[i].name;
 }
 
+static const char *probe_name(const void *items, int32_t i)
+{
+    return ((const ShvProbeView *)items)[i].name;
+}
+
+static const char *material_name(const void *items, int32_t i)
+{
+    return ((const ShvMaterialView *)items)[i].name;
+}
+static const char *material_unresolved(const void *items, int32_t i)
+{
+    return shv_unresolved_name(((const ShvMaterialView *)items)[i].unresolved);
+}
+
+static bool put_material_numbers(hid_t file, const ShvMaterialView *materials, int32_t count)
+{
+    double *column = shv_allocate(NULL, SHV_PART_RECORD, (size_t)count, sizeof *column);
+    bool good = column != NULL;
+    for (int k = 0; good && k < SHV_MATERIAL_COLUMNS; k++) {
+        for (int32_t i = 0; i < count; i++)
+            memcpy(&column[i], (const char *)&materials[i] + shv_material_columns[k].offset, sizeof *column);
+        good = shv_array_put(file, shv_material_columns[k].path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, count, 0, false,
+                             column, NULL);
+    }
+    shv_release(column);
+    return good;
+}
+
+bool shv_record_write_materials(hid_t file, const ShvSimulation *simulation)
+{
+    const int32_t count = shv_simulation_material_count(simulation);
+    ShvMaterialView *materials = shv_allocate(NULL, SHV_PART_RECORD, (size_t)count, sizeof *materials);
+    if (!materials) return false;
+    for (int32_t i = 0; i < count; i++) materials[i] = shv_simulation_material(simulation, i);
+    const bool good = shv_group_put(file, "/materials") &&
+                      put_names(file, "/materials/name", count, material_name, materials) &&
+                      put_names(file, "/materials/unresolved", count, material_unresolved, materials) &&
+                      put_material_numbers(file, materials, count);
+    shv_release(materials);
+    return good;
+}
+
 static bool put_ranges(hid_t file, const ShvMeshView *mesh)
 {
     int32_t *ranges = shv_allocate(NULL, SHV_PART_RECORD, 4 * (size_t)mesh->object_count, sizeof *ranges);
@@ -146,6 +169,8 @@ bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners)
 bool shv_record_write_names(hid_t file, const ShvFrameView *frame)
 {
     return put_names(file, "/obstacles/name", frame->obstacle_count, obstacle_name, frame->obstacles) &&
+           (frame->probe_count == 0 ||
+            put_names(file, "/probes/name", frame->probe_count, probe_name, frame->probes)) &&
            put_names(file, "/cost/name", frame->cost_count, cost_name, frame->costs) &&
            put_names(file, "/cost/bytes_name", frame->bytes_count, bytes_name, frame->bytes);
 }

@@ -96,7 +96,8 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
     SHV_TRY(allocate(record, definition, &mesh, error));
     SHV_TRY(open_file(record, error));
     if (!shv_record_write_head(record->file, definition) ||
-        !shv_record_write_mesh(record->file, &mesh, &record->owners))
+        !shv_record_write_mesh(record->file, &mesh, &record->owners) ||
+        !shv_record_write_materials(record->file, simulation))
         return shv_record_fail(record, error);
     return SHV_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef SHV_RECORD_RECORD_H
 #define SHV_RECORD_RECORD_H
 
+#include "record/materials.h"
 #include "record/series.h"
 #include "record/stage.h"
 #include "shiver/run_file.h"
@@ -17,8 +18,8 @@ struct ShvRecord {
     ShvStage *stage;
     hid_t file, owners; /* owners: /fragments/elements */
     ShvSeries series[SHV_SERIES_COUNT];
-    int32_t element_count, obstacle_count, cost_count, bytes_count;
-    int64_t frames, events;
+    int32_t element_count, obstacle_count, cost_count, bytes_count, probe_count;
+    int64_t frames, events, probe_rows;
     int32_t fragment_count;     /* rows of /fragments/list */
     ShvFragmentView *fragments; /* as they were last written */
     int32_t fragment_capacity;
@@ -33,6 +34,8 @@ struct ShvRecord {
 /* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */
 bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition);
 bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners);
+/* /materials: what every material asks of its mesh and gets. */
+bool shv_record_write_materials(hid_t file, const ShvSimulation *simulation);
 bool shv_record_write_names(hid_t file, const ShvFrameView *frame);
 
 /* Appends a frame to all series (frame.c). */

@@ -212,16 +212,31 @@ static ShvStatus read_objects(ShvRunFile *file, ShvError *error)
     return status;
 }
 
+/* A row counts when it has its time and all samples. */
+static ShvStatus read_probes(ShvRunFile *file, ShvError *error)
+{
+    const ShvSeries *times = &file->series[SHV_SERIES_PROBE_TIME], *samples = &file->series[SHV_SERIES_PROBE_SAMPLES];
+    SHV_TRY(shv_run_read_texts(file, "/probes/name", 1, &file->probe_names, &file->probe_name_size,
+                               &file->info.probe_count, error));
+    if (samples->extent[1] != (hsize_t)file->info.probe_count)
+        return shv_run_fail_damaged(file, "the list of probes", error);
+    file->info.probe_row_count =
+        (int64_t)(times->extent[0] < samples->extent[0] ? times->extent[0] : samples->extent[0]);
+    return SHV_OK;
+}
+
 static ShvStatus open_series(ShvRunFile *file, ShvError *error)
 {
     file->info.nodes = H5Lexists(file->file, "/nodes", H5P_DEFAULT) > 0;
+    const bool probes = H5Lexists(file->file, "/probes", H5P_DEFAULT) > 0;
     for (int i = 0; i < SHV_SERIES_COUNT; i++) {
         if (shv_series_of_nodes((ShvSeriesName)i) && !file->info.nodes) continue;
+        if (shv_series_of_probes((ShvSeriesName)i) && !probes) continue;
         if (!shv_series_open(&file->series[i], file->file, (ShvSeriesName)i) ||
             !shv_series_plausible(&file->series[i], file->bytes))
             return shv_run_fail_damaged(file, shv_series_path((ShvSeriesName)i), error);
     }
-    return SHV_OK;
+    return probes ? read_probes(file, error) : SHV_OK;
 }
 
 /* A frame counts when every series has it: a writer that was killed may have left one more in some. */
@@ -262,6 +277,7 @@ static ShvStatus read_head(ShvRunFile *file, const char *path, ShvError *error)
     SHV_TRY(read_attributes(file, error));
     SHV_TRY(read_scene(file, error));
     SHV_TRY(read_objects(file, error));
+    SHV_TRY(shv_run_read_materials(file, error));
     SHV_TRY(open_series(file, error));
     return count_frames(file, error);
 }
@@ -272,6 +288,8 @@ static void release(ShvRunFile *file)
     if (file->file >= 0) H5Fclose(file->file);
     shv_release(file->path);
     shv_release(file->scene_text);
+    shv_release(file->material_names);
+    shv_release(file->materials);
     shv_release(file->overrides);
     shv_release(file->object_names);
     shv_release(file->object_materials);
@@ -283,6 +301,7 @@ static void release(ShvRunFile *file)
     shv_release(file->parts);
     shv_release(file->cost_names);
     shv_release(file->part_names);
+    shv_release(file->probe_names);
     shv_release(file);
 }
 
@@ -392,6 +411,27 @@ ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *even
         return shv_fail(error, SHV_BAD_INPUT, "'%s' has %lld events and no event %lld", file->path,
                         (long long)file->info.event_count, (long long)index);
     return shv_run_get(file, SHV_SERIES_EVENTS, index, 0, event, error);
+}
+
+const char *shv_run_file_probe_name(const ShvRunFile *file, int32_t probe)
+{
+    return probe >= 0 && probe < file->info.probe_count ? file->probe_names + (size_t)probe * file->probe_name_size
+                                                        : "";
+}
+
+ShvStatus shv_run_file_probes(ShvRunFile *file, int64_t begin, int64_t count, double *times, ShvProbeSample *samples,
+                              ShvError *error)
+{
+    if (begin < 0 || count < 0 || begin > file->info.probe_row_count - count)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' has %lld rows of probes and no rows %lld to %lld", file->path,
+                        (long long)file->info.probe_row_count, (long long)begin, (long long)(begin + count - 1));
+    const ShvSilence silence = shv_silence_begin();
+    const bool good =
+        count == 0 || ((!times || shv_series_read(&file->series[SHV_SERIES_PROBE_TIME], begin, count, 0, times)) &&
+                       (!samples || shv_series_read(&file->series[SHV_SERIES_PROBE_SAMPLES], begin, count,
+                                                    file->info.probe_count, samples)));
+    shv_silence_end(silence);
+    return good ? SHV_OK : shv_run_fail_damaged(file, "/probes", error);
 }
 
 ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,

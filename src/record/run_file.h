@@ -17,9 +17,13 @@ struct ShvRunFile {
     ShvSeries series[SHV_SERIES_COUNT];
     ShvRunFileInfo info;
     ShvRunTexts texts;
-    char *scene_text, *overrides, *object_names, *object_materials, *obstacle_names, *cost_names, *part_names;
-    size_t obstacle_name_size;
+    char *scene_text, *overrides, *object_names, *object_materials, *obstacle_names, *cost_names, *part_names,
+        *probe_names;
+    size_t obstacle_name_size, probe_name_size;
     ShvObjectView *objects;
+    char *material_names;
+    ShvMaterialView *materials;
+    int32_t material_count;
     double *times;
     uint8_t *modes, *animation; /* one block */
     ShvCostView *costs;         /* read when asked for */
@@ -28,6 +32,7 @@ struct ShvRunFile {
 
 ShvStatus shv_run_fail_damaged(const ShvRunFile *file, const char *what, ShvError *error);
 ShvStatus shv_run_check_frame(const ShvRunFile *file, int64_t frame, ShvError *error);
+ShvStatus shv_run_read_materials(ShvRunFile *file, ShvError *error);
 /* Reads one entry of a series quietly; nothing when `data` is NULL. */
 ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64_t columns, void *data,
                       ShvError *error);

@@ -54,6 +54,9 @@ static const Kind KINDS[SHV_SERIES_COUNT] = {
     [SHV_SERIES_NODE_FRAGMENT] = {"/nodes/fragment", "", TYPE_INT, SHV_WIDTH_ELEMENT, 0, true},
     [SHV_SERIES_FRAGMENTS] = {"/fragments/list", "SI", TYPE_FRAGMENT, SHV_WIDTH_NONE, 0, false},
     [SHV_SERIES_EVENTS] = {"/events", "SI", TYPE_EVENT, SHV_WIDTH_NONE, 0, false},
+    [SHV_SERIES_PROBE_TIME] = {"/probes/time", "s", TYPE_DOUBLE, SHV_WIDTH_NONE, 0, false},
+    [SHV_SERIES_PROBE_SAMPLES] = {"/probes/samples", "displacement m, velocity m/s, stress Pa, contact N, reaction N",
+                                  TYPE_DOUBLE, SHV_WIDTH_PROBE, SHV_PROBE_NUMBERS, false},
 };
 
 enum { ROWS_A_CHUNK = 64 };
@@ -61,6 +64,11 @@ enum { ROWS_A_CHUNK = 64 };
 bool shv_series_of_nodes(ShvSeriesName name)
 {
     return name == SHV_SERIES_CORNERS || name == SHV_SERIES_DAMAGE || name == SHV_SERIES_NODE_FRAGMENT;
+}
+
+bool shv_series_of_probes(ShvSeriesName name)
+{
+    return name == SHV_SERIES_PROBE_TIME || name == SHV_SERIES_PROBE_SAMPLES;
 }
 
 const char *shv_series_path(ShvSeriesName name)

@@ -16,6 +16,7 @@ typedef enum ShvWidth {
     SHV_WIDTH_ELEMENT,
     SHV_WIDTH_COST,
     SHV_WIDTH_BYTES,
+    SHV_WIDTH_PROBE,
     SHV_WIDTH_COUNT
 } ShvWidth;
 
@@ -45,6 +46,8 @@ typedef enum ShvSeriesName {
     SHV_SERIES_FRAMES,                        /* the number of those above: one entry a frame */
     SHV_SERIES_FRAGMENTS = SHV_SERIES_FRAMES, /* one row a fragment */
     SHV_SERIES_EVENTS,                        /* one row an event */
+    SHV_SERIES_PROBE_TIME,                    /* one row a sample; this and the next only where there are probes */
+    SHV_SERIES_PROBE_SAMPLES,
     SHV_SERIES_COUNT
 } ShvSeriesName;
 
@@ -63,6 +66,7 @@ typedef struct ShvWidths {
 } ShvWidths;
 
 bool shv_series_of_nodes(ShvSeriesName name);
+bool shv_series_of_probes(ShvSeriesName name);
 const char *shv_series_path(ShvSeriesName name);
 /* Makes the empty dataset; its group must exist. False when HDF5 fails. */
 bool shv_series_create(ShvSeries *series, hid_t file, ShvSeriesName name, const ShvWidths *widths);

@@ -122,14 +122,36 @@ static ShvStatus collide(ShvBullet *bullet, ShvBulletMeeting *meeting, double re
     return SHV_OK;
 }
 
-/* A pair of which one has just come: overlaps are the hulls' affair, not an impact, and are let be as long as they last. */
+/* Of the smaller radius: having slid so far, two bodies touch at other places. */
+static const double new_place_of_radius = 0.25;
+
+/* How far a pair slides in the step at the contact where that is most. */
+static double slide_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
+{
+    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    double fastest = 0.0;
+    for (int32_t i = 0; i < meeting->contact_count; i++) {
+        const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + i];
+        fastest = fmax(fastest, shv_norm(shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin)));
+    }
+    return fastest * bullet->step;
+}
+
+/* A pair of which one has just come: overlaps are the hulls' affair, not an impact, and are let be as long as they last and the
+   two stay where they were to each other. (Deeper ones are not the hulls': what is inside another stays there.) */
 static void allow_overlaps(const ShvBullet *bullet, ShvBulletMeeting *meeting)
 {
+    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
     double deepest = 0.0;
     for (int32_t i = 0; i < meeting->contact_count; i++)
         deepest = fmin(deepest, bullet->contacts[meeting->contact_begin + i].gap);
-    const bool born = bullet->flyers[meeting->a].born || bullet->flyers[meeting->b].born;
-    meeting->allowance = born ? -deepest : fmin(meeting->allowance, -deepest);
+    if (a->born || b->born) {
+        meeting->allowance = -deepest;
+    } else if (meeting->allowance > 0.0) {
+        const double place = new_place_of_radius * fmin(a->radius, b->radius);
+        if (meeting->allowance < place) meeting->allowance *= fmax(0.0, 1.0 - slide_of(bullet, meeting) / place);
+        meeting->allowance = fmin(meeting->allowance, -deepest);
+    }
 }
 
 /* Whether a contact closes fast in the step: its moment, by the parabola of its gap. */

@@ -31,12 +31,14 @@ typedef struct ShvFragment {
     ShvQuat orientation;                /* reference axes → world */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
     double
-        last_insertion; /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
-    double strength;    /* Pa: weakest facet; infinity: nothing can break */
-    int32_t quiet;      /* checks in a row without insertion; children inherit */
-    bool cracked;       /* a facet of it has been inserted; children inherit */
-    double load;        /* N: contact force under which it woke last */
-    double borne;       /* N: largest such force that did not break it */
+        last_insertion;  /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
+    double strength;     /* Pa: weakest facet; infinity: nothing can break */
+    int32_t quiet;       /* checks in a row without insertion; children inherit */
+    bool cracked;        /* a facet of it has been inserted; children inherit */
+    double load;         /* N: contact force under which it woke last */
+    double borne;        /* N: largest such force that did not break it */
+    double impact;       /* m/s: severity of the impact that woke it last, 0 once a facet has been inserted since */
+    double borne_impact; /* m/s: largest severity that inserted none */
     /* It stays rigid, but whoever advances the awake moves it in their steps; its contacts with what is in flight then act as
        this mean force and torque about the centre over the backend's step (N, N m; zero otherwise). */
     bool companion;

@@ -155,13 +155,39 @@ static void assemble_events(ShvSceneDefinition *definition, const ShvSceneItem *
     definition->event_count = count;
 }
 
+static void assemble_probes(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+{
+    const ShvProbeItem *items = scene->probes.data;
+    const int32_t count = scene->probes.count;
+    ShvProbeDefinition *probes = shv_pool_take(pool, (size_t)count, sizeof *probes);
+    if (!probes) return;
+    for (int32_t i = 0; i < count; i++) {
+        probes[i] = items[i].definition;
+        probes[i].name = items[i].head.name;
+        make_unit(probes[i].selection.plane_normal);
+    }
+    definition->probes = probes;
+    definition->probe_count = count;
+}
+
+/* `fracture.plane` is the only way to choose, and has a normal where it is given. */
+static void confine_fracture(ShvSelection *on)
+{
+    const double *normal = on->plane_normal;
+    if (normal[0] == 0.0 && normal[1] == 0.0 && normal[2] == 0.0) return;
+    on->kind = SHV_SELECT_PLANE;
+    make_unit(on->plane_normal);
+}
+
 void shv_assemble(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *pool, ShvPool *work,
                   ShvDiagnostics *diagnostics)
 {
     *assembly = (ShvAssembly){.definition = scene->definition};
+    confine_fracture(&assembly->definition.fracture.on);
     assemble_materials(&assembly->definition, scene, pool);
     assemble_objects(assembly, scene, pool, work, diagnostics);
     assemble_conditions(&assembly->definition, scene, pool);
     assemble_obstacles(&assembly->definition, scene, pool);
     assemble_events(&assembly->definition, scene, pool);
+    assemble_probes(&assembly->definition, scene, pool);
 }

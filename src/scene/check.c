@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/names.h"
 #include "base/text.h"
 #include "scene/name_index.h"
 
@@ -349,6 +350,49 @@ static void check_events(Checker *checker)
     }
 }
 
+/* ---- probes ------------------------------------------------------------------------------------------- */
+
+static void report_unknown_obstacle(Checker *checker, const ShvNode *node, const char *name)
+{
+    enum { LARGEST_CANDIDATES = 500 };
+    const ShvSceneDefinition *scene = &checker->assembly->definition;
+    const char *names[LARGEST_CANDIDATES] = {NULL};
+    size_t count = 0;
+    for (int32_t i = 0; i < scene->obstacle_count && count < LARGEST_CANDIDATES; i++)
+        names[count++] = scene->obstacles[i].name;
+    const char *nearest = shv_nearest_name(name, names, count);
+    fault(checker, node, "obstacle", "obstacle %s is no obstacle of the scene%s%.63s%s", shv_quoted(name).text,
+          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static void check_probe(Checker *checker, const ShvProbeItem *item)
+{
+    const ShvProbeDefinition *probe = &item->definition;
+    const ShvNode *node = item->head.node;
+    const char *path = probe->kind == SHV_PROBE_NODES ? "nodes.object" : "object";
+    if (probe->kind != SHV_PROBE_POINT && has(node, "object")) {
+        fault(checker, node, "object", "object goes with point alone; remove it");
+        return;
+    }
+    const ShvNameEntry *body = probe->object ? shv_name_index_find(&checker->bodies, probe->object) : NULL;
+    if (probe->object && !is_object(body))
+        shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(node, path), "object",
+                                      probe->object, "object of the scene");
+    const ShvNameEntry *obstacle = probe->obstacle ? shv_name_index_find(&checker->bodies, probe->obstacle) : NULL;
+    if (is_object(obstacle))
+        fault(checker, node, "obstacle", "%s is an object; watch it with point or nodes", probe->obstacle);
+    else if (probe->obstacle && !obstacle)
+        report_unknown_obstacle(checker, node, probe->obstacle);
+    const ShvEntry *nodes = item->head.good ? shv_tree_find(node, "nodes") : NULL;
+    if (nodes) check_selection(checker, nodes->value, &probe->selection);
+}
+
+static void check_probes(Checker *checker)
+{
+    const ShvProbeItem *items = checker->scene->probes.data;
+    for (int32_t i = 0; i < checker->scene->probes.count; i++) check_probe(checker, &items[i]);
+}
+
 /* ---- reference ---------------------------------------------------------------------------------------- */
 
 static void check_reference_plane(Checker *checker, const ShvReferenceDefinition *reference)
@@ -443,6 +487,7 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_conditions(&checker);
     check_obstacles(&checker);
     check_events(&checker);
+    check_probes(&checker);
     check_reference(&checker);
     check_fracture(&checker);
     check_pbd(&checker);

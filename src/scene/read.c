@@ -328,15 +328,21 @@ static void read_value(ShvReader *reader, const ShvKey *key, const ShvNode *node
     }
 }
 
-void shv_read_scene(ShvReader *reader, const ShvNode *root, ShvSceneItem *scene)
+void shv_read_document(ShvReader *reader, const ShvTable *table, const ShvNode *root, void *item)
 {
     const int32_t errors = shv_diagnostics_errors(reader->diagnostics);
-    shv_scene_table.start(scene);
-    scene->head = (ShvItemHead){NULL, root, root, false};
+    ShvItemHead *head = item;
+    table->start(item);
+    *head = (ShvItemHead){NULL, root, root, false};
     if (root->kind == SHV_NODE_MAPPING)
-        read_mapping(reader, &shv_scene_table, root, (char *)scene);
+        read_mapping(reader, table, root, item);
     else
-        shv_error(reader->diagnostics, root->place, "the scene is %s; expected a mapping that begins with 'shiver: 1'",
-                  shv_node_kind_name(root->kind));
-    scene->head.good = shv_diagnostics_errors(reader->diagnostics) == errors;
+        shv_error(reader->diagnostics, root->place, "%s is %s; expected a mapping that begins with '%s: 1'",
+                  table->name, shv_node_kind_name(root->kind), table->keys[0].name);
+    head->good = shv_diagnostics_errors(reader->diagnostics) == errors;
+}
+
+void shv_read_scene(ShvReader *reader, const ShvNode *root, ShvSceneItem *scene)
+{
+    shv_read_document(reader, &shv_scene_table, root, scene);
 }

@@ -13,5 +13,7 @@ typedef struct ShvReader {
 
 /* Reads the top level into `scene`. All faults of keys and values are reported; what is faulty keeps its default. */
 void shv_read_scene(ShvReader *reader, const ShvNode *root, ShvSceneItem *scene);
+/* The same for a document of another kind; `item` is of the table and starts from its defaults. */
+void shv_read_document(ShvReader *reader, const ShvTable *table, const ShvNode *root, void *item);
 
 #endif

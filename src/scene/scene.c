@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "scene/check.h"
+#include "scene/expand.h"
 #include "scene/override.h"
 #include "scene/read.h"
 #include "scene/source.h"
@@ -62,6 +63,7 @@ static void make_scene(ShvScene *scene, const Source *source, ShvPool *work, Shv
     if (!root) return;
     for (int32_t i = 0; i < source->override_count && !work->failed; i++)
         root = shv_override_apply(work, diagnostics, root, source->overrides[i], i);
+    root = work->failed ? NULL : shv_expand_materials(work, diagnostics, root);
     ShvSceneItem *items = shv_pool_take(work, 1, sizeof *items);
     if (!items || work->failed) return;
     ShvReader reader = {work, &scene->pool, diagnostics, NULL};

@@ -29,9 +29,10 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvStabiliser) == sizeof(int) && sizeof(ShvCriterion) == sizeof(int) &&
                    sizeof(ShvActivation) == sizeof(int) && sizeof(ShvMeshKind) == sizeof(int) &&
                    sizeof(ShvSelectionKind) == sizeof(int) && sizeof(ShvObstacleShape) == sizeof(int) &&
-                   sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvBarForm) == sizeof(int) &&
-                   sizeof(ShvMeshPattern) == sizeof(int) && sizeof(ShvReferenceLaw) == sizeof(int) &&
-                   sizeof(ShvDust) == sizeof(int) && sizeof(ShvDeformation) == sizeof(int),
+                   sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvProbeKind) == sizeof(int) &&
+                   sizeof(ShvBarForm) == sizeof(int) && sizeof(ShvMeshPattern) == sizeof(int) &&
+                   sizeof(ShvReferenceLaw) == sizeof(int) && sizeof(ShvDust) == sizeof(int) &&
+                   sizeof(ShvDeformation) == sizeof(int) && sizeof(ShvUnresolved) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -101,7 +102,15 @@ static const ShvTable weibull_table = {.name = "materials.<name>.weibull",
                                            "Scatter of strength from facet to facet, drawn from the scene's seed.",
                                        .keys = weibull_keys,
                                        .key_count = LENGTH_OF(weibull_keys)};
+static const ShvChoice unresolved_choices[] = {{"keep", SHV_UNRESOLVED_KEEP},
+                                               {"scale_strength", SHV_UNRESOLVED_SCALE_STRENGTH},
+                                               {"scale_energy", SHV_UNRESOLVED_SCALE_ENERGY},
+                                               {NULL, 0}};
 static const ShvKey material_keys[] = {
+    {"library", SHV_KEY_TEXT, .offset = offsetof(ShvMaterialItem, library), .absent = "none",
+     .sentence =
+         "Name of a material of the program's own (docs/materials.md, `shiver materials`). It gives every number "
+         "that is not given here."},
     {"density", SHV_KEY_NUMBER, SHV_DIMENSION_DENSITY, SHV_KEY_REQUIRED, &positive, .offset = MATERIAL(density),
      .sentence = "Mass density."},
     {"youngs_modulus", SHV_KEY_NUMBER, SHV_DIMENSION_PRESSURE, SHV_KEY_REQUIRED, &positive,
@@ -130,6 +139,15 @@ static const ShvKey material_keys[] = {
     {"ppr_shape_shear", SHV_KEY_NUMBER, .range = &above_one, .offset = MATERIAL(ppr_shape_shear),
      .absent = "`ppr_shape`", .sentence = "Shape β in mode II."},
     {"weibull", SHV_KEY_MAPPING, .table = &weibull_table, .sentence = "Scatter of strength."},
+    {"unresolved", SHV_KEY_CHOICE, .choices = unresolved_choices, .offset = MATERIAL(unresolved),
+     .sentence =
+         "What to do where the cohesive zone is shorter than `zone_edges` mean edges of the mesh. `keep`: nothing; "
+         "crack tips are tougher than G. `scale_strength`: lower the strengths so far that the zone is so long; cracks "
+         "cost G, but begin at less stress. `scale_energy`: raise the energies instead; cracks begin at the "
+         "strength, but cost more. What is in effect is in every report."},
+    {"zone_edges", SHV_KEY_NUMBER, .range = &at_least_one, .offset = MATERIAL(zone_edges),
+     .sentence =
+         "Mean edges that a resolved cohesive zone spans, of the coarsest object of the material; 5 to 10 are usual."},
 };
 static void start_material(void *item)
 {
@@ -166,7 +184,15 @@ static const ShvTable material_table = {.name = "materials.<name>",
                                           .keys = kind##_keys,                                                         \
                                           .key_count = LENGTH_OF(kind##_keys)}
 
-static const ShvKey box_keys[] = {SIZE_KEY("Edge lengths along x, y and z."), EDGE_KEY};
+static const ShvChoice pattern_choices[] = {
+    {"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
+static const ShvKey box_keys[] = {
+    SIZE_KEY("Edge lengths along x, y and z."),
+    EDGE_KEY,
+    {"pattern", SHV_KEY_CHOICE, .choices = pattern_choices, .offset = MESH(pattern),
+     .sentence =
+         "Tetrahedra of a body-centred lattice, or five in each brick of a grid, which have facets in planes across "
+         "every axis."}};
 MESH_TABLE(box, "A box, centred on its origin.");
 static const ShvKey ball_keys[] = {RADIUS_KEY("Radius."), EDGE_KEY};
 MESH_TABLE(ball, "A solid ball, centred on its origin.");
@@ -184,8 +210,6 @@ static const ShvKey cylinder_keys[] = {
      .sentence = "Height along z."},
     EDGE_KEY};
 MESH_TABLE(cylinder, "A cylinder or tube along z, centred on its origin.");
-static const ShvChoice pattern_choices[] = {
-    {"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
 static const ShvKey notched_beam_keys[] = {
     SIZE_KEY("Length along x, depth along y and height along z."),
     EDGE_KEY,
@@ -270,6 +294,11 @@ static const ShvKey object_keys[] = {
     ROTATION_KEY(OBJECT(placement), object_rotation_table),
     VELOCITY_KEY(OBJECT(placement)),
     ANGULAR_VELOCITY_KEY(OBJECT(placement)),
+    {"stretch_rate", SHV_KEY_VECTOR, SHV_DIMENSION_FREQUENCY,
+     .offset = OBJECT(placement) + offsetof(ShvPlacement, stretch_rate),
+     .sentence =
+         "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
+         "to the velocity. Such an object starts in fracture mode."},
     {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
 };
 static void start_object(void *item)
@@ -301,11 +330,11 @@ static const ShvKey select_plane_keys[] = {
      .sentence = "How far from the plane still counts."},
 };
 #define SELECTION_TABLES(conditions, label)                                                                            \
-    static const ShvTable conditions##_box_table = {.name = label ".<name>.on.box",                                    \
+    static const ShvTable conditions##_box_table = {.name = label ".on.box",                                           \
                                                     .sentence = "Nodes within a box of world coordinates.",            \
                                                     .keys = select_box_keys,                                           \
                                                     .key_count = LENGTH_OF(select_box_keys)};                          \
-    static const ShvTable conditions##_plane_table = {.name = label ".<name>.on.plane",                                \
+    static const ShvTable conditions##_plane_table = {.name = label ".on.plane",                                       \
                                                       .sentence = "Nodes near a plane.",                               \
                                                       .keys = select_plane_keys,                                       \
                                                       .key_count = LENGTH_OF(select_plane_keys)};                      \
@@ -316,15 +345,15 @@ static const ShvKey select_plane_keys[] = {
          .variant = SHV_SELECT_PLANE, .sentence = "Nodes near a plane."},                                              \
     };                                                                                                                 \
     static const ShvTable conditions##_selection_table = {                                                             \
-        .name = label ".<name>.on",                                                                                    \
+        .name = label ".on",                                                                                           \
         .sentence = "The nodes it acts on, judged once, on the placed mesh at the start.",                             \
         .keys = conditions##_selection_keys,                                                                           \
         .key_count = LENGTH_OF(conditions##_selection_keys),                                                           \
         .variants = true,                                                                                              \
         .variant_offset = SELECTION(kind)}
-SELECTION_TABLES(supports, "supports");
-SELECTION_TABLES(velocities, "imposed_velocities");
-SELECTION_TABLES(tractions, "tractions");
+SELECTION_TABLES(supports, "supports.<name>");
+SELECTION_TABLES(velocities, "imposed_velocities.<name>");
+SELECTION_TABLES(tractions, "tractions.<name>");
 
 #define CONDITION(member) offsetof(ShvConditionItem, definition.member)
 #define CONDITION_OBJECT_KEY                                                                                           \
@@ -559,6 +588,47 @@ static const ShvTable event_table = {.name = "events.<index>",
                                      .variants = true,
                                      .variant_offset = EVENT(kind)};
 
+/* ---- probes ------------------------------------------------------------------------------------------- */
+
+#define PROBE(member) offsetof(ShvProbeItem, definition.member)
+SELECTION_TABLES(probes, "probes.<name>.nodes");
+static const ShvKey probe_nodes_keys[] = {
+    {"object", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = PROBE(object), .sentence = "Name of the object."},
+    {"on", SHV_KEY_MAPPING, .table = &probes_selection_table, .offset = PROBE(selection),
+     .sentence = "Which nodes; all of the object when it is left out."},
+};
+static const ShvTable probe_nodes_table = {.name = "probes.<name>.nodes",
+                                           .sentence = "Nodes of an object, and all copies that cracks make of them.",
+                                           .keys = probe_nodes_keys,
+                                           .key_count = LENGTH_OF(probe_nodes_keys)};
+static const ShvKey probe_keys[] = {
+    {"point", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_VARIANT, .variant = SHV_PROBE_POINT, .offset = PROBE(point),
+     .sentence = "A point of a body at the start, world coordinates: displacement, velocity and stress in its tet."},
+    {"nodes", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .variant = SHV_PROBE_NODES, .table = &probe_nodes_table,
+     .sentence = "The mean of displacement and velocity (by mass) and of stress (by volume, tets at the nodes) over "
+                 "nodes; the forces of obstacles, and of supports and imposed velocities, on them."},
+    {"obstacle", SHV_KEY_TEXT, .flags = SHV_KEY_VARIANT, .variant = SHV_PROBE_OBSTACLE, .offset = PROBE(obstacle),
+     .sentence = "Name of an obstacle: its displacement and velocity, and the force of deforming bodies on it."},
+    {"object", SHV_KEY_TEXT, .offset = PROBE(object), .absent = "the first that has the point",
+     .sentence = "With `point`: name of the object that it belongs to."},
+};
+static void start_probe(void *item)
+{
+    *(ShvProbeItem *)item = (ShvProbeItem){.definition = shv_probe_default()};
+}
+static const ShvTable probe_table = {
+    .name = "probes.<name>",
+    .sentence =
+        "A place that is watched: exactly one kind a probe. Samples are taken in fracture mode as `output.probe_every` "
+        "or `output.probe_interval` says, and at the frames of `output.rate` while its body flies, then without stress "
+        "and forces. Watching changes nothing. They are in the run file's `/probes` and in `shiver export csv`.",
+    .keys = probe_keys,
+    .key_count = LENGTH_OF(probe_keys),
+    .size = sizeof(ShvProbeItem),
+    .start = start_probe,
+    .variants = true,
+    .variant_offset = PROBE(kind)};
+
 /* ---- the rest of the top level ------------------------------------------------------------------------ */
 
 #define SCENE(member) offsetof(ShvSceneItem, definition.member)
@@ -607,9 +677,17 @@ static const ShvChoice activation_choices[] = {
     {"traction", SHV_ACTIVATION_TRACTION}, {"strength", SHV_ACTIVATION_STRENGTH}, {NULL, 0}};
 static const ShvChoice deformation_choices[] = {
     {"drop", SHV_DEFORMATION_DROP}, {"keep", SHV_DEFORMATION_KEEP}, {NULL, 0}};
+static const ShvTable fracture_plane_table = {
+    .name = "fracture.plane",
+    .sentence = "A plane that cracks keep to: facets with all nodes near it may open.",
+    .keys = select_plane_keys,
+    .key_count = LENGTH_OF(select_plane_keys)};
 static const ShvKey fracture_keys[] = {
     {"enabled", SHV_KEY_BOOLEAN, .offset = SCENE(fracture.enabled),
      .sentence = "Whether facets open; bodies deform in any case."},
+    {"plane", SHV_KEY_MAPPING, .table = &fracture_plane_table, .offset = SCENE(fracture.on),
+     .sentence =
+         "Confines cracks to a plane of the mesh, judged at the start: for a glued joint, or a crack on a known path."},
     {"stabiliser", SHV_KEY_CHOICE, .choices = stabiliser_choices, .offset = SCENE(fracture.stabiliser),
      .sentence =
          "What keeps large steps stable: `none` is explicit central difference, which refuses a `time_step` above "
@@ -704,6 +782,12 @@ static const ShvKey output_keys[] = {
      .sentence = "Also records a frame every so many steps of fracture mode; 0 records none."},
     {"nodes", SHV_KEY_BOOLEAN, .offset = SCENE(output.nodes),
      .sentence = "Whether node positions and facet damage are recorded."},
+    {"probe_every", SHV_KEY_INT64, .range = &at_least_one, .offset = SCENE(output.probe_every),
+     .sentence = "Probes are sampled every so many steps of fracture mode."},
+    {"probe_interval", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &not_negative,
+     .offset = SCENE(output.probe_interval),
+     .sentence = "Samples them by time instead: at the first step of fracture mode at or after every multiple of it; 0 "
+                 "leaves it to `probe_every`."},
 };
 static const ShvTable output_table = {
     .name = "output", .sentence = "What is recorded.", .keys = output_keys, .key_count = LENGTH_OF(output_keys)};
@@ -755,6 +839,7 @@ static const ShvKey scene_keys[] = {
      .sentence = "Tractions by name."},
     {"events", SHV_KEY_LIST, .table = &event_table, .offset = ITEMS(events),
      .sentence = "Events in the order of their times."},
+    {"probes", SHV_KEY_NAMED, .table = &probe_table, .offset = ITEMS(probes), .sentence = "Probes by name."},
     {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
     {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},

@@ -86,6 +86,7 @@ typedef struct ShvItemHead {
 typedef struct ShvMaterialItem {
     ShvItemHead head;
     ShvMaterialDefinition definition;
+    const char *library; /* NULL: none; its numbers are in the tree already */
 } ShvMaterialItem;
 
 typedef struct ShvObjectItem {
@@ -111,6 +112,11 @@ typedef struct ShvObstacleItem {
     ShvItems keyframes;
 } ShvObstacleItem;
 
+typedef struct ShvProbeItem {
+    ShvItemHead head;
+    ShvProbeDefinition definition;
+} ShvProbeItem;
+
 typedef struct ShvEventItem {
     ShvItemHead head;
     ShvEventDefinition definition;
@@ -120,7 +126,7 @@ typedef struct ShvSceneItem {
     ShvItemHead head;
     ShvSceneDefinition definition;
     int32_t version;
-    ShvItems materials, objects, supports, velocities, tractions, obstacles, events;
+    ShvItems materials, objects, supports, velocities, tractions, obstacles, events, probes;
 } ShvSceneItem;
 
 /* The top level; its size is that of ShvSceneItem. */

@@ -11,6 +11,7 @@ typedef struct ShvViews {
     int32_t fragment_capacity;
     ShvObstacleView *obstacles;
     ShvObjectView *objects;
+    ShvProbeView *probes;
     ShvCostView costs[SHV_COST_COUNT];
     ShvBytesView bytes[SHV_PART_COUNT];
 } ShvViews;

@@ -44,6 +44,39 @@ static void list_parts(const ShvHybrid *hybrid, ShvPlan *plan)
     add_part(plan, "run file", true, shv_memory_bytes(memory, SHV_PART_RECORD), "buffers, once the run starts");
 }
 
+/* Bars are listed, and nodes relaxed, for the first time in the first step: what that will take, tried on bars that are put
+   away again. */
+static ShvStatus find_bars_to_come(const ShvHybrid *hybrid, size_t *bytes, ShvError *error)
+{
+    /* Bytes of a node's record in the relaxation, which keeps room for half as many again. */
+    static const size_t relaxed_node = 205;
+    const size_t users = (hybrid->relaxed ? 1u : 0u) + (hybrid->scene->rigid.engine == SHV_RIGID_PBD ? 1u : 0u);
+    ShvBars bars;
+    *bytes = 0;
+    if (users == 0) return SHV_OK;
+    SHV_TRY(shv_bars_create(&bars, &hybrid->model, hybrid->scene->pbd.form, error));
+    const size_t before = shv_memory_bytes(hybrid->memory, SHV_PART_BARS);
+    const ShvStatus status = shv_bars_update(&bars, &hybrid->state, NULL, error);
+    const size_t listed = shv_memory_bytes(hybrid->memory, SHV_PART_BARS) - before;
+    shv_bars_release(&bars);
+    *bytes = users * (listed + 3 * (size_t)hybrid->state.node_count / 2 * relaxed_node);
+    return status;
+}
+
+static void list_movers(const ShvHybrid *hybrid, size_t bars_to_come, ShvPlan *plan)
+{
+    const bool pbd = hybrid->scene->rigid.engine == SHV_RIGID_PBD, bars = hybrid->relaxed || pbd;
+    const bool asked = hybrid->scene->rigid.engine == SHV_RIGID_BULLET;
+    add_part(plan, "bars", bars, shv_memory_bytes(hybrid->memory, SHV_PART_BARS) + bars_to_come,
+             pbd    ? "rigid.engine is pbd"
+             : bars ? "fracture.stabiliser is bars"
+                    : "neither rigid.engine is pbd nor fracture.stabiliser bars");
+    add_part(plan, "bullet", hybrid->mutual, 0,
+             hybrid->mutual ? "bodies may meet; Bullet's own memory is not counted"
+             : asked        ? "nothing can meet anything"
+                            : "rigid.engine is not bullet");
+}
+
 /* One internal force evaluation of everything, the bulk of a step; forces are scratch between steps. */
 static double time_step_cost(ShvHybrid *hybrid)
 {
@@ -118,8 +151,11 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     const ShvSceneDefinition *scene = hybrid->scene;
     if (simulation->started)
         return shv_fail(error, SHV_BAD_INPUT, "a plan is made before the first frame; make it from a new simulation");
-    *plan = (ShvPlan){.bytes = shv_memory_bytes(hybrid->memory, SHV_PART_COUNT)};
+    size_t bars_to_come;
+    SHV_TRY(find_bars_to_come(hybrid, &bars_to_come, error));
+    *plan = (ShvPlan){.bytes = shv_memory_bytes(hybrid->memory, SHV_PART_COUNT) + bars_to_come};
     list_parts(hybrid, plan);
+    list_movers(hybrid, bars_to_come, plan);
     plan->seconds_per_step = time_step_cost(hybrid);
     plan->step =
         isnan(scene->fracture.time_step) ? scene->fracture.safety * hybrid->stable_step : scene->fracture.time_step;

@@ -112,7 +112,9 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
                         (int)hybrid->model.object_count);
     const ShvObject *body = &hybrid->model.objects[object];
     const ShvMaterial *material = &hybrid->model.materials[body->material];
-    *preflight = (ShvPreflight){.object = body->name, .material = material->name};
+    *preflight = (ShvPreflight){.object = body->name,
+                                .material = material->name,
+                                .cohesion = shv_simulation_material(simulation, body->material)};
     measure_mesh(preflight, &hybrid->model, body);
     preflight->mass = preflight->volume * material->density;
     measure_step(preflight, hybrid, body);

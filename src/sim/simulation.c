@@ -18,8 +18,14 @@ static ShvStatus create_views(ShvSimulation *simulation, ShvError *error)
     const size_t obstacles = (size_t)simulation->hybrid.obstacles.count, objects = (size_t)model->object_count;
     views->obstacles = shv_allocate(simulation->memory, SHV_PART_RECORD, obstacles, sizeof(ShvObstacleView));
     views->objects = shv_allocate(simulation->memory, SHV_PART_RECORD, objects, sizeof(ShvObjectView));
-    if (!views->obstacles || !views->objects)
+    const size_t probes = (size_t)simulation->hybrid.probes.count;
+    views->probes = shv_allocate(simulation->memory, SHV_PART_RECORD, probes, sizeof(ShvProbeView));
+    if (!views->obstacles || !views->objects || !views->probes)
         return shv_fail_memory(error, "views", obstacles * sizeof(ShvObstacleView) + objects * sizeof(ShvObjectView));
+    for (size_t i = 0; i < probes; i++) {
+        const ShvProbeDefinition *definition = simulation->hybrid.probes.items[i].definition;
+        views->probes[i] = (ShvProbeView){definition->name, definition->kind};
+    }
     for (int32_t i = 0; i < model->object_count; i++) {
         const ShvObject *object = &model->objects[i];
         views->objects[i] = (ShvObjectView){object->name,          model->materials[object->material].name,
@@ -68,6 +74,7 @@ void shv_simulation_destroy(ShvSimulation *simulation)
     shv_release(simulation->views.fragments);
     shv_release(simulation->views.obstacles);
     shv_release(simulation->views.objects);
+    shv_release(simulation->views.probes);
     shv_release(simulation);
     if (memory) shv_memory_destroy(memory);
 }
@@ -141,6 +148,13 @@ static void view_costs(ShvSimulation *simulation)
                            shv_memory_peak_bytes(simulation->memory, (ShvPart)i)};
 }
 
+/* While some body is awake, steps look at what is awake and at obstacles. */
+static ShvStatus sample_flight(ShvHybrid *hybrid, ShvError *error)
+{
+    const ShvProbeScene scene = {&hybrid->solid, &hybrid->state, &hybrid->fragments, &hybrid->obstacles};
+    return shv_probes_fly(&hybrid->probes, &scene, hybrid->awake.count == 0, hybrid->backend->keeps_nodes, error);
+}
+
 static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
@@ -148,6 +162,7 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     SHV_TRY(view_fragments(simulation, error));
     view_obstacles(simulation);
     view_costs(simulation);
+    if (animation) SHV_TRY(sample_flight(hybrid, error));
     simulation->frame = (ShvFrameView){
         .time = hybrid->state.time,
         .animation = animation,
@@ -159,6 +174,11 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
         .obstacle_count = hybrid->obstacles.count,
         .events = hybrid->log.items,
         .event_count = hybrid->log.count,
+        .probes = simulation->views.probes,
+        .probe_count = hybrid->probes.count,
+        .probe_times = hybrid->probes.times,
+        .probe_samples = hybrid->probes.samples,
+        .probe_row_count = hybrid->probes.rows,
         .ledger = hybrid->balance,
         .steps = hybrid->state.step,
         .step = hybrid->step,
@@ -168,6 +188,11 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
         .bytes = simulation->views.bytes,
         .bytes_count = SHV_PART_COUNT,
     };
+    shv_store3(simulation->frame.contact_impulse, hybrid->contact_impulse);
+    const bool touched = hybrid->contact_steps > 0;
+    simulation->frame.contact_time = hybrid->contact_time;
+    simulation->frame.first_contact = touched ? hybrid->first_contact : (double)NAN;
+    simulation->frame.last_contact = touched ? hybrid->last_contact : (double)NAN;
     const bool positions = hybrid->relaxed || hybrid->backend->keeps_nodes;
     const double turnover = hybrid->bars_turnover + hybrid->elastic_turnover;
     simulation->frame.edge_strain = positions ? shv_hybrid_edge_strain(hybrid) : (double)NAN;
@@ -206,6 +231,7 @@ ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
     if (simulation->started) hybrid->log.count = 0;
+    hybrid->probes.rows = 0;
     if (!simulation->started) {
         simulation->started = true;
         simulation->animation_frame = 1;
@@ -295,6 +321,38 @@ uint64_t shv_simulation_hash(const ShvSimulation *simulation)
     }
     if (!hybrid->model.can_break) return hash;
     return shv_hash_bytes(hash, hybrid->cohesive.history, 3 * (size_t)hybrid->cohesive.count * sizeof(ShvHistory));
+}
+
+int32_t shv_simulation_material_count(const ShvSimulation *simulation)
+{
+    return simulation->hybrid.model.material_count;
+}
+
+ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t index)
+{
+    const ShvModel *model = &simulation->hybrid.model;
+    const ShvMaterial *material = &model->materials[index];
+    return (ShvMaterialView){
+        .name = material->name,
+        .breakable = model->can_break && shv_material_can_open(material),
+        .unresolved = material->unresolved,
+        .mesh_edge = material->mesh_edge,
+        .zone_edges = material->zone_edges,
+        .resolved_edge = shv_material_resolved_edge(material),
+        .nominal_strength = material->nominal_strength,
+        .strength = material->strength[SHV_NORMAL],
+        .nominal_energy = material->nominal_energy,
+        .energy = material->fracture_energy[SHV_NORMAL],
+        .cohesive_zone = shv_material_cohesive_zone(material),
+        .snap_back = shv_material_snap_back(material),
+        .tip_toughness = shv_material_tip_toughness(material, material->mesh_edge),
+    };
+}
+
+const char *shv_unresolved_name(ShvUnresolved unresolved)
+{
+    static const char *const names[] = {"keep", "scale_strength", "scale_energy"};
+    return names[unresolved];
 }
 
 int32_t shv_simulation_threads(const ShvSimulation *simulation)

@@ -40,6 +40,8 @@ double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, in
    SHV_SMALLEST_VOLUME_RATIO of its volume, or inverted, gets P Fᵀ over that ratio, so that its stress stays finite.
    Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
 void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress);
+/* The same of one batch, awake or not: stress[6 × SHV_LANES], aligned to 64 bytes. */
+void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress);
 /* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. Needs state->corners. */
 void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node,
                             double voigt[6]);

@@ -8,6 +8,11 @@ void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stre
             shv_batch_cauchy(solid, state, batch, stress + (int64_t)batch * (6 * SHV_LANES));
 }
 
+void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress)
+{
+    shv_batch_cauchy(solid, state, batch, stress);
+}
+
 void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node,
                             double voigt[6])
 {

@@ -1,7 +1,7 @@
 #include "study/compare.h"
 
 #include "base/text.h"
-#include "base/timer.h"
+#include "study/digest.h"
 
 static const struct {
     ShvRigidEngine engine;
@@ -32,13 +32,6 @@ static double coarsest_step(const ShvCompareOptions *options)
     return step;
 }
 
-/* Each run goes through the closed forms from the start. */
-static void rewind_forms(ShvComparison *comparison)
-{
-    for (int32_t i = 0; comparison->forms && i < comparison->bodies.count; i++)
-        comparison->forms[i].top.time = comparison->forms[i].top.turned = 0.0;
-}
-
 /* Nothing wakes, whatever the scene says: rigid motion alone. Frames are the same in all runs, and no step is cut by one. */
 static ShvSceneDefinition scene_of(const ShvComparison *comparison, ShvRigidEngine engine, double step)
 {
@@ -65,70 +58,75 @@ static ShvStatus make(const ShvComparison *comparison, const ShvSceneDefinition 
     return status;
 }
 
-static ShvStatus pull(ShvComparison *comparison, ShvSimulation *simulation, ShvComparedTrack *run, ShvError *error)
+/* The runner of studies does the run; of short ones the best of up to three times counts. */
+static ShvStatus run_scene(const ShvComparison *comparison, const ShvComparedRun *view, ShvDigest *digest,
+                           ShvError *error)
 {
-    double seconds = 0.0;
-    for (int32_t index = 0;; index++) {
-        ShvTrackRow row;
-        SHV_TRY(shv_compare_row(comparison, shv_simulation_frame(simulation), index, &row, error));
-        SHV_TRY(shv_track_add(&run->track, comparison->memory, &row, error));
-        run->view.seconds = seconds;
-        if (shv_simulation_finished(simulation)) return SHV_OK;
-        const double start = shv_now();
-        SHV_TRY(shv_simulation_advance(simulation, error));
-        seconds += shv_now() - start;
-    }
-}
-
-/* A short run again, for its time alone. */
-static ShvStatus time_again(const ShvComparison *comparison, const ShvSceneDefinition *scene, ShvComparedTrack *run,
-                            ShvError *error)
-{
-    ShvSimulation *simulation = NULL;
-    SHV_TRY(make(comparison, scene, &simulation, error));
-    const double start = shv_now();
-    ShvStatus status = SHV_OK;
-    while (status == SHV_OK && !shv_simulation_finished(simulation)) status = shv_simulation_advance(simulation, error);
-    run->view.seconds = fmin(run->view.seconds, shv_now() - start);
-    shv_simulation_destroy(simulation);
-    return status;
-}
-
-static ShvStatus run_all_of(ShvComparison *comparison, ShvComparedTrack *run, ShvError *error)
-{
+    enum { MOST_REPEATS = 3 };
     static const double short_run = 0.1;
-    const ShvSceneDefinition scene = scene_of(comparison, run->view.engine, run->view.step);
-    ShvSimulation *simulation = NULL;
-    SHV_TRY(make(comparison, &scene, &simulation, error));
-    ShvStatus status = pull(comparison, simulation, run, error);
-    shv_simulation_destroy(simulation);
-    for (int again = 0; again < 2 && status == SHV_OK && run->view.seconds < short_run; again++)
-        status = time_again(comparison, &scene, run, error);
-    return status;
+    const ShvSceneDefinition scene = scene_of(comparison, view->engine, view->step);
+    const ShvDigestOrder order = {.scene = &scene,
+                                  .folder = comparison->options.folder,
+                                  .memory = comparison->memory,
+                                  .multiple = (double)NAN,
+                                  .repeats = MOST_REPEATS,
+                                  .repeat_below = short_run,
+                                  .tracked = true};
+    return shv_digest_run(digest, &order, error);
+}
+
+static ShvStatus follow(ShvComparison *comparison, const ShvDigest *digest, ShvComparedTrack *run, ShvError *error)
+{
+    shv_compare_rewind(comparison);
+    for (int32_t i = 0; i < digest->frame_count; i++) {
+        ShvTrackRow row;
+        shv_compare_states(comparison, digest->states + (int64_t)i * digest->body_count, digest->times[i], i, &row);
+        SHV_TRY(shv_track_add(&run->track, comparison->memory, &row, error));
+    }
+    return SHV_OK;
+}
+
+/* The states of the finest run stay. */
+static void keep_finest(ShvComparison *comparison, ShvDigest *digest)
+{
+    comparison->finest = digest->states;
+    comparison->finest_frames = digest->frame_count;
+    digest->states = NULL;
+}
+
+static void take_times(const ShvComparison *comparison, const ShvDigest *digest, ShvComparedRun *view)
+{
+    view->seconds = digest->repeats > 0 ? digest->seconds[0] : 0.0;
+    for (int32_t i = 1; i < digest->repeats; i++) view->seconds = fmin(view->seconds, digest->seconds[i]);
+    view->seconds_per_step = view->seconds / ceil(comparison->scene->duration / view->step * (1.0 - 1e-9));
 }
 
 /* A run that fails is a result, unless that is not its own fault. */
 static ShvStatus do_run(ShvComparison *comparison, ShvComparedTrack *run, ShvError *error)
 {
-    ShvError own = {.message = ""};
     ShvComparedRun *view = &run->view;
+    ShvDigest digest = {.memory = comparison->memory};
     if (comparison->options.begins) comparison->options.begins(comparison->options.data, view->engine, view->step);
-    rewind_forms(comparison);
-    view->status = run_all_of(comparison, run, &own);
-    if (view->status == SHV_NO_MEMORY) return shv_fail(error, view->status, "%s", own.message);
-    if (view->status != SHV_OK) shv_format(view->message, sizeof view->message, "%.255s", own.message);
-    view->seconds_per_step = view->seconds / ceil(comparison->scene->duration / view->step * (1.0 - 1e-9));
-    shv_compare_summarise(comparison, run);
-    return SHV_OK;
+    ShvStatus status = run_scene(comparison, view, &digest, error);
+    if (status == SHV_OK) {
+        view->status = digest.status;
+        shv_format(view->message, sizeof view->message, "%s", digest.message);
+        take_times(comparison, &digest, view);
+        status = follow(comparison, &digest, run, error);
+    }
+    if (status == SHV_OK) {
+        shv_compare_summarise(comparison, run);
+        if (view->is_reference) keep_finest(comparison, &digest);
+    }
+    shv_digest_release(&digest);
+    return status;
 }
 
 static ShvStatus do_finest(ShvComparison *comparison, ShvError *error)
 {
     if (comparison->finest_run < 0) return SHV_OK;
     ShvComparedTrack *run = &comparison->runs[comparison->finest_run];
-    comparison->keeping = true;
     SHV_TRY(do_run(comparison, run, error));
-    comparison->keeping = false;
     if (run->view.status == SHV_OK) return SHV_OK;
     return shv_fail(error, run->view.status, "the run that the others are to be compared with failed: %s",
                     run->view.message);

@@ -20,9 +20,8 @@ struct ShvComparison {
     ShvBodies bodies;
     ShvClosedForm *forms; /* one a body that is chosen and NULL without a closed form */
     ShvBodyState *finest; /* without one: frame by frame, all bodies of the finest run */
-    int32_t finest_frames, finest_capacity;
+    int32_t finest_frames;
     int32_t finest_run; /* −1 with a closed form */
-    bool keeping;       /* the finest run is under way */
     char reference[200];
 };
 
@@ -32,9 +31,11 @@ ShvStatus shv_compare_check(const ShvSceneDefinition *scene, const ShvCompareOpt
 double shv_compare_finest_step(const ShvCompareOptions *options);
 ShvStatus shv_compare_with_finest(ShvComparison *comparison, ShvError *error);
 ShvStatus shv_compare_with_closed_form(ShvComparison *comparison, const ShvSimulation *simulation, ShvError *error);
-/* measure.c: the row of the present frame, whose number is `index`; and the figures of a run from its rows. */
-ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, int32_t index, ShvTrackRow *row,
-                          ShvError *error);
+/* measure.c: the row of frame number `index` from the states of all bodies; and the figures of a run from its rows. */
+void shv_compare_states(ShvComparison *comparison, const ShvBodyState *states, double time, int32_t index,
+                        ShvTrackRow *row);
+/* Before each run: closed forms start anew. */
+void shv_compare_rewind(ShvComparison *comparison);
 void shv_compare_summarise(const ShvComparison *comparison, ShvComparedTrack *run);
 
 #endif

@@ -30,46 +30,32 @@ static void add_body(ShvTrackRow *row, const ShvBody *body, const ShvBodyState *
     row->reference_kinetic += shv_body_kinetic(body, exact);
     row->reference_spin = fmax(row->reference_spin, shv_norm(shv_body_spin_momentum(body, exact)));
     row->momentum = shv_add(row->momentum, linear);
+    row->reference_momentum = shv_madd(row->reference_momentum, body->mass, exact->velocity);
     row->angular_momentum = shv_add(row->angular_momentum, shv_add(spin, shv_cross(state->position, linear)));
 }
 
-/* Of the finest run, where there is no closed form. */
-static ShvStatus keep(ShvComparison *comparison, const ShvFrameView *frame, ShvError *error)
-{
-    const size_t count = (size_t)comparison->bodies.count;
-    if (comparison->finest_frames == comparison->finest_capacity) {
-        const size_t capacity = 2 * (size_t)comparison->finest_capacity + 64;
-        ShvBodyState *states =
-            shv_reallocate(comparison->memory, SHV_PART_RECORD, comparison->finest, capacity * count, sizeof *states);
-        if (!states) return shv_fail_memory(error, "the finest run", capacity * count * sizeof *states);
-        comparison->finest = states;
-        comparison->finest_capacity = (int32_t)capacity;
-    }
-    ShvBodyState *row = comparison->finest + (size_t)comparison->finest_frames++ * count;
-    for (size_t i = 0; i < count; i++) row[i] = shv_body_state(&comparison->bodies.items[i], frame);
-    return SHV_OK;
-}
-
-ShvStatus shv_compare_row(ShvComparison *comparison, const ShvFrameView *frame, int32_t index, ShvTrackRow *row,
-                          ShvError *error)
+void shv_compare_states(ShvComparison *comparison, const ShvBodyState *states, double time, int32_t index,
+                        ShvTrackRow *row)
 {
     const ShvVec3 gravity = shv_load3(comparison->scene->gravity);
-    if (!comparison->forms && index == comparison->finest_frames && comparison->keeping)
-        SHV_TRY(keep(comparison, frame, error));
-    *row = (ShvTrackRow){.time = frame->time};
+    *row = (ShvTrackRow){.time = time};
     bool any = false;
     for (int32_t i = 0; i < comparison->bodies.count; i++) {
         const ShvBody *body = &comparison->bodies.items[i];
         if (!body->chosen) continue;
-        const ShvBodyState state = shv_body_state(body, frame);
-        const ShvBodyState exact = reference_state(comparison, i, index, frame->time, &state);
-        add_body(row, body, &state, &exact, gravity);
+        const ShvBodyState exact = reference_state(comparison, i, index, time, &states[i]);
+        add_body(row, body, &states[i], &exact, gravity);
         if (any) continue;
-        row->state = state;
+        row->state = states[i];
         row->reference = exact;
         any = true;
     }
-    return SHV_OK;
+}
+
+void shv_compare_rewind(ShvComparison *comparison)
+{
+    for (int32_t i = 0; comparison->forms && i < comparison->bodies.count; i++)
+        comparison->forms[i].top.time = comparison->forms[i].top.turned = 0.0;
 }
 
 /* ---- figures of a run ---- */

@@ -65,19 +65,27 @@ static bool shown(const ShvPlot *plot, const ShvPlotPoint *point)
            (!plot->log_y || point->y > 0.0);
 }
 
+static void widen(const ShvPlot *plot, double low[2], double high[2], double x, double y)
+{
+    const ShvPlotPoint point = {.x = x, .y = y};
+    if (!shown(plot, &point)) return;
+    low[0] = fmin(low[0], x);
+    high[0] = fmax(high[0], x);
+    low[1] = fmin(low[1], y);
+    high[1] = fmax(high[1], y);
+}
+
 static void fit(Page *page)
 {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     const ShvPlot *plot = page->plot;
     for (int32_t i = 0; i < plot->line_count; i++)
-        for (int32_t k = 0; k < plot->lines[i].count; k++) {
-            const ShvPlotPoint *point = &plot->lines[i].points[k];
-            if (!shown(plot, point)) continue;
-            low[0] = fmin(low[0], point->x);
-            high[0] = fmax(high[0], point->x);
-            low[1] = fmin(low[1], point->y);
-            high[1] = fmax(high[1], point->y);
-        }
+        for (int32_t k = 0; k < plot->lines[i].count; k++)
+            widen(plot, low, high, plot->lines[i].points[k].x, plot->lines[i].points[k].y);
+    for (int32_t i = 0; i < plot->span_count; i++) {
+        widen(plot, low, high, plot->spans[i].x, plot->spans[i].low);
+        widen(plot, low, high, plot->spans[i].x, plot->spans[i].high);
+    }
     page->x = shv_plot_axis(low[0], high[0], plot->log_x);
     page->y = shv_plot_axis(low[1], high[1], plot->log_y);
 }
@@ -171,6 +179,32 @@ static void put_line(const Page *page, int32_t index)
     }
 }
 
+/* A bar whose lower end is not on a logarithmic axis begins at the frame. */
+static void put_span(const Page *page, const ShvPlotSpan *span)
+{
+    const ShvPlotPoint top = {.x = span->x, .y = span->high}, foot = {.x = span->x, .y = span->low};
+    if (!shown(page->plot, &top) || isnan(span->low)) return;
+    const double x = place_x(page, span->x);
+    put_rule(page->stream, x, shown(page->plot, &foot) ? place_y(page, span->low) : HEIGHT - BOTTOM, x,
+             place_y(page, span->high), colours[span->line % COLOURS]);
+}
+
+static void put_front(const Page *page)
+{
+    const ShvPlotLine *front = page->plot->front;
+    shv_print(page->stream, "<polyline class=\"front\" fill=\"none\" stroke=\"#2c2a26\" stroke-width=\"1.2\" "
+                            "stroke-dasharray=\"5 4\" points=\"");
+    for (int32_t i = 0; i < front->count; i++)
+        if (shown(page->plot, &front->points[i]))
+            shv_print(page->stream, "%.1f,%.1f ", place_x(page, front->points[i].x), place_y(page, front->points[i].y));
+    shv_print(page->stream, "\"/>\n");
+    for (int32_t i = 0; i < front->count; i++)
+        if (shown(page->plot, &front->points[i]))
+            shv_print(page->stream,
+                      "<circle class=\"ring\" cx=\"%.1f\" cy=\"%.1f\" r=\"8\" fill=\"none\" stroke=\"#2c2a26\"/>\n",
+                      place_x(page, front->points[i].x), place_y(page, front->points[i].y));
+}
+
 static void put_legend(const Page *page)
 {
     double x = LEFT;
@@ -182,17 +216,21 @@ static void put_legend(const Page *page)
         put_label(page->stream, x + 16, TOP - 14, "class=\"tick\"", name);
         x += 16 + 8 * letters + 22;
     }
+    if (!page->plot->front) return;
+    shv_print(page->stream, "<circle cx=\"%.1f\" cy=\"%d\" r=\"6\" fill=\"none\" stroke=\"#2c2a26\"/>\n", x + 6,
+              TOP - 18);
+    put_label(page->stream, x + 16, TOP - 14, "class=\"tick\"", page->plot->front->name);
 }
 
-void shv_plot_write(FILE *stream, const ShvPlot *plot)
+/* `space`: the declaration of the name space, which a page of HTML does without. */
+static void put_picture(FILE *stream, const ShvPlot *plot, const char *space)
 {
     Page page = {.stream = stream, .plot = plot};
     fit(&page);
     shv_print(stream,
-              "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
+              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
               "font-family=\"Helvetica, Arial, sans-serif\">\n<title>",
-              WIDTH, HEIGHT, WIDTH, HEIGHT);
+              space, WIDTH, HEIGHT, WIDTH, HEIGHT);
     put_text(stream, plot->title);
     shv_print(stream, "</title>\n<style>.tick{font-size:13px;fill:#4a463f}.point{font-size:11px;fill:#6b665d}"
                       ".name{font-size:14px;fill:#2c2a26}</style>\n"
@@ -208,7 +246,20 @@ void shv_plot_write(FILE *stream, const ShvPlot *plot)
     shv_format(turned, sizeof turned, "text-anchor=\"middle\" class=\"name\" transform=\"rotate(-90 22 %.1f)\"",
                0.5 * (TOP + HEIGHT - BOTTOM));
     put_label(stream, 22, 0.5 * (TOP + HEIGHT - BOTTOM), turned, plot->y_label);
+    for (int32_t i = 0; i < plot->span_count; i++) put_span(&page, &plot->spans[i]);
+    if (plot->front) put_front(&page);
     for (int32_t i = 0; i < plot->line_count; i++) put_line(&page, i);
     put_legend(&page);
     shv_print(stream, "</svg>\n");
+}
+
+void shv_plot_write(FILE *stream, const ShvPlot *plot)
+{
+    shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    put_picture(stream, plot, "xmlns=\"http://www.w3.org/2000/svg\" ");
+}
+
+void shv_plot_write_inline(FILE *stream, const ShvPlot *plot)
+{
+    put_picture(stream, plot, "");
 }

@@ -17,16 +17,27 @@ typedef struct ShvPlotLine {
     int32_t count;
 } ShvPlotLine;
 
+/* From `low` to `high` at x, in the colour of a line: what lies around a point. */
+typedef struct ShvPlotSpan {
+    double x, low, high;
+    int32_t line;
+} ShvPlotSpan;
+
 typedef struct ShvPlot {
     const char *title, *x_label, *y_label;
     bool log_x, log_y;
     const ShvPlotLine *lines;
-    int32_t line_count; /* colours and markers repeat after six */
+    int32_t line_count;       /* colours and markers repeat after six */
+    const ShvPlotLine *front; /* dashed, with a ring around each point; NULL: none */
+    const ShvPlotSpan *spans; /* vertical bars */
+    int32_t span_count;
 } ShvPlot;
 
 /* Writes the whole document. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
    them. Errors of writing are the stream's. */
 void shv_plot_write(FILE *stream, const ShvPlot *plot);
+/* The same as an element within a page of HTML. */
+void shv_plot_write_inline(FILE *stream, const ShvPlot *plot);
 
 typedef struct ShvPlotAxis {
     double low, high; /* of the data, widened to whole ticks; decimal exponents when `log` */

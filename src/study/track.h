@@ -13,6 +13,7 @@ typedef struct ShvTrackRow {
     double energy, reference_energy;          /* J: Σ kinetic and potential of chosen bodies */
     double reference_kinetic, reference_spin; /* Σ, J; largest angular momentum of one body about its centre */
     ShvVec3 momentum, angular_momentum;       /* Σ of chosen bodies, the latter about the origin */
+    ShvVec3 reference_momentum;
 } ShvTrackRow;
 
 typedef struct ShvTrack {

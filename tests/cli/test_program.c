@@ -31,7 +31,7 @@ static void test_usage(void **state)
     assert_string_equal(output.out, "");
     shell_works("$shiver --help", "usage: shiver COMMAND");
     shell_works("$shiver --version", "shiver 0.");
-    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export", "compare"};
+    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export", "compare", "study"};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         char line[64], usage[64];
         snprintf(line, sizeof line, "$shiver %s --help", commands[i]);
@@ -266,6 +266,79 @@ static void test_scenes(void **state)
                 "finished: t = 0.56 s");
 }
 
+static const char falling[] =
+    "shiver: 1\nduration: 0.1\n"
+    "materials: {stone: {density: 1000, youngs_modulus: 1e9, poissons_ratio: 0.2, breakable: false}}\n"
+    "objects: {block: {mesh: {box: {size: [0.1, 0.1, 0.1], edge: 0.1}}, material: stone}}\n"
+    "probes: {whole: {nodes: {object: block}}, middle: {point: [0, 0, 0]}}\n";
+static const char passing[] = "verification: 1\ntitle: a fall\nscene: falling.yaml\nsource: G. Galilei\nshort: true\n"
+                              "quantities:\n  - {name: way, measure: last(whole.displacement.z), reference: -0.04905, "
+                              "unit: m, tolerance: 1e-9}\n";
+
+static void test_probes(void **state)
+{
+    (void)state;
+    shell_write("falling.yaml", falling);
+    shell_works("$shiver run falling.yaml --quiet && $shiver info falling.h5",
+                "2 probes with 25 rows of samples: whole middle\n");
+    shell_works("$shiver info falling.h5 --json", "\"probes\": 2, \"probe_rows\": 25");
+    assert_true(json_valid(output.out));
+    shell_works("$shiver export csv falling.h5 && head -n 2 falling_probes.csv", ",,,,,,,,,,,,\n");
+    shell_fails("$shiver run falling.yaml --force --set probes.middle.point.0=3", 2,
+                "probe middle: the point (3, 0, 0) m lies in no tet of any object");
+}
+
+static void test_verify(void **state)
+{
+    (void)state;
+    char missing[1000];
+    shell_write("falling.yaml", falling);
+    shell_fails("$shiver verify", 2, "scenes/verification");
+    shell_works("$shiver verify --help", "usage: shiver verify [CASE");
+    shell_fails("$shiver verify --folder .", 2, "has no files *.case.yaml");
+    shell_write("pass.case.yaml", passing);
+    shell_works("$shiver verify --folder . --html v.html --markdown v.md", "1 cases: 1 pass, 0 miss with an");
+    shell_works("grep -c 'class=.*pass' v.html", "");
+    shell_works("$shiver verify --folder . pass --json", "\"verdict\": \"pass\"");
+    assert_true(json_valid(output.out));
+    shell_fails("$shiver verify --folder . pass --html v.html", 2, "--force");
+    snprintf(missing, sizeof missing, "%s  - {name: wrong, measure: '1', reference: '2', tolerance: 0.1}\n", passing);
+    shell_write("miss.case.yaml", missing);
+    assert_int_equal(shell("$shiver verify --folder ."), 1);
+    assert_non_null(strstr(output.out, "tolerance 10 %: MISS"));
+    assert_non_null(strstr(output.out, "2 cases: 2 pass, 0 miss with an explanation, 1 miss without one"));
+    shell_works("$shiver verify ./pass.case.yaml", "1 cases");
+    snprintf(missing, sizeof missing,
+             "%s  - {name: wrong, measure: '1', reference: '2', tolerance: 0.1, explained: so}\n", passing);
+    shell_write("miss.case.yaml", missing);
+    shell_works("$shiver verify --folder . miss", "miss, explained\n    so\n");
+    shell_write("miss.case.yaml", "verification: 1\n");
+    shell_fails("$shiver verify --folder . miss", 2, "miss.case.yaml:1:1: error: the verification case lacks");
+    shell_fails("$shiver verify --folder . other", 2, "other.case.yaml");
+}
+
+/* The page of materials is what the program prints; what is in effect of a coarse mesh's material is in every report. */
+static void test_materials(void **state)
+{
+    (void)state;
+    shell_works("$shiver materials", "soda_lime_glass");
+    if (shell("$shiver materials --markdown | diff - $scenes/../docs/materials.md") != 0)
+        fail_msg("docs/materials.md differs: shiver materials --markdown > docs/materials.md\n%s", output.out);
+    shell_works("$shiver materials --json", "\"plaster\"");
+    const char *coarse = "--set materials.chalk='{library: plaster, unresolved: scale_strength}'";
+    char line[256];
+    /* R = 3.27 mm against five edges of 20 mm: the strength falls by √(3.27/(5 × 20)). */
+    const char *commands[] = {"check", "plan", "run --force"};
+    for (int i = 0; i < 3; i++) {
+        snprintf(line, sizeof line, "$shiver %s tiny.yaml %s", commands[i], coarse);
+        shell_works(line, "scale_strength; 2.5e+06 Pa as given");
+        assert_non_null(strstr(output.out, "UNDER-RESOLVED"));
+    }
+    shell_works("$shiver info tiny.h5", "scale_strength; 2.5e+06 Pa as given");
+    shell_works("$shiver info tiny.h5 --json", "\"nominal_strength\": 2500000");
+    shell_works("$shiver check tiny.yaml --json --set materials.chalk='{library: plaster}'", "\"resolved\": false");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -276,7 +349,8 @@ int main(void)
         cmocka_unit_test(test_existing_output), cmocka_unit_test(test_unwritable),
         cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_interruption),
         cmocka_unit_test(test_export),          cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_scenes),          cmocka_unit_test(test_probes),
+        cmocka_unit_test(test_verify),          cmocka_unit_test(test_materials),
     };
     return cmocka_run_group_tests(tests, enter, shell_leave);
 }

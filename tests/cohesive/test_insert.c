@@ -258,6 +258,30 @@ static void laws_start_at_the_facets_traction(void **state)
     }
 }
 
+/* Two by two cubes meet in the plane x = 0, two facets each; nothing else may open. */
+static void cracks_keep_to_their_plane(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.02, 0.02, 0.02, 0.01);
+    f.scene.fracture.on = (ShvSelection){.kind = SHV_SELECT_PLANE, .plane_normal = {1.0, 0.0, 0.0}, .tolerance = 1e-9};
+    fixture_build_cubes(&f, 2, 2, 2);
+    fixture_start(&f);
+    int32_t free_to_open = 0;
+    for (int32_t i = 0; i < f.model.adjacency.interior_count; i++) {
+        const int32_t e = f.model.adjacency.facet_elements[2 * i];
+        const uint8_t *corners = shv_face_corners[f.model.adjacency.facet_faces[2 * i]];
+        double farthest = 0.0;
+        for (int k = 0; k < 3; k++)
+            farthest =
+                fmax(farthest, fabs(shv_mesh_position(&f.model.mesh, f.model.mesh.elements[4 * e + corners[k]]).x));
+        assert_true(isfinite(f.cohesive.facet_strength[i]) == (farthest == 0.0));
+        free_to_open += farthest == 0.0;
+    }
+    assert_int_equal(free_to_open, 8);
+    fixture_release(&f);
+}
+
 static void failure_changes_nothing(void **state)
 {
     (void)state;
@@ -312,10 +336,11 @@ static void creation_fails_cleanly(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_at_once),      cmocka_unit_test(a_single_facet_splits_nothing),
-        cmocka_unit_test(a_plane_cuts_in_two),     cmocka_unit_test(a_rough_cut_separates),
-        cmocka_unit_test(order_does_not_matter),   cmocka_unit_test(laws_start_at_the_facets_traction),
-        cmocka_unit_test(failure_changes_nothing), cmocka_unit_test(creation_fails_cleanly),
+        cmocka_unit_test(everything_at_once),         cmocka_unit_test(a_single_facet_splits_nothing),
+        cmocka_unit_test(a_plane_cuts_in_two),        cmocka_unit_test(a_rough_cut_separates),
+        cmocka_unit_test(order_does_not_matter),      cmocka_unit_test(laws_start_at_the_facets_traction),
+        cmocka_unit_test(cracks_keep_to_their_plane), cmocka_unit_test(failure_changes_nothing),
+        cmocka_unit_test(creation_fails_cleanly),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

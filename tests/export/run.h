@@ -8,11 +8,11 @@
 
 static const FakeSetup BREAKING = {.bricks = 4, .split_every = 2, .most = 7, .splits = 1};
 
-static inline void record_frames(const ShvRecordDefinition *definition, int frames)
+static inline void record_setup(const ShvRecordDefinition *definition, const FakeSetup *setup, int frames)
 {
     ShvError error;
     ShvRecord *record;
-    ShvSimulation *simulation = fake_create(&BREAKING);
+    ShvSimulation *simulation = fake_create(setup);
     check_ok(shv_record_create(&record, definition, simulation, &error), error);
     for (int i = 0; i < frames; i++) {
         fake_advance(simulation);
@@ -20,6 +20,11 @@ static inline void record_frames(const ShvRecordDefinition *definition, int fram
     }
     check_ok(shv_record_close(record, SHV_OK, "", &error), error);
     fake_destroy(simulation);
+}
+
+static inline void record_frames(const ShvRecordDefinition *definition, int frames)
+{
+    record_setup(definition, &BREAKING, frames);
 }
 
 #endif

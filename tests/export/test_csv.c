@@ -76,6 +76,28 @@ static void test_four_tables(void **state)
     shv_run_file_close(file);
 }
 
+/* A fifth table where there are probes: known samples alone, an unknown number is an empty field. */
+static void test_table_of_probes(void **state)
+{
+    ShvError error;
+    ShvRunFile *file;
+    const FakeSetup setup = {.bricks = 1, .most = 1, .probes = 2};
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = file_in(*state, "run.h5");
+    record_setup(&definition, &setup, 3);
+    check_ok(shv_run_file_open(&file, definition.path, NULL, &error), error);
+    check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
+    shv_run_file_close(file);
+    assert_int_equal(files_in(*state), 6);
+    char *table = read_bytes(file_in(*state, "out_probes.csv"));
+    assert_int_equal(count_lines(table), 1 + 4); /* three rows of two; of two the second is unknown */
+    assert_non_null(strstr(table, "time [s],probe,displacement.x [m],"));
+    assert_non_null(strstr(table, "\n1,tip,1000,1001,1002,1003,"));
+    assert_non_null(strstr(table, "\n2.01,floor_below,2120,2121,"));
+    assert_non_null(strstr(table, ",2136,2137\n"));
+    free(table);
+}
+
 static void test_columns_fit_their_names(void **state)
 {
     static const char *const names[] = {"out_trajectories.csv", "out_genealogy.csv", "out_ledger.csv",
@@ -159,6 +181,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_four_tables, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_table_of_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_columns_fit_their_names, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_existing_tables_are_kept, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_animation_frames_only, make_folder, remove_folder),

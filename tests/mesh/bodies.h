@@ -42,12 +42,19 @@ static inline ShvMeshDefinition brick_beam(double edge)
     return d;
 }
 
-enum { BODY_COUNT = 7 };
+static inline ShvMeshDefinition brick_box(double edge)
+{
+    ShvMeshDefinition d = body(SHV_MESH_BOX, edge);
+    d.pattern = SHV_PATTERN_BRICKS;
+    return d;
+}
+
+enum { BODY_COUNT = 8 };
 static inline ShvMeshDefinition any_body(int i, double edge)
 {
     static const ShvMeshKind kinds[5] = {SHV_MESH_BOX, SHV_MESH_BALL, SHV_MESH_HOLLOW_BALL, SHV_MESH_CYLINDER,
                                          SHV_MESH_NOTCHED_BEAM};
-    return i < 5 ? body(kinds[i], edge) : i < 6 ? tube(edge) : brick_beam(edge);
+    return i < 5 ? body(kinds[i], edge) : i < 6 ? tube(edge) : i < 7 ? brick_beam(edge) : brick_box(edge);
 }
 
 static inline ShvStatus make(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *d, ShvError *error)

@@ -49,7 +49,8 @@ static inline void scene_make(Scene *scene)
                                 .rotation_axis = {0.0, 0.0, 5.0},
                                 .rotation_degrees = 90.0,
                                 .velocity = {1.0, 2.0, 3.0},
-                                .angular_velocity = {0.0, 0.0, 4.0}};
+                                .angular_velocity = {0.0, 0.0, 4.0},
+                                .stretch_rate = {0.5, -1.0, 2.0}};
     scene->definition = shv_scene_default();
     scene->definition.materials = scene->materials;
     scene->definition.material_count = 2;

@@ -158,6 +158,66 @@ static void nearly_incompressible_is_finite(void **state)
     check_near(material.dilatational_speed / material.bar_speed, 40.83, 0.01);
 }
 
+/* Both ways make the zone zone_edges × edge long; each keeps the other number; resolved ones stay as they are. */
+static void unresolved_zones_are_scaled(void **state)
+{
+    (void)state;
+    ShvError error;
+    for (int way = SHV_UNRESOLVED_KEEP; way <= SHV_UNRESOLVED_SCALE_ENERGY; way++)
+        for (int fine = 0; fine < 2; fine++) {
+            ShvMaterialDefinition d = glass();
+            d.fracture_energy_shear = 16.0;
+            d.cohesive_strength_shear = 30e6;
+            d.unresolved = (ShvUnresolved)way;
+            d.zone_edges = 4.0;
+            ShvMaterial m;
+            check_ok(shv_material_make(&m, &d, &error), error);
+            const double zone = shv_material_cohesive_zone(&m), edge = zone / 4.0 * (fine ? 0.9 : 25.0);
+            shv_material_resolve(&m, edge);
+            const bool scaled = !fine && way != SHV_UNRESOLVED_KEEP;
+            check_near(shv_material_cohesive_zone(&m) / (scaled ? 4.0 * edge : zone), 1.0, 1e-14);
+            check_near(m.strength[0], scaled && way == SHV_UNRESOLVED_SCALE_STRENGTH ? 8e6 : 40e6, 1e-7);
+            check_near(m.strength[1], scaled && way == SHV_UNRESOLVED_SCALE_STRENGTH ? 6e6 : 30e6, 1e-7);
+            check_near(m.fracture_energy[0], scaled && way == SHV_UNRESOLVED_SCALE_ENERGY ? 200.0 : 8.0, 1e-12);
+            check_near(m.fracture_energy[1], scaled && way == SHV_UNRESOLVED_SCALE_ENERGY ? 400.0 : 16.0, 1e-12);
+            check_near(shv_material_resolved_edge(&m) / (zone / 4.0), 1.0, 1e-14);
+            assert_true(m.nominal_strength == 40e6 && m.nominal_energy == 8.0 && m.mesh_edge == edge);
+        }
+}
+
+/* K = σ √(π h) reaches the strength half an edge ahead of the tip: its K²(1−ν²)/E over G. */
+static void coarse_tips_are_tough(void **state)
+{
+    (void)state;
+    const ShvMaterialDefinition d = glass();
+    ShvMaterial m;
+    ShvError error;
+    check_ok(shv_material_make(&m, &d, &error), error);
+    check_near(shv_material_tip_toughness(&m, 3e-3), 3.141592653589793 * 3e-3 * 1.6e15 * 0.9375 / 70e9 / 8.0, 1e-12);
+    check_near(shv_material_tip_toughness(&m, 1e-6), 1.0, 0.0);
+}
+
+static void nothing_to_scale_is_refused(void **state)
+{
+    (void)state;
+    ShvMaterialDefinition d = glass();
+    ShvMaterial m;
+    ShvError error;
+    d.unresolved = SHV_UNRESOLVED_SCALE_STRENGTH;
+    d.fracture_energy = 0.0;
+    check_fails(shv_material_make(&m, &d, &error), SHV_BAD_INPUT, error, "unresolved: keep");
+    d = glass();
+    d.zone_edges = 0.5;
+    check_fails(shv_material_make(&m, &d, &error), SHV_BAD_INPUT, error, "zone_edges");
+    /* Never opens, or opens at once: no length to scale. */
+    d = glass();
+    d.unresolved = SHV_UNRESOLVED_SCALE_ENERGY;
+    d.cohesive_strength = 0.0;
+    check_ok(shv_material_make(&m, &d, &error), error);
+    shv_material_resolve(&m, 1.0);
+    assert_true(m.strength[0] == 0.0 && m.fracture_energy[0] == 8.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -167,6 +227,9 @@ int main(void)
         cmocka_unit_test(unbreakable_material_needs_no_fracture_data),
         cmocka_unit_test(impossible_values_are_refused_by_name),
         cmocka_unit_test(nearly_incompressible_is_finite),
+        cmocka_unit_test(unresolved_zones_are_scaled),
+        cmocka_unit_test(coarse_tips_are_tough),
+        cmocka_unit_test(nothing_to_scale_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

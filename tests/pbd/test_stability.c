@@ -140,7 +140,7 @@ static bool is_stable(double multiple, double stiffness, int32_t iterations)
 }
 
 /* Of this coarse lattice the limits are 1.7 stable steps without bars, and 2.7, 12 and 110 in the other cases (measured by
-   tenths; docs/bars_stability.md has finer meshes): each is tried well on either side. */
+   tenths; docs/stability.md has finer meshes): each is tried well on either side. */
 static void bars_carry_a_few_stable_steps(void **state)
 {
     (void)state;

@@ -126,6 +126,7 @@ static const char *check_frames(ShvRunFile *file, const FakeSetup *setup)
                  (long long)counters->frames);
         return text;
     }
+    int64_t rows = 0; /* of probes, at least those of the frames */
     const size_t count = (size_t)info->fragment_count;
     double *values = calloc(3 * count, sizeof *values);
     uint8_t *alive = calloc(count, 1);
@@ -134,8 +135,11 @@ static const char *check_frames(ShvRunFile *file, const FakeSetup *setup)
     ShvSimulation *again = fake_create(setup);
     for (int64_t i = 0; i < info->frame_count && !wrong; i++) {
         fake_advance(again);
+        rows += shv_simulation_frame(again)->probe_row_count;
         if (shv_simulation_frame(again)->fragment_count > info->fragment_count)
             wrong = "a fragment is missing";
+        else if (rows > info->probe_row_count)
+            wrong = "rows of probes are missing";
         else
             wrong = check_frame(file, i, shv_simulation_frame(again), values, alive);
     }

@@ -8,7 +8,7 @@
 
 /* 64 chunks fill a node of HDF5's chunk index: with one chunk a frame and series, frame 65 splits the nodes of all. */
 enum { CRASH_FRAMES = 70 };
-static const FakeSetup CRASH_SETUP = {.bricks = 64, .split_every = 3, .most = 127, .splits = 2};
+static const FakeSetup CRASH_SETUP = {.bricks = 64, .split_every = 3, .most = 127, .splits = 2, .probes = 2};
 
 /* Whole frames told of by the writer, and writes done in all; shared with the parent. */
 typedef struct CrashCounters {

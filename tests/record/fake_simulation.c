@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COSTS = 2, PARTS = 2, OBSTACLES = 2, EVENTS = 64 };
+enum { COSTS = 2, PARTS = 2, OBSTACLES = 2, EVENTS = 64, PROBES = 2, ROWS = 64 };
 
 struct ShvSimulation {
     FakeSetup setup;
@@ -15,6 +15,8 @@ struct ShvSimulation {
     ShvEventView events[EVENTS];
     ShvCostView costs[COSTS];
     ShvBytesView bytes[PARTS];
+    double probe_times[ROWS];
+    ShvProbeSample samples[ROWS * PROBES];
     double *positions;
     int32_t *elements;
     ShvObjectView object;
@@ -129,6 +131,29 @@ void fake_destroy(ShvSimulation *simulation)
     free(simulation);
 }
 
+/* Number k of probe p in row r of frame n is 1000 n + 100 r + 20 p + k; the last probe of the first row is unknown. */
+static void fill_probes(ShvSimulation *simulation)
+{
+    static const ShvProbeView views[PROBES] = {{"tip", SHV_PROBE_POINT}, {"floor_below", SHV_PROBE_OBSTACLE}};
+    ShvFrameView *frame = &simulation->frame;
+    const int64_t n = simulation->frame_index, count = simulation->setup.probes;
+    frame->probes = views;
+    frame->probe_count = (int32_t)count;
+    frame->probe_row_count = count > 0 && n < ROWS ? n : 0;
+    frame->probe_times = simulation->probe_times;
+    frame->probe_samples = simulation->samples;
+    for (int64_t r = 0; r < frame->probe_row_count; r++) {
+        simulation->probe_times[r] = (double)n + 0.01 * (double)r;
+        for (int64_t p = 0; p < count; p++) {
+            double values[SHV_PROBE_NUMBERS];
+            const bool unknown = r == 0 && p == 1;
+            for (int k = 0; k < SHV_PROBE_NUMBERS; k++)
+                values[k] = unknown ? (double)NAN : (double)(1000 * n + 100 * r + 20 * p + k);
+            memcpy(&simulation->samples[r * count + p], values, sizeof values);
+        }
+    }
+}
+
 static void fill_rest(ShvSimulation *simulation, double time)
 {
     ShvFrameView *frame = &simulation->frame;
@@ -149,6 +174,7 @@ static void fill_rest(ShvSimulation *simulation, double time)
     simulation->bytes[1] = (ShvBytesView){"state", (size_t)(100 + n), 5000};
     frame->ledger =
         (ShvLedgerView){.time = time, .kinetic = 100 - n, .strain = 0.5 * n, .momentum = {1, 2, n}, .largest = 100};
+    fill_probes(simulation);
     frame->steps = 10 * simulation->frame_index;
     frame->step = 1e-7;
     frame->courant = 0.9;
@@ -189,6 +215,37 @@ ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
 {
     const int32_t bricks = simulation->setup.bricks;
     return (ShvMeshView){5 * bricks, 2 * bricks, simulation->positions, simulation->elements, &simulation->object, 1};
+}
+
+int32_t shv_simulation_material_count(const ShvSimulation *simulation)
+{
+    (void)simulation;
+    return 2;
+}
+
+ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t index)
+{
+    (void)simulation;
+    if (index == 1) return (ShvMaterialView){.name = "steel", .cohesive_zone = (double)INFINITY};
+    return (ShvMaterialView){.name = "glass",
+                             .breakable = true,
+                             .unresolved = SHV_UNRESOLVED_SCALE_STRENGTH,
+                             .mesh_edge = 3e-3,
+                             .zone_edges = 5.0,
+                             .resolved_edge = 2.9e-5,
+                             .nominal_strength = 40e6,
+                             .strength = 4e6,
+                             .nominal_energy = 8.0,
+                             .energy = 8.0,
+                             .cohesive_zone = 0.015,
+                             .snap_back = 0.07,
+                             .tip_toughness = 1.0};
+}
+
+const char *shv_unresolved_name(ShvUnresolved unresolved)
+{
+    static const char *const names[] = {"keep", "scale_strength", "scale_energy"};
+    return names[unresolved];
 }
 
 void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage)

@@ -15,7 +15,7 @@
 #include "files.h"
 #include "shiver/run_file.h"
 
-static const FakeSetup BREAKING = {.bricks = 8, .split_every = 2, .most = 15, .splits = 1};
+static const FakeSetup BREAKING = {.bricks = 8, .split_every = 2, .most = 15, .splits = 1, .probes = 2};
 
 static void record_run(const char *path, int frames)
 {
@@ -162,6 +162,11 @@ static void read_everything(const char *path)
     }
     for (int64_t i = 0; i < info->event_count && i < 10 && status == SHV_OK; i++)
         status = shv_run_file_event(file, i, &(ShvEventView){0}, &error);
+    const size_t row = (size_t)info->probe_count * sizeof(ShvProbeSample);
+    ShvProbeSample *samples = shv_allocate(NULL, SHV_PART_GENERAL, 1, row);
+    if (!samples) _exit(1);
+    for (int64_t i = 0; i < info->probe_row_count && i < 10 && status == SHV_OK; i++)
+        status = shv_run_file_probes(file, i, 1, values, samples, &error);
     if (status == SHV_OK) status = shv_run_file_fragments(file, views, &error);
     if (status == SHV_OK) status = shv_run_file_mesh(file, values, integers, (uint16_t *)values, NULL, &error);
     if (status == SHV_OK) status = shv_run_file_mesh(file, NULL, NULL, NULL, integers, &error);

@@ -1,5 +1,6 @@
 #include "check.h"
 
+#include <hdf5.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -59,6 +60,16 @@ static void check_head(const ShvRunFile *file)
     assert_int_equal(info->object_count, 1);
     assert_int_equal(info->obstacle_count, 2);
     assert_string_equal(shv_run_file_object_name(file, 0), "wall");
+    assert_int_equal(shv_run_file_material_count(file), 2);
+    const ShvMaterialView glass = shv_run_file_material(file, 0), steel = shv_run_file_material(file, 1);
+    assert_string_equal(glass.name, "glass");
+    assert_true(glass.breakable && !steel.breakable);
+    assert_int_equal(glass.unresolved, SHV_UNRESOLVED_SCALE_STRENGTH);
+    assert_int_equal(steel.unresolved, SHV_UNRESOLVED_KEEP);
+    assert_true(glass.mesh_edge == 3e-3 && glass.zone_edges == 5.0 && glass.resolved_edge == 2.9e-5);
+    assert_true(glass.nominal_strength == 40e6 && glass.strength == 4e6 && glass.nominal_energy == 8.0);
+    assert_true(glass.energy == 8.0 && glass.cohesive_zone == 0.015 && glass.snap_back == 0.07);
+    assert_true(glass.tip_toughness == 1.0 && isinf(steel.cohesive_zone));
     assert_string_equal(shv_run_file_object_name(file, 1), "");
     assert_string_equal(shv_run_file_object(file, 0).material, "glass");
     assert_int_equal(shv_run_file_object(file, 0).element_end, 16);
@@ -251,6 +262,53 @@ static void test_nodes(void **state)
 
 /* ---- names of files ---- */
 
+static void test_probes(void **state)
+{
+    enum { PROBES = 2, TIMES = 5 };
+    ShvError error;
+    const FakeSetup setup = {.bricks = 2, .most = 1, .probes = PROBES};
+    ShvRecordDefinition definition = define(file_in(*state, "run.h5"));
+    record_frames(&definition, &setup, TIMES, SHV_OK, NULL);
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, definition.path, NULL, &error), error);
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    assert_int_equal(info->probe_count, PROBES);
+    assert_int_equal(info->probe_row_count, 0 + 1 + 2 + 3 + 4);
+    assert_string_equal(shv_run_file_probe_name(file, 0), "tip");
+    assert_string_equal(shv_run_file_probe_name(file, 1), "floor_below");
+    assert_string_equal(shv_run_file_probe_name(file, 2), "");
+    double times[2];
+    ShvProbeSample samples[2 * PROBES];
+    check_ok(shv_run_file_probes(file, 7, 2, times, samples, &error), error); /* rows 1 and 2 of frame 4 */
+    assert_true(times[0] == 4.01 && times[1] == 4.02);
+    assert_true(samples[0].displacement[0] == 4100.0);
+    assert_true(samples[1].velocity[1] == 4100.0 + 20.0 + 4.0);
+    assert_true(samples[2].stress[5] == 4200.0 + 11.0);
+    assert_true(samples[3].reaction[2] == 4200.0 + 20.0 + 17.0);
+    check_ok(shv_run_file_probes(file, 6, 1, NULL, samples, &error), error);
+    assert_true(isnan(samples[1].contact[0]) && samples[0].contact[0] == 4012.0);
+    check_fails(shv_run_file_probes(file, 9, 2, times, samples, &error), SHV_BAD_INPUT, error, "rows 9 to 10");
+    check_fails(shv_run_file_probes(file, -1, 1, times, samples, &error), SHV_BAD_INPUT, error, "10 rows");
+    shv_run_file_close(file);
+}
+
+/* A run without probes has nothing of them. */
+static void test_no_probes(void **state)
+{
+    ShvError error;
+    ShvRecordDefinition definition = define(file_in(*state, "run.h5"));
+    record_frames(&definition, &BREAKING, 3, SHV_OK, NULL);
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, definition.path, NULL, &error), error);
+    assert_int_equal(shv_run_file_info(file)->probe_count, 0);
+    assert_int_equal(shv_run_file_info(file)->probe_row_count, 0);
+    check_ok(shv_run_file_probes(file, 0, 0, NULL, NULL, &error), error);
+    shv_run_file_close(file);
+    const hid_t raw = H5Fopen(definition.path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_int_equal(H5Lexists(raw, "/probes", H5P_DEFAULT), 0);
+    H5Fclose(raw);
+}
+
 static void test_existing_file_is_kept_until_the_first_frame(void **state)
 {
     const char *path = file_in(*state, "run.h5");
@@ -403,6 +461,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_everything_comes_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_cost_is_of_the_last_frame, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_nodes, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_probes, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_no_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_existing_file_is_kept_until_the_first_frame, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_file_that_appears_later_is_kept, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_bad_names, make_folder, remove_folder),

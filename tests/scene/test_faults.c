@@ -37,7 +37,8 @@ static void values_of_a_wrong_kind(void **state)
     static const Fault faults[] = {
         {"gravitiy: 3\n", "s.yaml:7:1: error: unknown key 'gravitiy' in the scene; did you mean 'gravity'?"},
         {"output: {qqq: 3}\n",
-         "s.yaml:7:10: error: unknown key 'qqq' in output; known are file, rate, fracture_every or nodes"},
+         "s.yaml:7:10: error: unknown key 'qqq' in output; known are file, rate, fracture_every, nodes, probe_every or "
+         "probe_interval"},
         {"threads: 1.5\n",
          "s.yaml:7:10: error: threads is '1.5'; expected a whole number, at least 0 and at most 1024"},
         {"threads: 99999999999\n",
@@ -46,9 +47,27 @@ static void values_of_a_wrong_kind(void **state)
         {"seed: 18446744073709551616\n",
          "s.yaml:7:7: error: seed is '18446744073709551616'; expected a whole number, at least 0"},
         {"output:\n",
-         "s.yaml:7:1: error: output has no value; expected a mapping with keys file, rate, fracture_every or nodes"},
+         "s.yaml:7:1: error: output has no value; expected a mapping with keys file, rate, fracture_every, nodes, "
+         "probe_every or probe_interval"},
         {"output: [1]\n",
-         "s.yaml:7:9: error: output is a list of 1; expected a mapping with keys file, rate, fracture_every or nodes"},
+         "s.yaml:7:9: error: output is a list of 1; expected a mapping with keys file, rate, fracture_every, nodes, "
+         "probe_every or probe_interval"},
+        {"output: {probe_every: 0}\n", "s.yaml:7:23: error: probe_every is '0'; expected a whole number, at least 1"},
+        {"probes: {tip: {}}\n",
+         "s.yaml:7:15: error: probes.tip has none of point, nodes or obstacle; give exactly one"},
+        {"probes: {tip: {point: [0, 0]}}\n",
+         "s.yaml:7:23: error: point is a list of 2; expected a list [x, y, z], each a length in m (or "
+         "cm, mm, um, \xC2\xB5m, km)"},
+        {"probes: {tip: {point: [0, 0, 0], object: plat}}\n",
+         "s.yaml:7:42: error: object 'plat' is no object of the scene; did you mean 'plate'?"},
+        {"probes: {tip: {nodes: {object: plat}}}\n",
+         "s.yaml:7:32: error: object 'plat' is no object of the scene; did you mean 'plate'?"},
+        {"probes: {tip: {obstacle: plate}}\n", "s.yaml:7:26: error: plate is an object; watch it with point or nodes"},
+        {"probes: {tip: {obstacle: flor}}\n", "s.yaml:7:26: error: obstacle 'flor' is no obstacle of the scene"},
+        {"obstacles: {floor: {plane: {normal: [0, 0, 1]}}}\nprobes: {tip: {obstacle: flor}}\n",
+         "s.yaml:8:26: error: obstacle 'flor' is no obstacle of the scene; did you mean 'floor'?"},
+        {"probes: {tip: {nodes: {object: plate}, object: plate}}\n",
+         "s.yaml:7:48: error: object goes with point alone; remove it"},
         {"output: {nodes: yes}\n", "s.yaml:7:17: error: nodes is 'yes'; expected true or false"},
         {"output: {file: ''}\n", "s.yaml:7:16: error: file is ''; expected a text"},
         {"name: {a: 1}\n", "s.yaml:7:7: error: name is a mapping; expected a text"},
@@ -348,7 +367,9 @@ static void faults_of_overrides(void **state)
         {"duration=3 kg",
          "--set duration: error: duration has unit 'kg', which is no unit of time; use one of s, ms, us, "
          "\xC2\xB5s, ns, min"},
-        {"output.=3", "--set output.: error: unknown key '' in output; known are file, rate, fracture_every or nodes"},
+        {"output.=3",
+         "--set output.: error: unknown key '' in output; known are file, rate, fracture_every, nodes, probe_every or "
+         "probe_interval"},
         {"objects.plate.material=glas",
          "--set objects.plate.material: error: material 'glas' is no material of the scene; did you mean 'glass'?"},
         {"materials.glass.cohesive_strength=.nan", "--set materials.glass.cohesive_strength: error: cohesive_strength "

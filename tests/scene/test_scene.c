@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "parse.h"
 #include "scene/schema.h"
+#include "shiver/library.h"
 
 static const char glass_plate_drop[] =
     "shiver: 1\n"
@@ -87,6 +88,8 @@ static void check_materials(const ShvSceneDefinition *scene)
     same(glass->ppr_shape_shear, 4.0);
     same(glass->weibull_modulus, 10.0);
     same(glass->weibull_volume, 2e-9);
+    assert_int_equal(glass->unresolved, SHV_UNRESOLVED_SCALE_ENERGY);
+    same(glass->zone_edges, 7.0);
     assert_string_equal(steel->name, "steel");
     assert_false(steel->breakable);
     assert_true(isnan(steel->cohesive_strength));
@@ -103,6 +106,8 @@ static void check_plates(const ShvSceneDefinition *scene)
         check_vector(plate->mesh.size, 0.3, 0.2, 0.006);
         same(plate->mesh.edge, 0.003);
         same(plate->mesh.jitter, 0.2);
+        assert_int_equal(plate->mesh.pattern, SHV_PATTERN_BRICKS);
+        check_vector(plate->placement.stretch_rate, 0.0, 1000.0, -2.0);
         assert_int_equal(plate->mesh.seed, 7);
         check_vector(plate->placement.position, 1.0, 2.0, 3.0 + i * 0.01);
         check_vector(plate->placement.rotation_axis, 1.0, 0.0, 0.0);
@@ -251,6 +256,10 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->rigid.dust, SHV_DUST_BIN);
     same(scene->rigid.dust_size, 0.002);
     assert_false(scene->fracture.enabled);
+    assert_int_equal(scene->fracture.on.kind, SHV_SELECT_PLANE);
+    check_vector(scene->fracture.on.plane_normal, 0.0, 0.0, 1.0);
+    same(scene->fracture.on.plane_offset, 1e-3);
+    same(scene->fracture.on.tolerance, 1e-6);
     assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_BARS);
     same(scene->fracture.time_step, 10e-9);
     same(scene->fracture.safety, 0.5);
@@ -275,6 +284,27 @@ static void check_rest(const ShvSceneDefinition *scene)
     same(scene->output.rate, 1000.0);
     assert_int_equal(scene->output.fracture_every, 50);
     assert_true(scene->output.nodes);
+    assert_int_equal(scene->output.probe_every, 5);
+    same(scene->output.probe_interval, 2e-6);
+}
+
+static void check_probes(const ShvSceneDefinition *scene)
+{
+    assert_int_equal(scene->probe_count, 5);
+    const ShvProbeDefinition *tip = &scene->probes[0], *ends = &scene->probes[1];
+    assert_int_equal(tip->kind, SHV_PROBE_POINT);
+    assert_string_equal(tip->name, "tip");
+    assert_string_equal(tip->object, "plate_1");
+    same(tip->point[0], 0.01);
+    same(tip->point[2], 1.2);
+    assert_int_equal(ends->kind, SHV_PROBE_NODES);
+    assert_string_equal(ends->object, "plate_2");
+    assert_int_equal(ends->selection.kind, SHV_SELECT_BOX);
+    same(ends->selection.box_max[2], 2.0);
+    assert_int_equal(scene->probes[2].selection.kind, SHV_SELECT_ALL);
+    same(scene->probes[3].selection.plane_normal[1], 1.0);
+    assert_int_equal(scene->probes[4].kind, SHV_PROBE_OBSTACLE);
+    assert_string_equal(scene->probes[4].obstacle, "floor");
 }
 
 static void every_key_arrives(void **state)
@@ -292,6 +322,7 @@ static void every_key_arrives(void **state)
     check_obstacles(scene);
     check_events(scene);
     check_rest(scene);
+    check_probes(scene);
     assert_string_equal(shv_scene_text(parsed.scene), text);
     assert_int_equal(shv_scene_text_length(parsed.scene), size);
     release(&parsed);
@@ -332,6 +363,59 @@ static void full_scene_has_every_key(void **state)
     shv_diagnostics_destroy(diagnostics);
     shv_pool_release(&pool);
     shv_release(text);
+}
+
+/* The library's value for every key that the scene does not give, each with its source; no value goes astray. */
+static void the_library_fills_in_what_is_left_out(void **state)
+{
+    (void)state;
+    static const char text[] = "shiver: 1\n"
+                               "materials:\n"
+                               "  a: {library: plaster, density: 1 t/m3}\n"
+                               "  b: {library: steel}\n"
+                               "objects:\n"
+                               "  x: {mesh: {ball: {radius: 1, edge: 0.1}}, material: a}\n"
+                               "  y: {mesh: {ball: {radius: 1, edge: 0.1}}, material: b}\n"
+                               "duration: 1\n";
+    Parsed parsed = parse_good(text, NULL, 0);
+    const ShvMaterialDefinition *own = shv_scene_definition(parsed.scene)->materials;
+    const ShvMaterialDefinition plaster = shv_library_definition(shv_library_find("plaster"));
+    same(own[0].density, 1000.0);
+    same(own[0].youngs_modulus, plaster.youngs_modulus);
+    same(own[0].fracture_energy, plaster.fracture_energy);
+    same(own[0].cohesive_strength, plaster.cohesive_strength);
+    same(own[0].cohesive_strength_shear, plaster.cohesive_strength_shear);
+    same(own[0].fracture_energy_shear, plaster.fracture_energy_shear);
+    assert_false(own[1].breakable);
+    same(own[1].youngs_modulus, 210e9);
+    release(&parsed);
+    assert_null(shv_library_get(-1));
+    assert_null(shv_library_get(shv_library_count()));
+    for (int32_t i = 0; i < shv_library_count(); i++) {
+        const ShvLibraryMaterial *material = shv_library_get(i);
+        assert_ptr_equal(shv_library_find(material->name), material);
+        assert_true(shv_is_name(material->name));
+        for (const ShvLibraryNumber *number = material->numbers; number->key; number++)
+            assert_true(number->value > 0.0 && strlen(number->source) > 10);
+    }
+}
+
+static void unknown_library_material_is_reported(void **state)
+{
+    (void)state;
+    static const char text[] = "shiver: 1\n"
+                               "materials:\n"
+                               "  a: {library: stel}\n"
+                               "objects: {x: {mesh: {ball: {radius: 1, edge: 0.1}}, material: a}}\n"
+                               "duration: 1\n";
+    Parsed parsed = parse_bytes(text, strlen(text), NULL, 0);
+    assert_int_equal(parsed.status, SHV_BAD_INPUT);
+    bool found = false;
+    for (int32_t i = 0; i < shv_diagnostics_count(parsed.diagnostics); i++)
+        found = found ||
+                strstr(message(&parsed, i), "3:16: error: the library has no material 'stel'; did you mean 'steel'?");
+    assert_true(found);
+    release(&parsed);
 }
 
 static void what_is_left_out_has_its_default(void **state)
@@ -558,6 +642,8 @@ int main(void)
         cmocka_unit_test(glass_plate_drop_parses),
         cmocka_unit_test(every_key_arrives),
         cmocka_unit_test(full_scene_has_every_key),
+        cmocka_unit_test(the_library_fills_in_what_is_left_out),
+        cmocka_unit_test(unknown_library_material_is_reported),
         cmocka_unit_test(what_is_left_out_has_its_default),
         cmocka_unit_test(overrides_take_the_place_of_keys),
         cmocka_unit_test(overrides_do_not_leak_through_aliases),

@@ -1,0 +1,304 @@
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "cli/command.h"
+
+enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
+enum { MOST_JOBS = 256 };
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static bool asked_to_stop(void *data)
+{
+    (void)data;
+    return interrupted != 0;
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = (int)SA_RESETHAND; /* the second Ctrl-C ends the program at once */
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+static void say_run(void *data, const char *setting)
+{
+    (void)data;
+    fprintf(stderr, "shiver: running %s\n", setting);
+}
+
+/* ---- options ---- */
+
+static ShvStatus read_whole(const char *text, size_t length, int32_t least, int32_t most, const char *what,
+                            int32_t *value, ShvError *error)
+{
+    int64_t read = 0;
+    if (shv_parse_int64(text, length, &read, NULL) != SHV_OK || read < least || read > most)
+        return shv_fail(error, SHV_BAD_INPUT, "%s, not '%.60s'", what, text);
+    *value = (int32_t)read;
+    return SHV_OK;
+}
+
+static ShvStatus read_task(const char *text, ShvStudyOptions *options, ShvError *error)
+{
+    static const char what[] = "--task needs I/N, share I (from 1) of N";
+    const char *slash = strchr(text, '/');
+    if (!slash) return shv_fail(error, SHV_BAD_INPUT, "%s, not '%.60s'", what, text);
+    ShvStatus status = read_whole(slash + 1, strlen(slash + 1), 1, 1000000, what, &options->tasks, error);
+    if (status == SHV_OK)
+        status = read_whole(text, (size_t)(slash - text), 1, options->tasks, what, &options->task, error);
+    return status;
+}
+
+/* The command as it was given, for the report. */
+static void write_command(const ShvArguments *arguments, char *text, size_t size)
+{
+    size_t length =
+        (size_t)snprintf(text, size, "shiver study %s %s", arguments->positional[0], arguments->positional[1]);
+    for (int i = 0; i < arguments->override_count && length < size; i++)
+        length += (size_t)snprintf(text + length, size - length, " --set '%s'", arguments->overrides[i]);
+    if (arguments->values[JOBS] && length < size)
+        snprintf(text + length, size - length, " -j %s", arguments->values[JOBS]);
+}
+
+static void default_folder(const ShvArguments *arguments, char *folder, size_t size)
+{
+    const char *slash = strrchr(arguments->positional[1], '/');
+    const char *name = slash ? slash + 1 : arguments->positional[1];
+    const char *dot = strrchr(name, '.');
+    snprintf(folder, size, "%.*s", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
+}
+
+/* ---- what is printed ---- */
+
+static void print_number(double value)
+{
+    char text[32] = "-";
+    if (isfinite(value)) snprintf(text, sizeof text, "%.3g", value);
+    printf("  %12s", text);
+}
+
+static void print_row(const ShvStudy *study, const ShvStudyRow *row, int width)
+{
+    printf("%-*s", width, row->name);
+    print_number(row->seconds);
+    print_number(row->courant > 0.0 ? row->courant : (double)NAN);
+    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
+        print_number(row->errors[i]);
+        printf("%s", row->on_front[i] ? "*" : " ");
+    }
+    if (row->status != SHV_OK) printf("  failed: %s", row->message);
+    printf("%s\n", row->is_reference ? "  (reference)" : "");
+}
+
+static void print_table(const ShvStudy *study)
+{
+    int width = 8;
+    for (int32_t i = 0; i < shv_study_row_count(study); i++) {
+        const int length = (int)strlen(shv_study_row(study, i)->name);
+        width = length > width ? length : width;
+    }
+    printf("errors from %s; * on the Pareto front%s\n", shv_study_reference(study),
+           shv_study_timings_valid(study) ? "" : "; run times are not valid");
+    printf("%-*s  %12s  %12s", width, "setting", "run time, s", "Courant");
+    for (int32_t i = 0; i < shv_study_measure_count(study); i++) printf("  %12.12s ", shv_study_measure_name(study, i));
+    printf("\n");
+    for (int32_t i = 0; i < shv_study_row_count(study); i++) print_row(study, shv_study_row(study, i), width);
+    bool any = false;
+    for (int32_t i = 0; i < shv_study_measure_count(study); i++) any |= shv_study_scatter(study, i) > 0.0;
+    if (!any) return;
+    printf("%-*s  %12s  %12s", width, "scatter", "", "");
+    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
+        print_number(shv_study_scatter(study, i));
+        printf(" ");
+    }
+    printf("\n");
+}
+
+/* "error=0.05" takes the study's first measure. */
+static ShvStatus read_pick(const ShvStudy *study, const char *text, int32_t *measure, double *largest, ShvError *error)
+{
+    const char *equals = strchr(text, '=');
+    const size_t length = equals ? (size_t)(equals - text) : 0;
+    if (!equals || shv_parse_double(equals + 1, strlen(equals + 1), false, largest, NULL) != SHV_OK)
+        return shv_fail(error, SHV_BAD_INPUT, "--pick needs error=LARGEST or MEASURE=LARGEST, not '%.60s'", text);
+    *measure = length == 5 && strncmp(text, "error", 5) == 0 ? 0 : -1;
+    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
+        const char *name = shv_study_measure_name(study, i);
+        if (strlen(name) == length && strncmp(name, text, length) == 0) *measure = i;
+    }
+    if (*measure < 0)
+        return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on",
+                        (int)length, text, shv_study_measure_name(study, 0));
+    if (!shv_study_timings_valid(study))
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "run times of this study are not valid, so that nothing can be called cheapest; run it without "
+                        "-j, on one machine");
+    return SHV_OK;
+}
+
+/* The exit status. */
+static int pick(const ShvStudy *study, const char *text, bool quiet)
+{
+    int32_t measure = 0;
+    double largest = 0.0;
+    ShvError error;
+    const ShvStatus status = read_pick(study, text, &measure, &largest, &error);
+    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    const int32_t best = shv_study_pick(study, measure, largest);
+    const char *name = shv_study_measure_name(study, measure), *unit = shv_study_error_unit(study, measure);
+    if (best < 0) {
+        fprintf(stderr, "shiver: no setting has an error of %s of at most %g\n", name, largest);
+        return SHV_EXIT_FAILED;
+    }
+    const ShvStudyRow *row = shv_study_row(study, best);
+    FILE *stream = quiet ? stderr : stdout;
+    fprintf(stream, "pick: %s: error of %s %.3g%s%s in %.3g s\n", row->name, name, row->errors[measure],
+            unit[0] ? " " : "", unit, row->seconds);
+    const double scatter = shv_study_scatter(study, measure);
+    if (scatter > largest)
+        fprintf(stream, "the scatter, %.3g, is more than that: such an error says little\n", scatter);
+    return SHV_EXIT_DONE;
+}
+
+/* ---- the command ---- */
+
+/* One process a job, each with its share of the runs. */
+static ShvStatus run_jobs(const ShvArguments *arguments, const ShvStudyOptions *options, int32_t jobs, ShvError *error)
+{
+    pid_t children[MOST_JOBS];
+    int32_t started = 0;
+    ShvStatus status = SHV_OK;
+    fflush(stdout);
+    for (; started < jobs; started++) {
+        children[started] = fork();
+        if (children[started] < 0) {
+            status = shv_fail(error, SHV_NO_MEMORY, "cannot start a process: %s", strerror(errno));
+            break;
+        }
+        if (children[started] > 0) continue;
+        ShvStudyOptions own = *options;
+        ShvStudy *study = NULL;
+        ShvError failure;
+        own.task = started + 1;
+        own.tasks = jobs;
+        ShvStatus done = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &own, &failure);
+        if (done == SHV_OK) done = shv_study_run(study, &failure);
+        if (done != SHV_OK) shv_cli_failed(done, &failure);
+        _exit(done == SHV_OK ? 0 : 1);
+    }
+    for (int32_t i = 0; i < started; i++) {
+        int code = 1;
+        while (waitpid(children[i], &code, 0) < 0 && errno == EINTR) continue;
+        if (status == SHV_OK && (!WIFEXITED(code) || WEXITSTATUS(code) != 0))
+            status = interrupted ? shv_fail(error, SHV_INTERRUPTED, "stopped")
+                                 : shv_fail(error, SHV_DIVERGED, "a job failed, see above");
+    }
+    return status;
+}
+
+static int show(ShvStudy *study, const ShvArguments *arguments)
+{
+    ShvError error;
+    const bool json = arguments->values[JSON] != NULL;
+    ShvStatus status = shv_study_measure(study, &error);
+    if (status == SHV_OK) status = shv_study_write(study, &error);
+    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    if (json)
+        shv_study_print_json(study, stdout);
+    else
+        print_table(study);
+    return arguments->values[PICK] ? pick(study, arguments->values[PICK], json) : SHV_EXIT_DONE;
+}
+
+static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
+{
+    const char *const *values = arguments->values;
+    *jobs = 0;
+    if (values[JOBS]) {
+        const ShvStatus status = read_whole(values[JOBS], strlen(values[JOBS]), 1, MOST_JOBS,
+                                            "-j needs a number of runs at a time, 1 to 256", jobs, error);
+        if (status != SHV_OK) return status;
+    }
+    if ((values[TASK] != NULL) + (values[MERGE] != NULL) + (values[JOBS] != NULL) > 1)
+        return shv_fail(error, SHV_BAD_INPUT, "of -j, --task and --merge only one can be given");
+    if (values[TASK] && values[PICK])
+        return shv_fail(error, SHV_BAD_INPUT, "--pick needs all runs; give it with --merge once all tasks are done");
+    options->force = values[FORCE] != NULL;
+    options->shared = *jobs > 1;
+    options->overrides = arguments->overrides;
+    options->override_count = arguments->override_count;
+    options->begins = say_run;
+    options->stop = asked_to_stop;
+    return values[TASK] ? read_task(values[TASK], options, error) : SHV_OK;
+}
+
+static int run(const ShvArguments *arguments)
+{
+    char folder[4096], command[8192];
+    ShvError error;
+    int32_t jobs;
+    ShvStudy *study = NULL;
+    ShvStudyOptions options = shv_study_default();
+    ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    default_folder(arguments, folder, sizeof folder);
+    write_command(arguments, command, sizeof command);
+    options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
+    options.command = command;
+    catch_signals();
+    status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
+    if (status == SHV_OK && jobs > 1) status = run_jobs(arguments, &options, jobs, &error);
+    if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
+    int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    if (status == SHV_OK && !arguments->values[TASK]) {
+        result = show(study, arguments);
+        if (result == SHV_EXIT_DONE && !arguments->values[JSON]) printf("wrote %s/report.html\n", options.output);
+    }
+    shv_study_close(study);
+    return result;
+}
+
+const ShvCommand shv_command_study = {
+    .name = "study",
+    .positional = "SCENE STUDY",
+    .summary = "vary keys of a scene; error of each run beside its run time",
+    .details =
+        "Runs a scene with all combinations of values that the study file lists, measures each run against a "
+        "reference\n"
+        "and shows what accuracy a second of computing buys. docs/study.md tells what a study file holds and how\n"
+        "errors are measured. Each finished run is a file in DIR/runs: a study that was stopped goes on from there, "
+        "and\n"
+        "what was run with another scene, study or version is not used. Writes DIR/report.html, study.json, "
+        "results.csv,\n"
+        "timings.csv and figures. Run times are only valid one run at a time, on an idle machine.",
+    .least_positional = 2,
+    .most_positional = 2,
+    .takes_scene = true,
+    .options = {{"--output", "DIR", "folder of results; the study file's name unless given"},
+                {"--force", NULL, "run again what has been run"},
+                {"-j", "N", "N runs at a time; marks run times as invalid"},
+                {"--task", "I/N", "run only share I of N, for batch arrays; no report"},
+                {"--merge", NULL, "run nothing, report on the runs in DIR"},
+                {"--pick", "M=ERROR",
+                 "name the cheapest setting with at most this error of measure M; error=: the first"},
+                {"--json", NULL, "print as JSON"}},
+    .run = run,
+};

@@ -1,0 +1,180 @@
+/* The files of a measurement. */
+#include "base/text.h"
+#include "export/output.h"
+#include "stability/stability.h"
+#include "study/plot.h"
+
+enum { MOST_LINES = SHV_MOST_STABILITY_VALUES + 1 };
+
+static const char *const pictures[] = {"_limit.svg", "_stiffness.svg", "_error.svg"};
+
+/* ---- the table ---- */
+
+static void put_point(FILE *stream, const ShvStability *stability, const ShvStabilityRow *row,
+                      const ShvStabilityPoint *point)
+{
+    const double of_row[] = {row->modulus, row->stiffness, row->stable_step,    row->limit,
+                             row->failed,  row->over_mesh, row->unstable_below, row->stable_again};
+    const double of_point[] = {point->multiple,  point->stiffness,    point->closed_form,
+                               point->frequency, point->displacement, point->energy_kept};
+    shv_print(stream, "%s,%d", row->iterations > 0 ? "bars" : "none", (int)row->iterations);
+    for (size_t i = 0; i < sizeof of_row / sizeof of_row[0]; i++) shv_output_number(stream, of_row[i]);
+    shv_print(stream, ",%s,%s,%d,%s", shv_stability_class_name(row->beyond), shv_stability_class_name(row->far),
+              (int)stability->options.steps, shv_stability_class_name(point->outcome));
+    for (size_t i = 0; i < sizeof of_point / sizeof of_point[0]; i++) shv_output_number(stream, of_point[i]);
+    shv_print(stream, "\n");
+}
+
+static void put_table(FILE *stream, const ShvStability *stability)
+{
+    shv_print(stream,
+              "stabiliser,iterations,youngs_modulus [Pa],k,stable_step [s],limit [stable steps],"
+              "failed [stable steps],limit over that without bars,unstable_below [stable steps],"
+              "stable_again [stable steps],class at failed,class at 3 x failed,steps,class,"
+              "step [stable steps],stiffness,stiffness of bars alone,frequency,displacement error,energy kept\n");
+    for (int32_t i = 0; i < stability->count; i++)
+        for (int32_t k = 0; k < stability->rows[i].point_count; k++)
+            put_point(stream, stability, &stability->rows[i], &stability->rows[i].points[k]);
+}
+
+/* ---- plots, of the first modulus ---- */
+
+/* Room for one plot. */
+typedef struct Drawing {
+    const ShvStability *stability;
+    ShvPlotPoint points[MOST_LINES][SHV_MOST_STABILITY_VALUES];
+    char names[MOST_LINES][24];
+    ShvPlotLine lines[MOST_LINES];
+} Drawing;
+
+static void put_limits(FILE *stream, Drawing *drawing)
+{
+    const ShvStability *stability = drawing->stability;
+    const ShvStabilityOptions *options = &stability->options;
+    const int32_t plain = options->stiffness_count;
+    for (int32_t k = 0; k <= plain; k++) {
+        for (int32_t n = 0; n < options->iterations_count; n++) {
+            const ShvStabilityRow *row = &stability->rows[k < plain ? 1 + k * options->iterations_count + n : 0];
+            drawing->points[k][n] = (ShvPlotPoint){.x = options->iterations[n], .y = row->limit};
+        }
+        if (k < plain)
+            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", options->stiffness[k]);
+        else
+            shv_format(drawing->names[k], sizeof drawing->names[k], "no bars");
+        drawing->lines[k] = (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations_count};
+    }
+    shv_plot_write(stream, &(ShvPlot){.title = stability->name,
+                                      .x_label = "sweeps of bars a step",
+                                      .y_label = "largest stable step, computed stable steps",
+                                      .log_x = true,
+                                      .log_y = true,
+                                      .lines = drawing->lines,
+                                      .line_count = plain + 1});
+}
+
+static void add_line(Drawing *drawing, int32_t *count, const ShvStabilityRow *row,
+                     double (*value)(const ShvStabilityPoint *point))
+{
+    const int32_t i = (*count)++;
+    for (int32_t k = 0; k < row->point_count; k++)
+        drawing->points[i][k] = (ShvPlotPoint){.x = row->points[k].multiple, .y = value(&row->points[k])};
+    if (row->iterations > 0)
+        shv_format(drawing->names[i], sizeof drawing->names[i], "k %g, n %d", row->stiffness, (int)row->iterations);
+    else
+        shv_format(drawing->names[i], sizeof drawing->names[i], "no bars");
+    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], row->point_count};
+}
+
+/* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the
+   last. More could not be told apart; the table has them all. */
+static void put_against_step(FILE *stream, Drawing *drawing, const char *label,
+                             double (*value)(const ShvStabilityPoint *point))
+{
+    enum { MOST_K = 4 };
+    const ShvStabilityOptions *options = &drawing->stability->options;
+    const ShvStabilityRow *rows = drawing->stability->rows;
+    const int32_t n = options->iterations_count, middle = n / 2;
+    int32_t count = 0;
+    add_line(drawing, &count, &rows[0], value);
+    for (int32_t k = 0; n > 0 && k < options->stiffness_count && k < MOST_K; k++)
+        add_line(drawing, &count, &rows[1 + k * n + middle], value);
+    if (options->stiffness_count > 0 && middle < n - 1) add_line(drawing, &count, &rows[n], value);
+    shv_plot_write(stream, &(ShvPlot){.title = drawing->stability->name,
+                                      .x_label = "step, computed stable steps",
+                                      .y_label = label,
+                                      .log_x = true,
+                                      .log_y = true,
+                                      .lines = drawing->lines,
+                                      .line_count = count});
+}
+
+static double stiffness_of(const ShvStabilityPoint *point)
+{
+    return point->stiffness;
+}
+
+static double error_of(const ShvStabilityPoint *point)
+{
+    return point->displacement;
+}
+
+static void put_picture(FILE *stream, Drawing *drawing, int which)
+{
+    if (which == 0)
+        put_limits(stream, drawing);
+    else if (which == 1)
+        put_against_step(stream, drawing, "static stiffness over that without bars", stiffness_of);
+    else
+        put_against_step(stream, drawing, "largest error of displacement over its largest", error_of);
+}
+
+/* ---- files ---- */
+
+static ShvExportOptions options_of(bool force, ShvMemory *memory)
+{
+    ShvExportOptions options = shv_export_default();
+    options.force = force;
+    options.memory = memory;
+    return options;
+}
+
+ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error)
+{
+    static const char *const none[] = {""};
+    const ShvExportOptions options = options_of(force, NULL);
+    if (csv) SHV_TRY(shv_output_check(&options, csv, none, 1, error));
+    return svg ? shv_output_check(&options, svg, pictures, 3, error) : SHV_OK;
+}
+
+ShvStatus shv_stability_write_csv(const ShvStability *stability, const char *path, bool force, ShvError *error)
+{
+    const ShvExportOptions options = options_of(force, stability->memory);
+    ShvOutput output;
+    SHV_TRY(shv_stability_check_files(path, NULL, force, error));
+    SHV_TRY(shv_output_open(&output, &options, path, "", error));
+    put_table(output.stream, stability);
+    return shv_output_close(&output, &options, SHV_OK, error);
+}
+
+static ShvStatus put_pictures(Drawing *drawing, const ShvExportOptions *options, const char *prefix, ShvError *error)
+{
+    for (int i = 0; i < 3; i++) {
+        ShvOutput output;
+        SHV_TRY(shv_output_open(&output, options, prefix, pictures[i], error));
+        put_picture(output.stream, drawing, i);
+        SHV_TRY(shv_output_close(&output, options, SHV_OK, error));
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_stability_write_svg(const ShvStability *stability, const char *prefix, bool force, ShvError *error)
+{
+    const ShvExportOptions options = options_of(force, stability->memory);
+    SHV_TRY(shv_stability_check_files(NULL, prefix, force, error));
+    Drawing *drawing = shv_allocate(stability->memory, SHV_PART_GENERAL, 1, sizeof *drawing);
+    if (!drawing) return shv_fail_memory(error, "pictures", sizeof *drawing);
+    drawing->stability = stability;
+    const ShvStatus status = put_pictures(drawing, &options, prefix, error);
+    shv_release(drawing);
+    return status;
+}

@@ -1,0 +1,218 @@
+#include "stability/stability.h"
+
+#include "base/text.h"
+
+const char *shv_stability_class_name(ShvStabilityClass outcome)
+{
+    static const char *const names[] = {"stable", "growing", "overflow", "refused"};
+    return outcome <= SHV_REFUSED ? names[outcome] : "unknown";
+}
+
+ShvStabilityOptions shv_stability_default(void)
+{
+    return (ShvStabilityOptions){.cookie = SHV_DEFINITION_COOKIE,
+                                 .stiffness = {1.0, 0.5, 0.1},
+                                 .stiffness_count = 3,
+                                 .iterations = {1, 4, 10},
+                                 .iterations_count = 3,
+                                 .multiples = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0},
+                                 .multiple_count = 6,
+                                 .steps = 10000,
+                                 .most = 60.0,
+                                 .seed = 3};
+}
+
+/* ---- what cannot be measured ---- */
+
+static ShvStatus check_values(const ShvStabilityOptions *options, ShvError *error)
+{
+    for (int32_t i = 0; i < options->stiffness_count; i++)
+        if (!(options->stiffness[i] >= 0.0 && options->stiffness[i] <= 1.0))
+            return shv_fail(error, SHV_BAD_INPUT, "a stiffness k of bars is at least 0 and at most 1, not %g",
+                            options->stiffness[i]);
+    for (int32_t i = 0; i < options->iterations_count; i++)
+        if (options->iterations[i] < 1)
+            return shv_fail(error, SHV_BAD_INPUT, "a number of iterations is at least 1, not %d",
+                            (int)options->iterations[i]);
+    for (int32_t i = 0; i < options->modulus_count; i++)
+        if (!(options->moduli[i] > 0.0) || !isfinite(options->moduli[i]))
+            return shv_fail(error, SHV_BAD_INPUT, "a Young's modulus is above 0, not %g", options->moduli[i]);
+    for (int32_t i = 0; i < options->multiple_count; i++)
+        if (!(options->multiples[i] > 0.0) || !isfinite(options->multiples[i]))
+            return shv_fail(error, SHV_BAD_INPUT, "a multiple of the stable step is above 0, not %g",
+                            options->multiples[i]);
+    return SHV_OK;
+}
+
+static bool fits(int32_t count, int32_t most)
+{
+    return count >= 0 && count <= most;
+}
+
+static ShvStatus check_options(const ShvStabilityOptions *options, ShvError *error)
+{
+    if (options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_stability_default()");
+    if (!fits(options->stiffness_count, SHV_MOST_STABILITY_VALUES) ||
+        !fits(options->iterations_count, SHV_MOST_STABILITY_VALUES) ||
+        !fits(options->modulus_count, SHV_MOST_STABILITY_VALUES) ||
+        !fits(options->multiple_count, SHV_MOST_STABILITY_POINTS - 1))
+        return shv_fail(error, SHV_BAD_INPUT, "at most %d values of each kind and %d multiples can be given",
+                        SHV_MOST_STABILITY_VALUES, SHV_MOST_STABILITY_POINTS - 1);
+    if (options->steps < 100)
+        return shv_fail(error, SHV_BAD_INPUT, "stability needs at least 100 steps, not %d", (int)options->steps);
+    if (!(options->most >= 1.0 && options->most <= 1e6))
+        return shv_fail(error, SHV_BAD_INPUT, "the largest multiple is at least 1 and at most 1e6, not %g",
+                        options->most);
+    return check_values(options, error);
+}
+
+/* ---- rows ---- */
+
+/* Without bars the program does not begin above the computed step: asked of the program itself. */
+static ShvStatus ask_for_refusal(const ShvSceneDefinition *given, const ShvProbe *probe,
+                                 const ShvStabilityOptions *options, double multiple, bool *refused, ShvError *error)
+{
+    ShvSceneDefinition scene = *given;
+    scene.materials = probe->materials;
+    scene.fracture.stabiliser = SHV_STABILISER_NONE;
+    scene.fracture.time_step = multiple * probe->hybrid.stable_step;
+    ShvSimulationOptions making = shv_simulation_options_default();
+    making.folder = options->folder;
+    making.memory = options->memory;
+    ShvSimulation *simulation = NULL;
+    const ShvStatus status = shv_simulation_create(&simulation, &scene, &making, error);
+    shv_simulation_destroy(simulation);
+    *refused = status == SHV_BAD_INPUT;
+    return status == SHV_OK || *refused ? SHV_OK : status;
+}
+
+static ShvStatus find_refusal(const ShvSceneDefinition *scene, const ShvProbe *probe,
+                              const ShvStabilityOptions *options, ShvStabilityRow *row, ShvError *error)
+{
+    static const double tried[] = {0.999, 1.001};
+    bool refused[2];
+    for (int i = 0; i < 2; i++) SHV_TRY(ask_for_refusal(scene, probe, options, tried[i], &refused[i], error));
+    if (!refused[0] && refused[1]) row->refused_above = 1.0;
+    return SHV_OK;
+}
+
+static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, const ShvProbeReference *reference,
+                           const ShvBarsAlone *alone, ShvStabilityRow *row)
+{
+    for (int32_t i = 0; i <= options->multiple_count; i++) {
+        const bool last = i == options->multiple_count;
+        if (last && !(row->limit > 0.0)) break;
+        ShvStabilityPoint *point = &row->points[row->point_count++];
+        *point = (ShvStabilityPoint){.multiple = last ? row->limit : options->multiples[i],
+                                     .stiffness = (double)NAN,
+                                     .frequency = (double)NAN,
+                                     .displacement = (double)NAN,
+                                     .energy_kept = (double)NAN};
+        point->closed_form =
+            shv_bars_alone_stiffness(alone, row->stiffness, row->iterations, point->multiple * row->stable_step);
+        point->outcome = last ? SHV_STABLE : shv_probe_judge(probe, row, point->multiple, options->steps);
+        if (point->outcome == SHV_STABLE) shv_probe_measure(probe, reference, row, point);
+        if (point->multiple > row->refused_above) point->outcome = SHV_REFUSED;
+    }
+}
+
+static void measure_row(ShvStability *stability, ShvProbe *probe, const ShvProbeReference *reference,
+                        const ShvBarsAlone *alone, ShvStabilityRow *row, double without)
+{
+    const ShvStabilityOptions *options = &stability->options;
+    row->modulus = probe->modulus;
+    if (options->begins) options->begins(options->data, row->modulus, row->stiffness, row->iterations);
+    shv_probe_search(probe, options, row);
+    row->over_mesh = row->limit / (row->iterations > 0 ? without : row->limit);
+    measure_points(probe, options, reference, alone, row);
+}
+
+static ShvStabilityRow *next_row(ShvStability *stability, double stiffness, int32_t iterations)
+{
+    ShvStabilityRow *row = &stability->rows[stability->count++];
+    row->stiffness = stiffness;
+    row->iterations = iterations;
+    row->refused_above = (double)NAN;
+    return row;
+}
+
+static ShvStatus measure_rows(ShvStability *stability, const ShvSceneDefinition *scene, ShvProbe *probe,
+                              const ShvProbeReference *reference, const ShvBarsAlone *alone, ShvError *error)
+{
+    const ShvStabilityOptions *options = &stability->options;
+    ShvStabilityRow *plain = next_row(stability, 0.0, 0);
+    SHV_TRY(find_refusal(scene, probe, options, plain, error));
+    measure_row(stability, probe, reference, alone, plain, 1.0);
+    for (int32_t k = 0; k < options->stiffness_count; k++)
+        for (int32_t n = 0; n < options->iterations_count; n++)
+            measure_row(stability, probe, reference, alone,
+                        next_row(stability, options->stiffness[k], options->iterations[n]), plain->limit);
+    return SHV_OK;
+}
+
+static ShvStatus measure_modulus(ShvStability *stability, const ShvSceneDefinition *scene, double modulus,
+                                 ShvError *error)
+{
+    ShvProbe probe;
+    ShvProbeReference reference = {.q = NULL};
+    ShvBarsAlone alone = {.count = 0};
+    SHV_TRY(shv_probe_create(&probe, scene, &stability->options, modulus, error));
+    ShvStatus status = shv_probe_refer(&probe, &reference, error);
+    if (status == SHV_OK) status = shv_bars_alone(&alone, &probe, error);
+    if (status == SHV_OK) status = measure_rows(stability, scene, &probe, &reference, &alone, error);
+    shv_bars_alone_release(&alone);
+    shv_probe_refer_release(&reference);
+    shv_probe_release(&probe);
+    return status;
+}
+
+static ShvStatus measure_all(ShvStability *stability, const ShvSceneDefinition *scene, ShvError *error)
+{
+    const ShvStabilityOptions *options = &stability->options;
+    const size_t moduli = options->modulus_count > 0 ? (size_t)options->modulus_count : 1;
+    const size_t rows = moduli * (1 + (size_t)options->stiffness_count * (size_t)options->iterations_count);
+    stability->rows = shv_allocate(stability->memory, SHV_PART_GENERAL, rows, sizeof *stability->rows);
+    if (!stability->rows) return shv_fail_memory(error, "the table of stability", rows * sizeof *stability->rows);
+    if (options->modulus_count == 0) return measure_modulus(stability, scene, (double)NAN, error);
+    for (int32_t i = 0; i < options->modulus_count; i++)
+        SHV_TRY(measure_modulus(stability, scene, options->moduli[i], error));
+    return SHV_OK;
+}
+
+ShvStatus shv_stability(ShvStability **stability, const ShvSceneDefinition *scene, const ShvStabilityOptions *given,
+                        ShvError *error)
+{
+    *stability = NULL;
+    const ShvStabilityOptions options = given ? *given : shv_stability_default();
+    SHV_TRY(check_options(&options, error));
+    ShvStability *made = shv_allocate(options.memory, SHV_PART_GENERAL, 1, sizeof *made);
+    if (!made) return shv_fail_memory(error, "the measurement", sizeof *made);
+    shv_format(made->name, sizeof made->name, "%.127s", scene->name ? scene->name : "largest stable step");
+    made->options = options;
+    made->memory = options.memory;
+    const ShvStatus status = measure_all(made, scene, error);
+    if (status != SHV_OK) {
+        shv_stability_destroy(made);
+        return status;
+    }
+    *stability = made;
+    return SHV_OK;
+}
+
+void shv_stability_destroy(ShvStability *stability)
+{
+    if (!stability) return;
+    shv_release(stability->rows);
+    shv_release(stability);
+}
+
+int32_t shv_stability_count(const ShvStability *stability)
+{
+    return stability->count;
+}
+
+const ShvStabilityRow *shv_stability_row(const ShvStability *stability, int32_t index)
+{
+    return &stability->rows[index];
+}
