@@ -4,7 +4,8 @@
 
 // Islands that sweeps alone have not settled by then are helped, when there is a solution: impulses of contacts that
 // contradict each other (a ram that presses a body into the floor) have no limit, to which no mix should lead.
-static const int plain_sweeps = 40;
+static const int plain_sweeps = 40, sweeps_a_mix = 4; // a mix costs as much as two sweeps
+static const btScalar most_of_momentum = 10;
 
 static btVector3 load(const double *p)
 {
@@ -178,21 +179,48 @@ void ShvSolver::apply(const std::vector<btScalar> &impulses)
         set(m_tmpSolverContactFrictionConstraintPool[i]);
 }
 
+// Whether impulses are of the size of the momentum that is there. (Pressed between two sides a body bears any impulse, and
+// friction any with it: no mix should lead there.)
+bool ShvSolver::moderate(const std::vector<btScalar> &impulses) const
+{
+    btScalar momentum = 0;
+    for (int i = 0; i < m_tmpSolverBodyPool.size(); i++) {
+        const btSolverBody &body = m_tmpSolverBodyPool[i];
+        const btScalar inverse = body.m_invMass.x();
+        if (inverse > 0) momentum += body.m_linearVelocity.length() / inverse;
+    }
+    size_t next = 0;
+    const auto holds = [&](const btSolverConstraint &row) {
+        return btFabs(impulses[next++]) * btSqrt(row.m_jacDiagABInv) <= most_of_momentum * momentum;
+    };
+    for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++)
+        if (!holds(m_tmpSolverContactConstraintPool[i])) return false;
+    for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); i++)
+        if (!holds(m_tmpSolverContactFrictionConstraintPool[i])) return false;
+    return true;
+}
+
 // What is left at the end comes from a plain sweep: its impulses keep to their bounds.
 btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **, int, btPersistentManifold **, int,
                                          btTypedConstraint **, int, const btContactSolverInfo &info, btIDebugDraw *)
 {
-    const bool helped = restful && iteration >= plain_sweeps;
+    const bool last = iteration + 1 == info.m_numIterations;
+    const bool helped =
+        restful && iteration >= plain_sweeps && (last || (iteration - plain_sweeps) % sweeps_a_mix == 0);
     if (iteration == plain_sweeps) mixing.begin();
     if (helped) read(&before);
     const btScalar change = sweep(), residual = change * change;
     if (!helped || residual <= info.m_leastSquaresResidualThreshold) return residual;
     read(&after);
-    if (iteration + 1 == info.m_numIterations)
-        after = mixing.best(before, after);
+    if (last) {
+        apply(mixing.best(before, after));
+        return residual;
+    }
+    mixing.mix(before, after);
+    if (moderate(after))
+        apply(after);
     else
-        mixing.mix(before, after);
-    apply(after);
+        mixing.begin();
     return residual;
 }
 

@@ -48,6 +48,7 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
     btScalar sweep();
     void read(std::vector<btScalar> *impulses) const;
     void apply(const std::vector<btScalar> &impulses);
+    bool moderate(const std::vector<btScalar> &impulses) const;
 
     std::vector<Grip> grips;
     bool restful = false; // rest would do for every contact, so that they do not contradict each other

@@ -136,7 +136,7 @@ run_suite()
 part_scenes()
 {
     cat <<'END'
-sphere drop|sphere_drop|objects.ball.mesh.ball.edge=0.012;objects.ball.position.2=0.06;objects.ball.velocity=[0, 0, -6];duration=0.01;output.rate=1000
+sphere drop|sphere_drop|rigid.engine=analytic;objects.ball.mesh.ball.edge=0.012;objects.ball.position.2=0.06;objects.ball.velocity=[0, 0, -6];duration=0.01;output.rate=1000
 tile on floor|hybrid/tile_on_floor|objects.tile.mesh.box.edge=0.012;objects.tile.position.2=0.06;objects.tile.velocity=[0, 0, -3];duration=0.01;output.rate=1000
 stack of boxes, which cannot break|rigid/stack_of_boxes|duration=0.2
 END

@@ -68,7 +68,7 @@ ShvEventDefinition shv_event_default(void)
 
 static ShvRigidDefinition rigid_default(void)
 {
-    return (ShvRigidDefinition){.engine = SHV_RIGID_ANALYTIC,
+    return (ShvRigidDefinition){.engine = SHV_RIGID_BULLET,
                                 .time_step = 1e-3,
                                 .wake = SHV_WAKE_STRESS,
                                 .wake_fraction = 0.5,

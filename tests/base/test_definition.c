@@ -66,7 +66,7 @@ static void scenes_have_the_documented_defaults(void **state)
     assert_true(isnan(s.duration));
     assert_int_equal(s.threads, 0);
     assert_int_equal(s.seed, 0);
-    assert_int_equal(s.rigid.engine, SHV_RIGID_ANALYTIC);
+    assert_int_equal(s.rigid.engine, SHV_RIGID_BULLET);
     assert_int_equal(s.rigid.wake, SHV_WAKE_STRESS);
     check_near(s.rigid.time_step, 1e-3, 0.0);
     check_near(s.rigid.wake_fraction, 0.5, 0.0);

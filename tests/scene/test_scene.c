@@ -434,7 +434,7 @@ static void what_is_left_out_has_its_default(void **state)
     assert_int_equal(scene->rigid.dust, SHV_DUST_KEEP);
     assert_int_equal(scene->fracture.deformation, SHV_DEFORMATION_DROP);
     assert_true(isinf(scene->audit.momentum) && isinf(scene->audit.dropped_share) && isinf(scene->audit.hull_error));
-    assert_int_equal(scene->rigid.engine, SHV_RIGID_ANALYTIC);
+    assert_int_equal(scene->rigid.engine, SHV_RIGID_BULLET);
     assert_int_equal(scene->reference.law, SHV_REFERENCE_NONE);
     assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_NONE);
     assert_int_equal(scene->obstacle_count, 0);
