@@ -273,10 +273,15 @@ static void book_constraint(ShvImposed *imposed, const ShvImposedCondition *cond
 
 void shv_imposed_apply(ShvImposed *imposed, ShvState *state, double before, double step)
 {
-    for (int half = 0; half < 2; half++) imposed->constraint_work[half] = imposed->traction_work[half] = 0.0;
     for (int32_t c = 0; c < imposed->count; c++)
         if (shv_imposed_in_force(&imposed->items[c], state->time)) hold(&imposed->items[c], state, step);
     /* With the velocities after all conditions: a node may be under several. */
+    shv_imposed_book(imposed, state, before, step);
+}
+
+void shv_imposed_book(ShvImposed *imposed, ShvState *state, double before, double step)
+{
+    for (int half = 0; half < 2; half++) imposed->constraint_work[half] = imposed->traction_work[half] = 0.0;
     for (int32_t c = 0; c < imposed->count; c++) {
         const ShvImposedCondition *condition = &imposed->items[c];
         if (!shv_imposed_in_force(condition, state->time)) continue;

@@ -60,5 +60,7 @@ ShvStatus shv_imposed_add_force(ShvImposed *imposed, ShvState *state, ShvError *
 /* After kick and contact: gives held components their velocity at state->time + step/2 and fills the works. `before` and
    `step`: the steps before and after time n, s. */
 void shv_imposed_apply(ShvImposed *imposed, ShvState *state, double before, double step);
+/* Fills the works anew with the velocities as they are now, when something has changed them since. */
+void shv_imposed_book(ShvImposed *imposed, ShvState *state, double before, double step);
 
 #endif

@@ -89,6 +89,7 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     const ShvRelaxStep step = settings_of(hybrid, after);
     SHV_TRY(relax_or_explain(hybrid, &step, error));
+    shv_imposed_book(&hybrid->imposed, state, before, after);
     shv_hybrid_book_forces(hybrid, after);
     shv_relax_book(&hybrid->relax, &hybrid->ledger);
     shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work,

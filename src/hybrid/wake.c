@@ -115,6 +115,37 @@ static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
         shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
 }
 
+/* Where a fragment's nodes stand deepest in an obstacle; the way out of it. */
+static ShvVec3 way_out(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double deepest = 0.0;
+    ShvVec3 way = {0.0, 0.0, 0.0};
+    for (int32_t o = 0; o < hybrid->obstacles.count; o++)
+        for (int32_t k = 0; k < fragment->node_count; k++) {
+            const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
+            const ShvSurfacePoint at =
+                shv_obstacle_closest(&hybrid->obstacles.items[o], shv_state_position(&hybrid->state, node), 0.0);
+            if (!(at.gap < deepest)) continue;
+            deepest = at.gap;
+            way = shv_scale(at.normal, -at.gap);
+        }
+    return way;
+}
+
+/* Bars push out what is inside an obstacle, at once and with all the energy that takes. The nodes of a body can be, by what
+   its convex pieces leave out: it is moved out as a whole, and the potential energy of that is booked. */
+static void stand_outside(ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    const double largest_share = 0.1; /* of the radius; deeper overlaps are the scene's */
+    if (!hybrid->relaxed || hybrid->backend->keeps_nodes) return;
+    const ShvVec3 way = way_out(hybrid, fragment);
+    if (!(shv_norm(way) > 0.0) || shv_norm(way) > largest_share * fragment->radius) return;
+    for (int32_t k = 0; k < fragment->node_count; k++)
+        shv_add_to3(hybrid->state.displacement + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k], way);
+    fragment->position = shv_add(fragment->position, way);
+    hybrid->ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), way);
+}
+
 /* What the switch gives is the elastic energy of nodes that flew on their own, and what the deformation that was kept does to
    the inertia. */
 static void wake_energies(ShvHybrid *hybrid, ShvFragment *fragment, ShvEventView *event)
@@ -144,6 +175,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     leave_flight(hybrid, contact);
     if (fragment->deformed) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
     give_motion(hybrid, fragment);
+    stand_outside(hybrid, fragment);
     wake_energies(hybrid, fragment, &event);
     fragment->mode = SHV_MODE_FRACTURE;
     fragment->last_insertion = fmax(hybrid->state.time, contact->expected);

@@ -54,7 +54,7 @@ static void planned_bytes_are_held_until_the_first_crack(void **state)
     (void)state;
     static const char *const cases[][6] = {
         {BALL, NULL},
-        {BALL, "rigid.engine=bullet", NULL},
+        {BALL, "rigid.engine=analytic", NULL},
         {BALL, "fracture.stabiliser=bars", NULL},
         {BALL, "fracture.criterion=principal", NULL},
         {BALL, "fracture.enabled=false", NULL},

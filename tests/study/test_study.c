@@ -30,7 +30,7 @@ static const char ball_scene[] = "shiver: 1\nname: ball\n"
                                  "plaster, position: [0, 0, 0.051],\n"
                                  "         velocity: [0, 0, -8]}\n"
                                  "obstacles: {floor: {plane: {normal: [0, 0, 1]}, friction: 0.5}}\n"
-                                 "duration: 0.8 ms\noutput: {rate: 5000}\nthreads: 1\n";
+                                 "rigid: {engine: analytic}\nduration: 0.8 ms\noutput: {rate: 5000}\nthreads: 1\n";
 
 static const char *at(const char *name)
 {
