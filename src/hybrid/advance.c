@@ -52,8 +52,11 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
+    shv_companions_push(hybrid, 0.5 * hybrid->state.last_step);
     SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
-    return fly(hybrid, error);
+    SHV_TRY(fly(hybrid, error));
+    shv_companions_push(hybrid, -0.5 * hybrid->state.last_step);
+    return SHV_OK;
 }
 
 /* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it. */

@@ -112,11 +112,47 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
     companions->by_fragment[companions->fragments[place]] = &companions->items[place];
 }
 
+/* Of the contacts with what is in flight, W. */
+static double power(const ShvCompanion *companion, const ShvFragment *fragment)
+{
+    return shv_dot(fragment->contact_force, companion->velocity) +
+           shv_dot(fragment->contact_torque, companion->angular_velocity);
+}
+
+void shv_companions_push(ShvHybrid *hybrid, double time)
+{
+    ShvCompanions *companions = &hybrid->companions;
+    for (int32_t i = 0; i < companions->count; i++) {
+        ShvCompanion *companion = &companions->items[i];
+        const ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
+        const double before = power(companion, fragment);
+        companion->velocity = shv_madd(companion->velocity, time / companion->mass, fragment->contact_force);
+        companion->angular_velocity = shv_madd(companion->angular_velocity, time,
+                                               shv_apply(&companion->inverse_inertia, fragment->contact_torque));
+        hybrid->ledger.booked[SHV_WORK_CONTACT] += 0.5 * time * (before + power(companion, fragment));
+    }
+}
+
+/* What it met in flight has its whole impulse already, of which the companion has got its share of the interval so far. */
+static void give_rest_of_impulse(ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    const double left = hybrid->interval_end - hybrid->state.time + 0.5 * hybrid->state.last_step; /* v is of n − 1/2 */
+    if (!(left > 0.0)) return;
+    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
+    const ShvMat3 inverse = world_inverse(fragment, &rotation);
+    const double before = shv_fragment_kinetic(fragment);
+    fragment->velocity = shv_madd(fragment->velocity, left / fragment->mass, fragment->contact_force);
+    fragment->angular_velocity =
+        shv_madd(fragment->angular_velocity, left, shv_apply(&inverse, fragment->contact_torque));
+    hybrid->ledger.booked[SHV_WORK_CONTACT] += shv_fragment_kinetic(fragment) - before;
+}
+
 void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
 {
     for (int32_t place = 0; place < hybrid->companions.count; place++)
         if (hybrid->companions.fragments[place] == index) {
             let_go(hybrid, place);
+            give_rest_of_impulse(hybrid, &hybrid->fragments.items[index]);
             break;
         }
     shv_surface_contact_wake(&hybrid->surface);
@@ -212,13 +248,6 @@ ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *er
 }
 
 /* ---- the step ---- */
-
-/* Of the contacts with what is in flight, W. */
-static double power(const ShvCompanion *companion, const ShvFragment *fragment)
-{
-    return shv_dot(fragment->contact_force, companion->velocity) +
-           shv_dot(fragment->contact_torque, companion->angular_velocity);
-}
 
 void shv_companions_kick(ShvHybrid *hybrid, double kick)
 {

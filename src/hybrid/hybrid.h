@@ -196,6 +196,9 @@ ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *er
 ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
 void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
+/* The forces of what flies alone, for a time, s: where an interval begins velocities of n − 1/2 have had half a step less of
+   the last interval's, and half a step less, from then on, of the next one's. */
+void shv_companions_push(ShvHybrid *hybrid, double time);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);
