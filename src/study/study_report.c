@@ -49,6 +49,7 @@ static void put_heads(const ShvStudy *study, FILE *stream)
     heads[count++] = "step, s";
     heads[count++] = "Courant number";
     heads[count++] = "run time, s";
+    heads[count++] = "";
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvStudyMeasure *measure = shv_study_measure_of(study->plan.measures[i]);
         const char *comma = measure->unit && measure->unit[0] ? ", " : "";
@@ -58,7 +59,6 @@ static void put_heads(const ShvStudy *study, FILE *stream)
         if (measure->unit) heads[count++] = values[i];
         heads[count++] = errors[i];
     }
-    heads[count++] = "";
     shv_html_table_begin(stream, heads, count);
 }
 
@@ -84,15 +84,36 @@ static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
     put_number(stream, row->step > 0.0 ? row->step : (double)NAN, "number");
     put_number(stream, row->courant > 0.0 ? row->courant : (double)NAN, "number");
     put_number(stream, row->seconds, study->timings_valid ? "number" : "number warn");
+    if (row->status != SHV_OK)
+        shv_html_cell(stream, "failed", "miss");
+    else
+        shv_html_cell(stream, row->is_reference ? "reference" : "", NULL);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         if (shv_study_measure_of(study->plan.measures[i])->unit) put_number(stream, row->values[i], "number");
         put_error(study, row, i, stream);
     }
-    if (row->status != SHV_OK)
-        shv_html_cell(stream, row->message, "miss");
-    else
-        shv_html_cell(stream, row->is_reference ? "reference" : "", NULL);
     shv_html_row_end(stream);
+}
+
+/* Messages are long: below the table, not in it. */
+static void put_failures(const ShvStudy *study, FILE *stream)
+{
+    const char *heads[SHV_STUDY_MOST_KEYS + 1];
+    int32_t failed = 0;
+    for (int32_t i = 0; i < study->setting_count; i++) failed += study->results[i].row.status != SHV_OK;
+    if (failed == 0) return;
+    for (int32_t i = 0; i < study->plan.key_count; i++) heads[i] = study->plan.keys[i];
+    heads[study->plan.key_count] = "why it failed";
+    shv_html_table_begin(stream, heads, study->plan.key_count + 1);
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        if (study->results[i].row.status == SHV_OK) continue;
+        shv_html_row_begin(stream, NULL);
+        for (int32_t k = 0; k < study->plan.key_count; k++)
+            shv_html_cell(stream, shv_study_setting(study, i)->values[k], NULL);
+        shv_html_cell(stream, study->results[i].row.message, "miss");
+        shv_html_row_end(stream);
+    }
+    shv_html_table_end(stream);
 }
 
 static void put_scatter(const ShvStudy *study, FILE *stream)
@@ -100,12 +121,11 @@ static void put_scatter(const ShvStudy *study, FILE *stream)
     if (study->plan.members == 1) return;
     shv_html_row_begin(stream, NULL);
     for (int32_t i = 0; i < study->plan.key_count; i++) shv_html_cell(stream, i == 0 ? "scatter" : "", NULL);
-    for (int i = 0; i < 3; i++) shv_html_cell(stream, "", NULL);
+    for (int i = 0; i < 4; i++) shv_html_cell(stream, "", NULL);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         if (shv_study_measure_of(study->plan.measures[i])->unit) shv_html_cell(stream, "", NULL);
         put_number(stream, study->scatter[i], "number");
     }
-    shv_html_cell(stream, "", NULL);
     shv_html_row_end(stream);
 }
 
@@ -133,6 +153,7 @@ void shv_study_put_html(const ShvStudy *study, FILE *stream)
     put_scatter(study, stream);
     shv_html_table_end(stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
+    put_failures(study, stream);
     shv_html_heading(stream, 2, "Error against run time");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "<figure>\n");
