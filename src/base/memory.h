@@ -60,4 +60,13 @@ ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes);
         if (shv_try_ != SHV_OK) return shv_try_;                                                                       \
     } while (0)
 
+/* Gives a block `count` elements of its type, as shv_reallocate does; out of memory returns shv_fail_memory(error, what, bytes)
+   from the calling function. */
+#define SHV_RESIZE(memory, part, block, count, what, bytes, error)                                                     \
+    do {                                                                                                               \
+        void *shv_resized_ = shv_reallocate((memory), (part), (block), (count), sizeof *(block));                      \
+        if (!shv_resized_) return shv_fail_memory((error), (what), (bytes));                                           \
+        (block) = shv_resized_;                                                                                        \
+    } while (0)
+
 #endif

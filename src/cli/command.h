@@ -51,6 +51,15 @@ int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
 void shv_cli_print_cohesion(const ShvMaterialView *material);
 /* The same as JSON members, without braces. */
 void shv_cli_print_cohesion_json(const ShvMaterialView *material);
+/* The materials of a simulation or a run file. */
+typedef struct ShvMaterialList {
+    const void *owner;
+    int32_t count;
+    ShvMaterialView (*get)(const void *owner, int32_t index);
+} ShvMaterialList;
+/* Both for all materials; as JSON, a member "materials" with a comma before it. */
+void shv_cli_print_materials(ShvMaterialList materials);
+void shv_cli_print_materials_json(ShvMaterialList materials);
 /* Prints "shiver: message" and returns the exit status that belongs to the status. */
 int shv_cli_failed(ShvStatus status, const ShvError *error);
 /* One JSON string with quotes and escapes. */

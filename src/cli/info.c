@@ -39,26 +39,14 @@ static void print_fragments(const ShvRunFile *file, const ShvFragmentView *fragm
                (int)fragments[i].tets, fragments[i].mass);
 }
 
-static void print_materials(const ShvRunFile *file)
+static ShvMaterialView material_of(const void *file, int32_t index)
 {
-    for (int32_t i = 0; i < shv_run_file_material_count(file); i++) {
-        const ShvMaterialView material = shv_run_file_material(file, i);
-        shv_cli_print_cohesion(&material);
-    }
+    return shv_run_file_material(file, index);
 }
 
-static void print_materials_json(const ShvRunFile *file)
+static ShvMaterialList materials_of(const ShvRunFile *file)
 {
-    printf(", \"materials\": {");
-    for (int32_t i = 0; i < shv_run_file_material_count(file); i++) {
-        const ShvMaterialView material = shv_run_file_material(file, i);
-        if (i > 0) printf(", ");
-        shv_cli_print_json_text(material.name);
-        printf(": {");
-        shv_cli_print_cohesion_json(&material);
-        printf("}");
-    }
-    printf("}");
+    return (ShvMaterialList){file, shv_run_file_material_count(file), material_of};
 }
 
 static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger)
@@ -86,7 +74,7 @@ static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const
     shv_cli_print_json_number(ledger->residual);
     printf(", \"largest_energy\": ");
     shv_cli_print_json_number(ledger->largest);
-    print_materials_json(file);
+    shv_cli_print_materials_json(materials_of(file));
     printf("}\n");
 }
 
@@ -107,7 +95,7 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         return SHV_OK;
     }
     print_head(file);
-    print_materials(file);
+    shv_cli_print_materials(materials_of(file));
     if (info->frame_count > 0) print_ledger(&ledger);
     if (!arguments->values[FRAGMENTS]) return SHV_OK;
     ShvFragmentView *fragments = calloc((size_t)info->fragment_count + 1, sizeof *fragments);

@@ -23,27 +23,14 @@ static void print_plan(const ShvPlan *plan)
     printf("%d animation frames\n", (int)plan->frames);
 }
 
-static void print_materials(const ShvSimulation *simulation)
+static ShvMaterialView material_of(const void *simulation, int32_t index)
 {
-    printf("\n");
-    for (int32_t i = 0; i < shv_simulation_material_count(simulation); i++) {
-        const ShvMaterialView material = shv_simulation_material(simulation, i);
-        shv_cli_print_cohesion(&material);
-    }
+    return shv_simulation_material(simulation, index);
 }
 
-static void print_materials_json(const ShvSimulation *simulation)
+static ShvMaterialList materials_of(const ShvSimulation *simulation)
 {
-    printf(", \"materials\": {");
-    for (int32_t i = 0; i < shv_simulation_material_count(simulation); i++) {
-        const ShvMaterialView material = shv_simulation_material(simulation, i);
-        if (i > 0) printf(", ");
-        shv_cli_print_json_text(material.name);
-        printf(": {");
-        shv_cli_print_cohesion_json(&material);
-        printf("}");
-    }
-    printf("}");
+    return (ShvMaterialList){simulation, shv_simulation_material_count(simulation), material_of};
 }
 
 static void print_json(const ShvPlan *plan, const ShvSimulation *simulation)
@@ -71,7 +58,7 @@ static void print_json(const ShvPlan *plan, const ShvSimulation *simulation)
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
     }
-    print_materials_json(simulation);
+    shv_cli_print_materials_json(materials_of(simulation));
     printf("}\n");
 }
 
@@ -84,7 +71,8 @@ static ShvStatus print_any(ShvSimulation *simulation, const ShvArguments *argume
         print_json(&plan, simulation);
     } else {
         print_plan(&plan);
-        print_materials(simulation);
+        printf("\n");
+        shv_cli_print_materials(materials_of(simulation));
     }
     return SHV_OK;
 }

@@ -68,3 +68,25 @@ void shv_cli_print_cohesion_json(const ShvMaterialView *m)
         shv_cli_print_json_number(numbers[i].value);
     }
 }
+
+void shv_cli_print_materials(ShvMaterialList materials)
+{
+    for (int32_t i = 0; i < materials.count; i++) {
+        const ShvMaterialView material = materials.get(materials.owner, i);
+        shv_cli_print_cohesion(&material);
+    }
+}
+
+void shv_cli_print_materials_json(ShvMaterialList materials)
+{
+    printf(", \"materials\": {");
+    for (int32_t i = 0; i < materials.count; i++) {
+        const ShvMaterialView material = materials.get(materials.owner, i);
+        if (i > 0) printf(", ");
+        shv_cli_print_json_text(material.name);
+        printf(": {");
+        shv_cli_print_cohesion_json(&material);
+        printf("}");
+    }
+    printf("}");
+}

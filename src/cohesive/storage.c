@@ -35,12 +35,9 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
     int32_t capacity = cohesive->capacity + cohesive->capacity / 2;
     if (capacity > cohesive->model->adjacency.interior_count) capacity = cohesive->model->adjacency.interior_count;
     if (capacity < needed) capacity = needed;
-    void *grown;
 #define GROW(type, name, components)                                                                                   \
-    grown = shv_reallocate(cohesive->memory, SHV_PART_COHESIVE, cohesive->name, (components) * (size_t)capacity,       \
-                           sizeof(type));                                                                              \
-    if (!grown) return shv_fail_memory(error, "cohesive facets", (size_t)capacity * facet_bytes());                    \
-    cohesive->name = grown;
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->name, (components) * (size_t)capacity,                   \
+               "cohesive facets", (size_t)capacity * facet_bytes(), error);
     FACET_ARRAYS(GROW)
 #undef GROW
     cohesive->capacity = capacity;
@@ -51,15 +48,11 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
-        const size_t size = sizeof *cohesive->node_value, bytes = 2 * (size_t)nodes * size;
-        double *value =
-            shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, 2 * (size_t)nodes, size);
-        if (!value) return shv_fail_memory(error, "principal stresses of nodes", bytes);
-        cohesive->node_value = value;
-        int32_t *watched = shv_reallocate(cohesive->memory, SHV_PART_STRESS, cohesive->watched_nodes, (size_t)nodes,
-                                          sizeof *cohesive->watched_nodes);
-        if (!watched) return shv_fail_memory(error, "nodes to look at", 4 * (size_t)nodes);
-        cohesive->watched_nodes = watched;
+        const size_t values = 2 * (size_t)nodes;
+        SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, values, "principal stresses of nodes",
+                   values * sizeof *cohesive->node_value, error);
+        SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->watched_nodes, (size_t)nodes, "nodes to look at",
+                   4 * (size_t)nodes, error);
     }
     cohesive->node_capacity = nodes;
     return SHV_OK;

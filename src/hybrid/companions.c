@@ -7,28 +7,25 @@
 
 #include "hybrid/near.h"
 
-#define GROW(block, part, count, error)                                                                                \
-    do {                                                                                                               \
-        void *grown_ = shv_reallocate(hybrid->memory, part, block, (size_t)(count), sizeof *(block));                  \
-        if (!grown_) return shv_fail_memory(error, "companions", (size_t)(count) * sizeof *(block));                   \
-        (block) = grown_;                                                                                              \
-    } while (0)
-
 ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvCompanions *companions = &hybrid->companions;
     const int32_t room = hybrid->fragments.capacity;
     if (companions->room >= room) return SHV_OK;
+#define GROW(name)                                                                                                     \
+    SHV_RESIZE(hybrid->memory, SHV_PART_CONTACT, companions->name, (size_t)room, "companions",                         \
+               (size_t)room * sizeof *companions->name, error);
+    GROW(items)
+    GROW(kept)
+    GROW(rotations)
+    GROW(impulses)
+    GROW(touches)
+    GROW(masses)
+    GROW(wanted)
+    GROW(fragments)
+    GROW(by_fragment)
+#undef GROW
     /* Pointers into items move with them. */
-    GROW(companions->items, SHV_PART_CONTACT, room, error);
-    GROW(companions->kept, SHV_PART_CONTACT, room, error);
-    GROW(companions->rotations, SHV_PART_CONTACT, room, error);
-    GROW(companions->impulses, SHV_PART_CONTACT, room, error);
-    GROW(companions->touches, SHV_PART_CONTACT, room, error);
-    GROW(companions->masses, SHV_PART_CONTACT, room, error);
-    GROW(companions->wanted, SHV_PART_CONTACT, room, error);
-    GROW(companions->fragments, SHV_PART_CONTACT, room, error);
-    GROW(companions->by_fragment, SHV_PART_CONTACT, room, error);
     memset(companions->by_fragment, 0, (size_t)room * sizeof *companions->by_fragment);
     for (int32_t i = 0; i < companions->count; i++)
         companions->by_fragment[companions->fragments[i]] = &companions->items[i];

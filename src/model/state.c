@@ -19,11 +19,9 @@ static size_t node_bytes(void)
    least as long as it says. */
 static ShvStatus set_capacity(ShvState *state, int32_t capacity, ShvError *error)
 {
-    void *grown;
 #define GROW(type, name, components)                                                                                   \
-    grown = shv_reallocate(state->memory, SHV_PART_STATE, state->name, (components) * (size_t)capacity, sizeof(type)); \
-    if (!grown) return shv_fail_memory(error, "the state of nodes", (size_t)capacity * node_bytes());                  \
-    state->name = grown;
+    SHV_RESIZE(state->memory, SHV_PART_STATE, state->name, (components) * (size_t)capacity, "the state of nodes",      \
+               (size_t)capacity * node_bytes(), error);
     SHV_NODE_ARRAYS(GROW)
 #undef GROW
     state->node_capacity = capacity;

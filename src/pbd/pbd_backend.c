@@ -18,31 +18,8 @@ typedef struct Pbd {
     int32_t owner_room;
 } Pbd;
 
-static ShvMemory *memory_of(const Pbd *pbd)
-{
-    return pbd->backend.world.fragments->memory;
-}
-
-/* Room for `wanted` items of a block; new items are zero. */
-static ShvStatus reserve(const Pbd *pbd, void **block, int32_t *room, int64_t wanted, size_t size, ShvError *error)
-{
-    if (wanted <= *room) return SHV_OK;
-    int64_t larger = wanted + wanted / 2 + 16;
-    if (larger > INT32_MAX) larger = INT32_MAX;
-    void *grown = shv_reallocate(memory_of(pbd), SHV_PART_RIGID, *block, (size_t)larger, size);
-    if (!grown) return shv_fail_memory(error, "the fragments in flight", (size_t)larger * size);
-    *block = grown;
-    *room = (int32_t)larger;
-    return SHV_OK;
-}
-
-static ShvStatus reserve_int(const Pbd *pbd, int32_t **block, int32_t *room, int64_t wanted, ShvError *error)
-{
-    void *grown = *block;
-    const ShvStatus status = reserve(pbd, &grown, room, wanted, sizeof **block, error);
-    *block = grown;
-    return status;
-}
+#define RESERVE(pbd, block, room, wanted, error)                                                                       \
+    SHV_BACKEND_RESERVE(&(pbd)->backend, (pbd)->block, (pbd)->room, (wanted), "the fragments in flight", (error))
 
 /* ---- coming and going ---- */
 
@@ -61,21 +38,15 @@ static int32_t place_of(const Pbd *pbd, int32_t fragment)
 
 static ShvStatus reserve_flags(Pbd *pbd, ShvError *error)
 {
-    void *flags = pbd->flags;
-    const ShvStatus status =
-        reserve(pbd, &flags, &pbd->flag_room, pbd->backend.world.fragments->count, sizeof *pbd->flags, error);
-    pbd->flags = flags;
-    return status;
+    RESERVE(pbd, flags, flag_room, pbd->backend.world.fragments->count, error);
+    return SHV_OK;
 }
 
 static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
 {
     Pbd *pbd = (Pbd *)backend;
-    void *flyers = pbd->flyers;
     SHV_TRY(reserve_flags(pbd, error));
-    const ShvStatus status = reserve(pbd, &flyers, &pbd->capacity, (int64_t)pbd->count + 1, sizeof *pbd->flyers, error);
-    pbd->flyers = flyers;
-    if (status != SHV_OK) return status;
+    RESERVE(pbd, flyers, capacity, (int64_t)pbd->count + 1, error);
     ShvFlyer *flyer;
     SHV_TRY(shv_flyer_create(&flyer, &backend->world, fragment, error));
     const int32_t place = place_of(pbd, fragment);
@@ -121,8 +92,8 @@ static ShvStatus refresh(Pbd *pbd, ShvError *error)
         pbd->flags[flyer->fragment] = flyer->moves;
         if (flyer->moves) count += world->fragments->items[flyer->fragment].node_count;
     }
-    SHV_TRY(reserve_int(pbd, &pbd->nodes, &pbd->node_room, count, error));
-    SHV_TRY(reserve_int(pbd, &pbd->owner, &pbd->owner_room, world->state->node_count, error));
+    RESERVE(pbd, nodes, node_room, count, error);
+    RESERVE(pbd, owner, owner_room, world->state->node_count, error);
     SHV_TRY(shv_bars_update(&pbd->bars, world->state, pbd->flags, error));
     pbd->node_count = 0;
     for (int32_t i = 0; i < pbd->count; i++) {

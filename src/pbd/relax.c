@@ -44,12 +44,9 @@ void shv_relax_release(ShvRelax *relax)
 /* Arrays are grown one by one; `node_room` is raised only when all are. */
 static ShvStatus grow(ShvRelax *relax, int64_t room, ShvError *error)
 {
-    void *grown;
 #define GROW(name, components)                                                                                         \
-    grown =                                                                                                            \
-        shv_reallocate(relax->memory, SHV_PART_BARS, relax->name, (components) * (size_t)room, sizeof *relax->name);   \
-    if (!grown) return shv_fail_memory(error, "the relaxation", (size_t)room * 205);                                   \
-    relax->name = grown;
+    SHV_RESIZE(relax->memory, SHV_PART_BARS, relax->name, (components) * (size_t)room, "the relaxation",               \
+               (size_t)room * 205, error);
     GROW(anchors, 4)
     GROW(shifts, 4)
     GROW(predicted, 3)
@@ -73,9 +70,8 @@ static ShvStatus reserve(ShvRelax *relax, const ShvState *state, int32_t count, 
     }
     const int32_t blocks = count / BLOCK + 1;
     if (blocks > relax->block_room) {
-        ShvRelaxWork *works = shv_reallocate(relax->memory, SHV_PART_BARS, relax->works, (size_t)blocks, sizeof *works);
-        if (!works) return shv_fail_memory(error, "the works of nodes", (size_t)blocks * sizeof *works);
-        relax->works = works;
+        SHV_RESIZE(relax->memory, SHV_PART_BARS, relax->works, (size_t)blocks, "the works of nodes",
+                   (size_t)blocks * sizeof *relax->works, error);
         relax->block_room = blocks;
     }
     return SHV_OK;

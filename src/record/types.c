@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/ledger_fields.h"
+
 typedef enum FieldKind { FIELD_INT, FIELD_LONG, FIELD_DOUBLE } FieldKind;
 
 typedef struct Field {
@@ -61,34 +63,11 @@ static const Field EVENT_FIELDS[] = {
 _Static_assert(sizeof(ShvRunEvent) == sizeof(int), "the kind of an event is stored as an int");
 _Static_assert(sizeof(ShvSwitchReason) == sizeof(int), "the reason of a switch is stored as an int");
 
-#define LEDGER(member) FIELD(ShvLedgerView, member, 1, FIELD_DOUBLE)
-static const Field LEDGER_FIELDS[] = {
-    LEDGER(time),
-    LEDGER(kinetic),
-    LEDGER(strain),
-    LEDGER(gravity_potential),
-    LEDGER(cohesive_recoverable),
-    LEDGER(fracture_dissipation),
-    LEDGER(contact),
-    LEDGER(friction),
-    LEDGER(closure),
-    LEDGER(constraint),
-    LEDGER(traction),
-    LEDGER(bars),
-    LEDGER(damping),
-    LEDGER(handover),
-    LEDGER(event),
-    LEDGER(cohesive),
-    LEDGER(cohesive_released),
-    LEDGER(cohesive_defect),
-    LEDGER(opened_area),
-    LEDGER(inserted_area),
-    LEDGER(fracture_energy_area),
-    FIELD(ShvLedgerView, momentum, 3, FIELD_DOUBLE),
-    FIELD(ShvLedgerView, angular_momentum, 3, FIELD_DOUBLE),
-    LEDGER(residual),
-    LEDGER(largest),
-};
+#define NUMBER(member) FIELD(ShvLedgerView, member, 1, FIELD_DOUBLE),
+#define VECTOR(member) FIELD(ShvLedgerView, member, 3, FIELD_DOUBLE),
+static const Field LEDGER_FIELDS[] = {NUMBER(time) SHV_LEDGER_FIELDS(NUMBER, VECTOR)};
+#undef NUMBER
+#undef VECTOR
 
 static const Field PROGRESS_FIELDS[] = {
     FIELD(ShvProgressView, steps, 1, FIELD_LONG),     FIELD(ShvProgressView, step, 1, FIELD_DOUBLE),

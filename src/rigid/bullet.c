@@ -4,25 +4,6 @@
 
 /* ---- bodies ---- */
 
-static ShvMemory *memory_of(const ShvBullet *bullet)
-{
-    return bullet->backend.world.fragments->memory;
-}
-
-ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *room, int64_t wanted, size_t size,
-                             const char *what, ShvError *error)
-{
-    if (wanted <= *room) return SHV_OK;
-    int64_t larger = wanted + wanted / 2 + 16;
-    if (larger > INT32_MAX) larger = INT32_MAX;
-    if (wanted > larger) return shv_fail(error, SHV_UNSUPPORTED, "Too many %s: use fewer fragments.", what);
-    void *grown = shv_reallocate(memory_of(bullet), SHV_PART_RIGID, *block, (size_t)larger, size);
-    if (!grown) return shv_fail_memory(error, what, (size_t)larger * size);
-    *block = grown;
-    *room = (int32_t)larger;
-    return SHV_OK;
-}
-
 static int by_number(const void *x, const void *y)
 {
     const ShvBulletFlyer *a = x, *b = y;
@@ -50,10 +31,10 @@ static void tidy(ShvBullet *bullet)
 
 static ShvStatus reserve_flyer(ShvBullet *bullet, int32_t number, ShvError *error)
 {
-    SHV_BULLET_RESERVE(bullet, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
-                       "the fragments in flight", error);
-    SHV_BULLET_RESERVE(bullet, bullet->places, bullet->place_room, (int64_t)number + 1, "the fragments in flight",
-                       error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
+                        "the fragments in flight", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->places, bullet->place_room, (int64_t)number + 1,
+                        "the fragments in flight", error);
     while (bullet->place_count <= number) bullet->places[bullet->place_count++] = 0;
     return SHV_OK;
 }
@@ -161,7 +142,8 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
 
 static ShvStatus reserve_traces(ShvBullet *bullet, ShvError *error)
 {
-    SHV_BULLET_RESERVE(bullet, bullet->traces, bullet->trace_room, bullet->contact_count, "contacts of bodies", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
+                        "contacts of bodies", error);
     return SHV_OK;
 }
 

@@ -89,7 +89,7 @@ static ShvStatus list_meetings(ShvBullet *bullet, ShvError *error)
     bullet->meetings = meetings;
     bullet->meeting_room = room;
     bullet->meeting_count = 0;
-    SHV_BULLET_RESERVE(bullet, bullet->meetings, bullet->meeting_room, count, "pairs of bodies", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->meetings, bullet->meeting_room, count, "pairs of bodies", error);
     for (int32_t i = 0, k = 0; i < count; i++) {
         ShvBulletMeeting meeting = meeting_of(bullet, &pairs[i]);
         if (shv_bullet_leaves_pair(&bullet->flyers[meeting.a], &bullet->flyers[meeting.b])) continue;
@@ -114,8 +114,8 @@ static ShvStatus collide(ShvBullet *bullet, ShvBulletMeeting *meeting, double re
     int32_t count;
     SHV_TRY(shv_bullet_world_collide(bullet->bullet, meeting->first, meeting->second, reach + meeting->allowance,
                                      &found, &count, error));
-    SHV_BULLET_RESERVE(bullet, bullet->contacts, bullet->contact_room, (int64_t)bullet->contact_count + count,
-                       "contacts of bodies", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->contacts, bullet->contact_room,
+                        (int64_t)bullet->contact_count + count, "contacts of bodies", error);
     meeting->contact_begin = bullet->contact_count;
     meeting->contact_count = count;
     for (int32_t i = 0; i < count; i++) bullet->contacts[bullet->contact_count++] = found[i];
@@ -335,8 +335,8 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
     bullet->order_count = 0;
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         if (bullet->meetings[i].impact < 0.0) continue;
-        SHV_BULLET_RESERVE(bullet, bullet->order, bullet->order_room, (int64_t)bullet->order_count + 1, "impacts",
-                           error);
+        SHV_BACKEND_RESERVE(&bullet->backend, bullet->order, bullet->order_room, (int64_t)bullet->order_count + 1,
+                            "impacts", error);
         bullet->order[bullet->order_count++] = (ShvBulletMoment){bullet->meetings[i].impact, i};
     }
     if (bullet->order_count > 1) qsort(bullet->order, (size_t)bullet->order_count, sizeof *bullet->order, by_moment);

@@ -216,8 +216,8 @@ static ShvStatus gather_contacts(ShvBullet *bullet, const int32_t *meetings, int
     for (int32_t k = 0; k < count; k++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[meetings[k]];
         const ShvBulletMeeting *last = last_of(bullet, meeting);
-        SHV_BULLET_RESERVE(bullet, bullet->island_contacts, bullet->island_room,
-                           (int64_t)*contacts + meeting->contact_count, "contacts of bodies", error);
+        SHV_BACKEND_RESERVE(&bullet->backend, bullet->island_contacts, bullet->island_room,
+                            (int64_t)*contacts + meeting->contact_count, "contacts of bodies", error);
         for (int32_t i = 0; i < meeting->contact_count; i++) {
             ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + i];
             set_contact(bullet, meeting, last, contact);
@@ -278,9 +278,9 @@ static void sort_by_island(const int32_t *keys, int32_t count, int32_t *begin, i
 static ShvStatus reserve_lists(ShvBullet *bullet, ShvError *error)
 {
     const int64_t flyers = bullet->flyer_count, meetings = bullet->meeting_count;
-    SHV_BULLET_RESERVE(bullet, bullet->motions, bullet->motion_room, flyers, "bodies of an island", error);
-    SHV_BULLET_RESERVE(bullet, bullet->lists, bullet->list_room, 2 * (flyers + 1) + 2 * flyers + 2 * meetings,
-                       "lists of islands", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->motions, bullet->motion_room, flyers, "bodies of an island", error);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->lists, bullet->list_room,
+                        2 * (flyers + 1) + 2 * flyers + 2 * meetings, "lists of islands", error);
     return SHV_OK;
 }
 

@@ -68,17 +68,6 @@ typedef struct ShvBullet {
     double rest; /* m/s: what closes slower is held, not thrown back */
 } ShvBullet;
 
-/* Room for `wanted` items of a block; new items are zero. */
-ShvStatus shv_bullet_reserve(const ShvBullet *bullet, void **block, int32_t *room, int64_t wanted, size_t size,
-                             const char *what, ShvError *error);
-#define SHV_BULLET_RESERVE(bullet, block, room, wanted, what, error)                                                   \
-    do {                                                                                                               \
-        void *grown_ = (block);                                                                                        \
-        const ShvStatus grow_ =                                                                                        \
-            shv_bullet_reserve((bullet), &grown_, &(room), (wanted), sizeof *(block), (what), (error));                \
-        (block) = grown_;                                                                                              \
-        if (grow_ != SHV_OK) return grow_;                                                                             \
-    } while (0)
 /* Place of a number among the flyers; −1 when it is not there. */
 static inline int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
 {

@@ -19,22 +19,22 @@ static bool is_in(const ShvFormulaValue *s, int64_t i, Window window)
     return !isnan(s->values[i]) && s->times[i] >= window.from && s->times[i] <= window.to;
 }
 
-static double least(const ShvFormulaValue *s, const double *arguments, int count)
+static double extreme(const ShvFormulaValue *s, Window window, bool upper)
 {
-    const Window window = window_of(arguments, count);
     double found = (double)NAN;
     for (int64_t i = 0; i < s->count; i++)
-        if (is_in(s, i, window)) found = fmin(found, s->values[i]);
+        if (is_in(s, i, window)) found = upper ? fmax(found, s->values[i]) : fmin(found, s->values[i]);
     return found;
+}
+
+static double least(const ShvFormulaValue *s, const double *arguments, int count)
+{
+    return extreme(s, window_of(arguments, count), false);
 }
 
 static double largest(const ShvFormulaValue *s, const double *arguments, int count)
 {
-    const Window window = window_of(arguments, count);
-    double found = (double)NAN;
-    for (int64_t i = 0; i < s->count; i++)
-        if (is_in(s, i, window)) found = fmax(found, s->values[i]);
-    return found;
+    return extreme(s, window_of(arguments, count), true);
 }
 
 typedef struct Sums {

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/ledger_fields.h"
+
 void shv_recording_release(ShvRecording *recording)
 {
     shv_release(recording->probe_times);
@@ -168,34 +170,11 @@ static bool find_field(const Field *fields, size_t count, const char *name, size
 }
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-#define LEDGER(member)                                                                                                 \
-    {                                                                                                                  \
-#member, offsetof(ShvRecordedFrame, ledger.member), false                                                      \
-    }
-static const Field ledger_fields[] = {LEDGER(kinetic),
-                                      LEDGER(strain),
-                                      LEDGER(gravity_potential),
-                                      LEDGER(cohesive_recoverable),
-                                      LEDGER(fracture_dissipation),
-                                      LEDGER(contact),
-                                      LEDGER(friction),
-                                      LEDGER(closure),
-                                      LEDGER(constraint),
-                                      LEDGER(traction),
-                                      LEDGER(bars),
-                                      LEDGER(damping),
-                                      LEDGER(handover),
-                                      LEDGER(event),
-                                      LEDGER(cohesive),
-                                      LEDGER(cohesive_released),
-                                      LEDGER(cohesive_defect),
-                                      LEDGER(opened_area),
-                                      LEDGER(inserted_area),
-                                      LEDGER(fracture_energy_area),
-                                      LEDGER(residual),
-                                      LEDGER(largest),
-                                      {"momentum", offsetof(ShvRecordedFrame, ledger.momentum), true},
-                                      {"angular_momentum", offsetof(ShvRecordedFrame, ledger.angular_momentum), true}};
+#define NUMBER(member) {#member, offsetof(ShvRecordedFrame, ledger.member), false},
+#define VECTOR(member) {#member, offsetof(ShvRecordedFrame, ledger.member), true},
+static const Field ledger_fields[] = {SHV_LEDGER_FIELDS(NUMBER, VECTOR)};
+#undef NUMBER
+#undef VECTOR
 #define FRAME(member)                                                                                                  \
     {                                                                                                                  \
 #member, offsetof(ShvRecordedFrame, member), false                                                             \
