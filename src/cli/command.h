@@ -35,7 +35,8 @@ typedef struct ShvCommand {
 } ShvCommand;
 
 extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, shv_command_mesh, shv_command_info,
-    shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability, shv_command_verify;
+    shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability,
+    shv_command_verify;
 
 /* The whole program: finds the command, takes its arguments apart, runs it; returns the exit status. */
 int shv_program(int argc, char **argv);
