@@ -4,7 +4,7 @@
 
 #include "base/text.h"
 
-enum { WIDTH = 760, HEIGHT = 500, LEFT = 84, RIGHT = 28, TOP = 78, BOTTOM = 62, COLOURS = 6, MOST_TICKS = 8 };
+enum { WIDTH = 760, HEIGHT = 500, LEFT = 84, RIGHT = 28, TOP = 92, BOTTOM = 62, COLOURS = 6, MOST_TICKS = 8 };
 
 static const char *const colours[COLOURS] = {"#1f6fb4", "#c8501e", "#3a8f4d", "#8a4fb0", "#8c6d1f", "#5a5a5a"};
 
@@ -212,14 +212,14 @@ static void put_legend(const Page *page)
         const char *name = page->plot->lines[i].name;
         double letters = 0.0; /* bytes that begin a character of UTF-8 */
         for (const char *c = name; *c; c++) letters += ((unsigned char)*c & 0xc0) != 0x80;
-        put_marker(page->stream, x + 6, TOP - 18, i);
-        put_label(page->stream, x + 16, TOP - 14, "class=\"tick\"", name);
+        put_marker(page->stream, x + 6, TOP - 32, i);
+        put_label(page->stream, x + 16, TOP - 28, "class=\"tick\"", name);
         x += 16 + 8 * letters + 22;
     }
     if (!page->plot->front) return;
     shv_print(page->stream, "<circle cx=\"%.1f\" cy=\"%d\" r=\"6\" fill=\"none\" stroke=\"#2c2a26\"/>\n", x + 6,
-              TOP - 18);
-    put_label(page->stream, x + 16, TOP - 14, "class=\"tick\"", page->plot->front->name);
+              TOP - 32);
+    put_label(page->stream, x + 16, TOP - 28, "class=\"tick\"", page->plot->front->name);
 }
 
 /* `space`: the declaration of the name space, which a page of HTML does without. */
