@@ -34,12 +34,28 @@ glass_plate|6.14|fig_6_14_glass_plate|breaks|
 END
 }
 
+# The animated cases once more under Bullet, in which fragments collide; columns as above. Without "_bullet" a result's name is
+# that of the run with PBD.
+under_bullet()
+{
+    cat <<'END'
+bunny_drop_bullet|6.3|fig_6_3_bunny_drop||rigid.engine=bullet
+sphere_k1_bullet|6.7 (a)|fig_6_7a_hollow_sphere||rigid.engine=bullet
+plate_undamped_bullet|6.9|fig_6_9_plate_undamped||rigid.engine=bullet
+sphere_strong_bullet|6.11 (a)|fig_6_11a_sphere_strong||rigid.engine=bullet
+sphere_weak_bullet|6.11 (b)|fig_6_11b_sphere_weak||rigid.engine=bullet
+sphere_brittle_bullet|6.12|fig_6_12_hollow_sphere_brittle||rigid.engine=bullet
+bunny_hit_bullet|6.13|fig_6_13_bunny_hit||rigid.engine=bullet
+glass_plate_bullet|6.14|fig_6_14_glass_plate||rigid.engine=bullet
+END
+}
+
 status() { sed -n 's/.*"status": "\([^"]*\)".*/\1/p' "$results/$1.json" 2>/dev/null; }
 
 # The scenes named in $only (all unless it is set), one after the other; a failed run is reported, not fatal.
 run_all()
 {
-    experiments | while IFS='|' read -r name figure scene shown change; do
+    { experiments && under_bullet; } | while IFS='|' read -r name figure scene shown change; do
         file=$root/scenes/thesis/$scene.yaml
         result=$results/$name.json
         case " ${only:-$name} " in *" $name "*) ;; *) continue ;; esac
@@ -98,6 +114,18 @@ table()
             "$(number "$name" edge_strain_flight)" "$(number "$name" edge_strain_after_impact)" \
             "$(number "$name" edge_strain_end)" "$(crack "$name")" \
             "$(number "$name" courant)" "$(number "$name" bar_work_share)" "$(number "$name" wall_seconds %.0f)"
+    done
+}
+
+bullet_table()
+{
+    echo '| figure | PBD: fragments | largest, share of mass | run time, s | Bullet: run | fragments | largest, share of mass | run time, s |'
+    echo '|---|---|---|---|---|---|---|---|'
+    under_bullet | while IFS='|' read -r name figure scene shown change; do
+        printf '| [%s](../scenes/thesis/%s.yaml) | %s | %s | %s | %s | %s | %s | %s |\n' "$figure" "$scene" \
+            "$(number "${name%_bullet}" fragments %d)" "$(number "${name%_bullet}" largest_mass_fraction)" \
+            "$(number "${name%_bullet}" wall_seconds %.0f)" "$(ending "$name")" "$(number "$name" fragments %d)" \
+            "$(number "$name" largest_mass_fraction)" "$(number "$name" wall_seconds %.0f)"
     done
 }
 
@@ -176,6 +204,8 @@ does not, and what was chosen. Everything but the column on the chapter comes fr
 END
     table
     printf '\nThe beam at 0.2 m/s, 10 and 20 ms after the start; colours are fragments:\n\n![notched beam](thesis_beam.svg)\n'
+    printf '\n## The same under Bullet\n\n'
+    bullet_table
     printf '\n## What holds\n\n'
     claims
     cat <<'END'
