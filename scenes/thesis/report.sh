@@ -87,6 +87,8 @@ ending()
 {
     if [ "$(status "$1")" = finished ]; then
         printf 'finished, %s s' "$(number "$1" time)"
+    elif [ "$(status "$1")" = 'not run' ] || [ -z "$(status "$1")" ]; then
+        printf 'no result'
     else
         printf '%s at %s s: %s' "$(status "$1")" "$(number "$1" time)" \
             "$(tail -n 1 "$results/$1.log" 2>/dev/null | sed "s|$root/||g; s/^shiver: //" | tr '|' '/')"
@@ -206,6 +208,9 @@ END
     printf '\nThe beam at 0.2 m/s, 10 and 20 ms after the start; colours are fragments:\n\n![notched beam](thesis_beam.svg)\n'
     printf '\n## The same under Bullet\n\n'
     bullet_table
+    if bullet_table | grep -qE 'interrupted|no result'; then
+        printf '\nInterrupted runs and those without a result were stopped after some minutes or not begun: tens of thousands of splinters that touch are slow.\n'
+    fi
     printf '\n## What holds\n\n'
     claims
     cat <<'END'
