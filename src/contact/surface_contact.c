@@ -57,9 +57,8 @@ static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *stat
 {
     if (contact->before_capacity < contact->watched_capacity) {
         const size_t wanted = 3 * (size_t)contact->watched_capacity;
-        double *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->before, wanted, sizeof(double));
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(double));
-        contact->before = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->before, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->before, error);
         contact->before_capacity = contact->watched_capacity;
     }
     for (int32_t k = 0; k < contact->watched_count; k++) {
@@ -74,10 +73,8 @@ static ShvStatus remember_companions(ShvSurfaceContact *contact, const ShvSurfac
     if (!bodies->companions) return SHV_OK;
     if (contact->companion_capacity < bodies->fragment_count) {
         const size_t wanted = (size_t)bodies->fragment_count + (size_t)bodies->fragment_count / 2;
-        ShvCompanionBefore *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->companion_before, wanted,
-                                                   sizeof(ShvCompanionBefore));
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvCompanionBefore));
-        contact->companion_before = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->companion_before, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->companion_before, error);
         contact->companion_capacity = (int32_t)wanted;
     }
     for (int32_t i = 0; i < bodies->fragment_count; i++) {
@@ -119,10 +116,8 @@ static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     SHV_TRY(shv_surface_draw(contact, bodies, step, error));
     if (contact->pair_capacity < draw->key_count) {
         const size_t wanted = (size_t)draw->key_count + (size_t)draw->key_count / 2;
-        ShvFacetPair *grown =
-            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, sizeof(ShvFacetPair));
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPair));
-        contact->pairs = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->pairs, error);
         contact->pair_capacity = (int32_t)wanted;
     }
     for (int32_t k = 0; k < draw->key_count; k++) contact->pairs[k] = draw->drafts[draw->keys[k].draft];
@@ -220,9 +215,8 @@ static ShvStatus reserve_turns(ShvSurfaceContact *contact, ShvError *error)
 {
     if (contact->turn_capacity < contact->list.node_capacity) {
         const size_t wanted = (size_t)contact->list.node_capacity;
-        int32_t *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->turns, wanted, sizeof(int32_t));
-        if (!grown) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(int32_t));
-        contact->turns = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->turns, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->turns, error);
         contact->turn_capacity = contact->list.node_capacity;
     }
     for (int32_t i = 0; i < contact->pair_count; i++)

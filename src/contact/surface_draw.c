@@ -80,20 +80,16 @@ static ShvStatus reserve_places(ShvSurfaceContact *contact, ShvError *error)
     const ShvSurfaceList *list = &contact->list;
     if (draw->node_capacity < list->node_capacity) {
         const size_t wanted = (size_t)list->node_capacity;
-        int32_t *nodes = shv_reallocate(contact->memory, SHV_PART_CONTACT, draw->nodes, wanted, sizeof(int32_t));
-        if (!nodes) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(int32_t));
-        draw->nodes = nodes;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, draw->nodes, wanted, "contact of surfaces",
+                   wanted * sizeof *draw->nodes, error);
         draw->node_capacity = list->node_capacity;
     }
     if (draw->facet_capacity >= list->facet_capacity) return SHV_OK;
     const size_t wanted = (size_t)list->facet_capacity;
-    int32_t *facets = shv_reallocate(contact->memory, SHV_PART_CONTACT, draw->facets, wanted, sizeof(int32_t));
-    if (!facets) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(int32_t));
-    draw->facets = facets;
-    ShvFacetPlane *planes =
-        shv_reallocate(contact->memory, SHV_PART_CONTACT, draw->planes, wanted, sizeof(ShvFacetPlane));
-    if (!planes) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPlane));
-    draw->planes = planes;
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, draw->facets, wanted, "contact of surfaces",
+               wanted * sizeof *draw->facets, error);
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, draw->planes, wanted, "contact of surfaces",
+               wanted * sizeof *draw->planes, error);
     draw->facet_capacity = list->facet_capacity;
     return SHV_OK;
 }
@@ -188,13 +184,10 @@ static ShvStatus reserve_drafts(ShvSurfaceContact *contact, ShvError *error)
     ShvSurfaceDraw *draw = &contact->draw;
     if (draw->capacity >= draw->look_count) return SHV_OK;
     const size_t wanted = (size_t)draw->look_count + (size_t)draw->look_count / 2;
-    ShvFacetPair *drafts =
-        shv_reallocate(contact->memory, SHV_PART_CONTACT, draw->drafts, wanted, sizeof(ShvFacetPair));
-    if (!drafts) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvFacetPair));
-    draw->drafts = drafts;
-    ShvPairKey *keys = shv_reallocate(contact->memory, SHV_PART_CONTACT, draw->keys, wanted, sizeof(ShvPairKey));
-    if (!keys) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvPairKey));
-    draw->keys = keys;
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, draw->drafts, wanted, "contact of surfaces",
+               wanted * sizeof *draw->drafts, error);
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, draw->keys, wanted, "contact of surfaces",
+               wanted * sizeof *draw->keys, error);
     draw->capacity = (int32_t)wanted;
     return SHV_OK;
 }

@@ -7,8 +7,9 @@
 /* Whether a body that had no cracks, or was rigid, has some now: its own surfaces are not candidates of one another. */
 static bool first_crack(const ShvSurfaceContact *contact, int32_t fragment)
 {
+    if (fragment >= contact->known_fragments) return false;
     const ShvSurfaceFragment *before = &contact->fragments[fragment];
-    return fragment < contact->known_fragments && (!before->cracked || before->rigid);
+    return !before->cracked || before->rigid;
 }
 
 /* Before the list has followed. */

@@ -9,19 +9,14 @@ ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t coun
 {
     if (contact->fragment_capacity >= count) return SHV_OK;
     const size_t wanted = (size_t)count + (size_t)count / 2;
-    ShvBox *own = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->own, wanted, sizeof(ShvBox));
-    if (!own) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvBox));
-    contact->own = own;
-    ShvBox *near = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->near, wanted, sizeof(ShvBox));
-    if (!near) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvBox));
-    contact->near = near;
-    int32_t *order = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->order, wanted, sizeof(int32_t));
-    if (!order) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(int32_t));
-    contact->order = order;
-    ShvSurfaceFragment *motion =
-        shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->fragments, wanted, sizeof(ShvSurfaceFragment));
-    if (!motion) return shv_fail_memory(error, "contact of surfaces", wanted * sizeof(ShvSurfaceFragment));
-    contact->fragments = motion;
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->own, wanted, "contact of surfaces",
+               wanted * sizeof *contact->own, error);
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->near, wanted, "contact of surfaces",
+               wanted * sizeof *contact->near, error);
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->order, wanted, "contact of surfaces",
+               wanted * sizeof *contact->order, error);
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->fragments, wanted, "contact of surfaces",
+               wanted * sizeof *contact->fragments, error);
     contact->fragment_capacity = (int32_t)wanted;
     return SHV_OK;
 }
