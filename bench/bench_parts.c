@@ -70,21 +70,28 @@ static ShvStatus approach(const ShvScene *scene, ShvMemory *memory, Figures *fig
     return status;
 }
 
-static ShvStatus plan(ShvSimulation *simulation, Figures *figures, ShvError *error)
+/* As `shiver plan` makes it, with a trial of its usual length. */
+static ShvStatus plan(const ShvScene *scene, Figures *figures, ShvError *error)
 {
     ShvPlan plan;
-    SHV_TRY(shv_simulation_plan(simulation, &plan, error));
+    ShvSimulation *simulation = NULL;
+    SHV_TRY(make(scene, shv_scene_definition(scene), NULL, &simulation, error));
+    ShvStatus status = shv_simulation_plan(simulation, &plan, error);
+    if (status == SHV_OK) status = shv_simulation_try(simulation, 2.0, &plan, error);
+    shv_simulation_destroy(simulation);
+    if (status == SHV_DIVERGED) status = SHV_OK; /* the run will tell */
     figures->planned = plan.bytes;
     figures->predicted_seconds = plan.predicted_seconds;
     figures->predicted_steps = plan.predicted_steps;
-    return SHV_OK;
+    return status;
 }
 
 static ShvStatus follow(const ShvScene *scene, ShvMemory *memory, Figures *figures, ShvError *error)
 {
     ShvSimulation *simulation = NULL;
+    SHV_TRY(plan(scene, figures, error));
     SHV_TRY(make(scene, shv_scene_definition(scene), memory, &simulation, error));
-    ShvStatus status = plan(simulation, figures, error);
+    ShvStatus status = SHV_OK;
     const double start = shv_now();
     while (status == SHV_OK && !shv_simulation_finished(simulation)) {
         status = shv_simulation_advance(simulation, error);

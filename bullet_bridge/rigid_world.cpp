@@ -4,8 +4,7 @@
 #include <cmath>
 #include <new>
 
-#include <LinearMath/btAabbUtil2.h>
-
+#include "bullet_bridge/box_tree.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
@@ -26,7 +25,12 @@ struct ShvBulletWorld {
     std::vector<const ShvBulletBody *> planes;
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
-    std::vector<int32_t> others;
+    // Of what is near a box, all bodies but planes: made when first asked for after boxes have changed.
+    shiver::BoxTree tree;
+    std::vector<shiver::Box> boxes;
+    std::vector<int32_t> boxed; // number of the body of each
+    bool tree_stale = true;
+    std::vector<int32_t> found, others;
     ShvCollider collider;
     ShvSolver solver;
     std::vector<ShvBulletBody *> moved, firsts, seconds;
@@ -209,6 +213,7 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
             set_box(world, body.get(), btVector3(0, 0, 0), 0, 0);
         }
         world->bodies[size_t(number)] = std::move(body);
+        world->tree_stale = true;
         return SHV_OK;
     });
 }
@@ -222,7 +227,7 @@ void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
     const ShvBulletBody *body = body_of(world, number);
     world->planes.erase(std::remove(world->planes.begin(), world->planes.end(), body), world->planes.end());
-    world->extents.clear();
+    world->tree_stale = true;
     world->bodies[size_t(number)].reset();
 }
 
@@ -246,6 +251,7 @@ ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const do
         ShvBulletBody *body = body_of(world, number);
         if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
         set_box(world, body, scaled(world, way), drift, turn);
+        world->tree_stale = true;
         return SHV_OK;
     });
 }
@@ -332,17 +338,40 @@ ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pa
     });
 }
 
+static shiver::Box box_of(const ShvBulletBody &body)
+{
+    shiver::Box box;
+    for (int k = 0; k < 3; k++) {
+        box.low[k] = body.box_low[k];
+        box.high[k] = body.box_high[k];
+    }
+    return box;
+}
+
+static void grow_tree(ShvBulletWorld *world)
+{
+    world->boxes.clear();
+    world->boxed.clear();
+    for (const auto &body : world->bodies) {
+        if (!body || body->kind == SHV_BULLET_PLANE) continue;
+        world->boxes.push_back(box_of(*body));
+        world->boxed.push_back(body->number);
+    }
+    world->tree.build(world->boxes);
+    world->tree_stale = false;
+}
+
 ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int32_t **others, int32_t *count,
                                 ShvError *error)
 {
     return guarded(error, [&] {
         const ShvBulletBody *body = body_of(world, number);
+        if (world->tree_stale) grow_tree(world);
+        world->found.clear();
         world->others.clear();
-        // Others may have been told new ways since: their boxes are read afresh.
-        for (const Extent &extent : world->extents)
-            if (extent.body != body &&
-                TestAabbAgainstAabb2(body->box_low, body->box_high, extent.body->box_low, extent.body->box_high))
-                world->others.push_back(extent.body->number);
+        world->tree.find(box_of(*body), world->found);
+        for (const int32_t item : world->found)
+            if (world->boxed[size_t(item)] != number) world->others.push_back(world->boxed[size_t(item)]);
         for (const ShvBulletBody *plane : world->planes)
             if (reaches(*body, *plane)) world->others.push_back(plane->number);
         std::sort(world->others.begin(), world->others.end());

@@ -41,29 +41,71 @@ int32_t shv_simulation_object_count(const ShvSimulation *simulation);
 ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight,
                                    ShvError *error);
 
+/* Two that overlap at the start, by their true surfaces. */
+typedef struct ShvOverlap {
+    const char *first, *second; /* an object, and another or an obstacle */
+    bool obstacle;
+    double
+        depth; /* m: how far the deepest point tried lies inside: corners of both, and middles of edges that pass through */
+    double point[3]; /* m, world */
+} ShvOverlap;
+
+/* Overlaps deeper than a millionth of the smaller of the two, of a simulation that has not started. *count is how many there
+   are, of which `room` are stored. */
+ShvStatus shv_simulation_overlaps(const ShvSimulation *simulation, ShvOverlap *overlaps, int32_t room, int32_t *count,
+                                  ShvError *error);
+/* What the run does about it. */
+const char *shv_simulation_overlap_course(const ShvSimulation *simulation, const ShvOverlap *overlap);
+
 /* One part of the program, on or off for this scene. */
 typedef struct ShvPlanPart {
     const char *name;
     bool on;
     char reason[160];
-    size_t bytes; /* held before the first crack */
+    size_t bytes; /* held before the first crack; the parts' sum is the plan's */
 } ShvPlanPart;
+
+/* What a simulation did in a trial, and what that says of the whole run. Times of processor are those of the calling thread:
+   the run time on a machine that has nothing else to do. */
+typedef struct ShvTrial {
+    double seconds, processor;      /* s: run time that the trial took, and of it processor time; 0: none was made */
+    double time;                    /* s: the simulated moment that it reached */
+    bool finished;                  /* that is the scene's end */
+    double first_wake, first_crack; /* s: simulated; NaN: not reached */
+    double awake;                   /* s: simulated with a fragment in fracture mode */
+    int64_t steps;                  /* of fracture mode */
+    int32_t inserted, fragments;    /* cohesive facets; living fragments */
+    /* s of processor time, of the whole run without its file. `low`: no step costs more than the last ones, and what is awake
+       rests as soon as its waves allow. `high`: steps go on getting dearer as they did, and it stays awake for the longest time
+       that the quiet rule grants it. `predicted`: steps get dearer for as long again as they have so far; bodies
+       that carry too much vibration to rest stay for the longest time, others for the geometric mean of least and longest.
+       What wakes later is in none. */
+    double low, predicted, high;
+} ShvTrial;
 
 typedef struct ShvPlan {
     ShvPlanPart parts[16];
     int32_t part_count;
     size_t bytes;                 /* all, before the first crack */
+    size_t bars;                  /* of them bars, held or to come */
     double step;                  /* s: of fracture mode, while nothing is cracking */
-    double seconds_per_step;      /* measured now on this machine: one step of everything awake */
+    double seconds_per_step;      /* measured now on this machine: one step of everything awake, without cracks */
     double steps_per_millisecond; /* of awake time */
     double first_contact;         /* s: when the first fragment meets an obstacle on its free path; infinity: never */
     double awake_time;        /* s: least awake time after that contact (the quiet rule's shortest window), or the whole
                                          duration for objects that conditions hold */
     double predicted_steps;   /* of fracture mode, if it wakes once */
-    double predicted_seconds; /* for those steps */
+    double predicted_seconds; /* for those steps, if nothing cracks */
     int32_t frames;           /* of the animation grid */
+    ShvTrial trial;
 } ShvPlan;
+/* From the simulation as it was made, which stays as it is. Bytes are those held now and those of bars to come. */
 ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError *error);
+/* Runs a planned simulation, in memory, for about so many seconds of processor time (at most four times that of run time) or to
+   its end, and fills the plan's `trial`. Its bytes become those held at the last moment before the first crack; while that is
+   not reached, bars to come are counted too. The simulation has left its start then: it can go on,
+   but not with the bits of a run that nothing looked at in between. Its own `stop` is asked as ever. */
+ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error);
 
 #ifdef __cplusplus
 }

@@ -68,7 +68,9 @@ typedef enum ShvRunEvent {
     SHV_RUN_INSERTION, /* first insertion in a fragment; value: criterion / strength */
     SHV_RUN_INVERSION, /* an element turned inside out; value: element */
     SHV_RUN_SCENE,     /* an event of the scene's time line; value: its index */
-    SHV_RUN_BIN        /* dust was put away instead of going back to flight; value: energy dropped, J */
+    SHV_RUN_BIN,       /* dust was put away instead of going back to flight; value: energy dropped, J */
+    SHV_RUN_SQUEEZE /* a fragment is between two obstacles that leave it no room (fixed or scripted, facing each other): an
+                          event for each of them; value: the room that is missing, m. Told again once it has been free */
 } ShvRunEvent;
 
 /* Why a fragment went from one mode to the other. */
@@ -122,7 +124,7 @@ typedef struct ShvProbeSample {
     double displacement[3]; /* m, since the start; of a set of nodes the mean weighted by mass */
     double velocity[3];     /* m/s, likewise */
     double stress[6];   /* Pa, Cauchy: xx, yy, zz, yz, xz, xy; of a set the mean of the tets at its nodes, by volume */
-    double contact[3];  /* N: by obstacles on the nodes of a set; by all nodes on an obstacle */
+    double contact[3];  /* N: by obstacles and other bodies on the nodes of a set; by all nodes on an obstacle */
     double reaction[3]; /* N: by supports and imposed velocities on the nodes of a set */
 } ShvProbeSample;
 enum { SHV_PROBE_NUMBERS = sizeof(ShvProbeSample) / sizeof(double) };
@@ -158,6 +160,9 @@ typedef struct ShvFrameView {
     int32_t audited,
         missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */
+    /* Step at which cohesive zones, integrated explicitly as springs, would be stable, over that of the tets: the least of all
+       frames so far; NaN: none were active. Runs need not keep it: cohesive impulses are exact for any step. */
+    double cohesive_share;
     /* What obstacles did to nodes in fracture mode so far: Σ of impulses, N s; Σ of the steps in which one acted, s; beginning of the
        first such step and end of the last, s (NaN: none). Impacts in flight are not in it. */
     double contact_impulse[3], contact_time, first_contact, last_contact;
@@ -245,8 +250,8 @@ ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
 typedef struct ShvCrackView {
     int32_t facets;   /* 0: nothing was inserted, the rest is NaN */
     double origin[3]; /* centroid of the first facet inserted, m, in the reference mesh */
-    /* unit normal of the plane through them: least squares of their centroids, weighted by area × damage; NaN while nothing
-       has been damaged */
+    double centre[3]; /* their centroid, weighted by area × damage, likewise; NaN while nothing has been damaged */
+    /* unit normal of the plane through them: least squares of their centroids, weighted likewise */
     double normal[3];
 } ShvCrackView;
 ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *crack, ShvError *error);

@@ -270,8 +270,8 @@ Each scene of `scenes/extreme` states its cases in its comments (`#! case`, `#! 
 ledger cannot account for, over its largest energy; `gain` the largest rise of kinetic, strain and potential energy above the start,
 likewise; `kept` kinetic and strain energy at the end over the start; `momentum` and `angular` the largest change, over the largest
 sums; `lowest` the least height of any corner, m; `swelling` and `edge_strain` changes of lengths; `told`: it ends with finite
-numbers or says that it diverged. Cases 1 to 36 are a list of what engines of this kind are known to fail at. A case that is a fact
-about a function names its test.
+numbers or says that it diverged; `squeezes` events of a body between two obstacles that leave it no room. Cases 1 to 36 are a list
+of what engines of this kind are known to fail at. A case that is a fact about a function names its test.
 
 END
     cat "$results/suite.md"
@@ -281,11 +281,10 @@ END
 ## What optional parts cost
 
 Bytes by Shiver's own counters, and run time of one thread on a shared machine, beside what `shiver plan` says. The plan is of the
-time before the first crack. A ball of 1,500 tets holds the planned bytes by then to 10 %, with every rigid engine and stabiliser
-(tests/stability/test_parts.c); small bodies hold up to some 80 kB more from the first contact on, for lists of contacts and
-events, which the plan does not tell. The run time that it expects of fracture mode is that of a body that does not crack, for
-the shortest time that it stays awake; what cracks costs many times that. Bullet's own memory is not counted. Peaks include
-the making of the mesh.
+time before the first crack, which it flies the scene to (`--trial`): what is held then agrees with it to 10 %, for a ball of 1,500
+tets with every rigid engine and stabiliser and for bodies of a few tets (tests/stability/test_parts.c). The run time expected
+here is the one of fracture mode without cracks, for the shortest time that a body stays awake; what cracks costs many times that,
+and `shiver plan` tells it from its trial. Bullet's own memory is not counted. Peaks include the making of the mesh.
 END
     parts
 }

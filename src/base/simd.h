@@ -94,6 +94,11 @@ static inline int shv_wide_any(ShvWideMask mask)
 {
     return mask != 0;
 }
+/* Bit i: whether the mask is true in lane i. */
+static inline uint32_t shv_wide_bits(ShvWideMask mask)
+{
+    return mask;
+}
 /* Records of four doubles, aligned to 32 bytes: q[c] lane i becomes base[4 index[i] + c]. */
 static inline void shv_wide_load_quads(const double *base, const int32_t *index, ShvWide q[4])
 {
@@ -194,6 +199,10 @@ static inline int shv_wide_any(ShvWideMask mask)
 {
     return (_mm256_movemask_pd(mask.low) | _mm256_movemask_pd(mask.high)) != 0;
 }
+static inline uint32_t shv_wide_bits(ShvWideMask mask)
+{
+    return (uint32_t)_mm256_movemask_pd(mask.low) | (uint32_t)_mm256_movemask_pd(mask.high) << 4;
+}
 /* Four rows become four columns. */
 static inline void shv_wide_transpose(const __m256d r[4], __m256d q[4])
 {
@@ -264,6 +273,12 @@ static inline int shv_wide_any(ShvWideMask mask)
     int any = 0;
     for (int i = 0; i < SHV_WIDE_LANES; i++) any |= mask.lane[i];
     return any;
+}
+static inline uint32_t shv_wide_bits(ShvWideMask mask)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < SHV_WIDE_LANES; i++) bits |= (uint32_t)(mask.lane[i] != 0) << i;
+    return bits;
 }
 static inline void shv_wide_load_quads(const double *base, const int32_t *index, ShvWide q[4])
 {

@@ -2,11 +2,21 @@
 
 #include <time.h>
 
-double shv_now(void)
+static double read_clock(clockid_t clock)
 {
     struct timespec now = {0, 0};
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double shv_now(void)
+{
+    return read_clock(CLOCK_MONOTONIC);
+}
+
+double shv_processor_now(void)
+{
+    return read_clock(CLOCK_THREAD_CPUTIME_ID);
 }
 
 const char *shv_cost_name(ShvCost cost)

@@ -6,6 +6,8 @@
 
 /* Seconds since an arbitrary fixed moment. */
 double shv_now(void);
+/* Seconds of processor time that the calling thread has had. */
+double shv_processor_now(void);
 
 typedef enum ShvCost {
     SHV_COST_FORCE,    /* internal force */

@@ -120,7 +120,7 @@ static ShvStatus print_all(ShvSimulation *simulation, const ShvArguments *argume
             print_object(&preflight);
     }
     if (json) printf("]\n");
-    return SHV_OK;
+    return shv_cli_warn_overlaps(simulation, error);
 }
 
 static int run(const ShvArguments *arguments)
@@ -135,7 +135,8 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times. Warns where the mesh or the step does not resolve them.",
+        "facet, characteristic times. Warns where the mesh or the step does not resolve them, and of objects that\n"
+        "overlap each other or obstacles at the start: which, how deep, and what the run does about it.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

@@ -103,6 +103,11 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            ledger->opened_area);
     printf("  %lld steps of fracture mode, last of %.3g s, Courant number %.3g\n", (long long)frame->steps, frame->step,
            frame->courant);
+    if (frame->cohesive_share > 0.0)
+        printf(
+            "  cohesive zones as explicit springs would need steps of %.3g of the tets' stable step (dt_coh/dt_bulk); "
+            "their impulses here need none\n",
+            frame->cohesive_share);
     printf("  energy, J: kinetic %.4g, strain %.4g, fracture %.4g, contact %.4g, friction %.4g, closing cracks %.4g, "
            "dropped at mode switches %.4g\n",
            ledger->kinetic, ledger->strain, ledger->fracture_dissipation, ledger->contact, ledger->friction,
@@ -135,7 +140,38 @@ typedef struct History {
     double edge_strain_flight, edge_strain_after_impact; /* largest of recorded frames before and since */
     double courant;                                      /* largest of recorded frames */
     ShvCrackView crack;
+    /* bodies that were squeezed: how many times, and the first time */
+    int32_t squeezes;
+    ShvEventView squeeze;
+    int32_t between[2]; /* obstacles */
 } History;
+
+/* One event for each of the two obstacles, one after the other. */
+static void remember_squeezes(History *history, const ShvFrameView *frame)
+{
+    for (int32_t i = 0; i + 1 < frame->event_count; i++) {
+        if (frame->events[i].kind != SHV_RUN_SQUEEZE) continue;
+        if (history->squeezes++ == 0) {
+            history->squeeze = frame->events[i];
+            history->between[0] = frame->events[i].obstacle;
+            history->between[1] = frame->events[i + 1].obstacle;
+        }
+        i++;
+    }
+}
+
+static void print_squeezes(const History *history, const ShvFrameView *frame, const ShvSimulation *simulation)
+{
+    if (history->squeezes == 0) return;
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    const ShvFragmentView *fragment = &frame->fragments[history->squeeze.fragment];
+    printf("  warning: obstacles left bodies no room, %d time%s; first at %.6g s: fragment %d of '%s' between '%s' and "
+           "'%s', %.3g m too little (events 'squeeze'); such contacts have no answer, and the motion there means "
+           "nothing\n",
+           (int)history->squeezes, history->squeezes > 1 ? "s" : "", history->squeeze.time, (int)fragment->id,
+           mesh.objects[fragment->object].name, frame->obstacles[history->between[0]].name,
+           frame->obstacles[history->between[1]].name, history->squeeze.value);
+}
 
 static void remember(History *history, const ShvFrameView *frame)
 {
@@ -143,6 +179,7 @@ static void remember(History *history, const ShvFrameView *frame)
     double *strain = history->met ? &history->edge_strain_after_impact : &history->edge_strain_flight;
     *strain = fmax(*strain, frame->edge_strain);
     history->courant = fmax(history->courant, frame->courant);
+    remember_squeezes(history, frame);
 }
 
 /* Of the plane of the first crack against the vertical, degrees. */
@@ -164,6 +201,7 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"largest_mass_fraction", largest_mass_fraction(frame)},
                    {"step", frame->step},
                    {"courant", history->courant},
+                   {"cohesive_share", frame->cohesive_share},
                    {"worst_overshoot", frame->worst_overshoot},
                    {"opened_area", ledger->opened_area},
                    {"inserted_area", ledger->inserted_area},
@@ -191,12 +229,12 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
     printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, "
-           "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d",
+           "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d, \"squeezes\": %d",
            status == SHV_OK            ? "finished"
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened,
-           (long long)frame->steps, (int)frame->audited, (int)frame->missed);
+           (long long)frame->steps, (int)frame->audited, (int)frame->missed, (int)history->squeezes);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
@@ -252,7 +290,10 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
         print_json(frame, &history, path, shv_now() - start, status);
     else if (!arguments->values[QUIET])
         print_summary(frame, path, shv_now() - start, status);
-    if (!arguments->values[JSON] && !arguments->values[QUIET]) print_materials(simulation);
+    if (!arguments->values[JSON] && !arguments->values[QUIET]) {
+        print_squeezes(&history, frame, simulation);
+        print_materials(simulation);
+    }
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
 }
@@ -287,7 +328,8 @@ static int run(const ShvArguments *arguments)
     options.audit_wakes = audits;
     options.stop = asked_to_stop;
     options.stop_data = &progress;
-    const ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    if (status == SHV_OK) status = shv_cli_warn_overlaps(simulation, &error);
     progress.simulation = simulation;
     const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, simulation, &progress, start)
                                              : shv_cli_failed(status, &error);

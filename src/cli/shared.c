@@ -32,6 +32,23 @@ int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
 }
 
+ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error)
+{
+    ShvOverlap overlaps[16];
+    const int32_t room = (int32_t)(sizeof overlaps / sizeof overlaps[0]);
+    int32_t count;
+    const ShvStatus status = shv_simulation_overlaps(simulation, overlaps, room, &count, error);
+    if (status != SHV_OK) return status;
+    for (int32_t i = 0; i < count && i < room; i++) {
+        const ShvOverlap *o = &overlaps[i];
+        fprintf(stderr, "warning: '%s' and the %s '%s' overlap at the start, %.3g m deep at (%.4g, %.4g, %.4g): %s\n",
+                o->first, o->obstacle ? "obstacle" : "object", o->second, o->depth, o->point[0], o->point[1],
+                o->point[2], shv_simulation_overlap_course(simulation, o));
+    }
+    if (count > room) fprintf(stderr, "warning: %d more pairs overlap at the start\n", (int)(count - room));
+    return SHV_OK;
+}
+
 void shv_cli_print_cohesion(const ShvMaterialView *m)
 {
     if (!m->breakable) return;

@@ -36,13 +36,45 @@ typedef struct ShvCohesivePoint {
     ShvVec3 settled;       /* rate of opening that the pull answers, m/s; not finite: none yet */
     ShvVec3 pull;          /* cohesive force on the first node, N */
     ShvVec3 change;        /* of pull, in the present sweep, N */
-    ShvVec3 opening, from; /* of n and n − 1/2, second − first, m */
+    ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
+    ShvVec3 carried;       /* what the facet's turn does to the opening, no part of its rate; m/s (turn.h) */
     ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
     ShvVec3 push;          /* closing force on the first node, N */
     double stored;         /* recoverable energy at n − 1/2, J */
     int32_t point;         /* 3 × cohesive facet + corner */
     bool carrying;         /* the facet has not failed */
 } ShvCohesivePoint;
+
+/* How a facet turns in the present step, by the middles of its three pairs (turn.h). */
+typedef struct ShvFacetTurn {
+    ShvVec3 arm[3];  /* of the middles from their mean, m */
+    ShvMat3 inverse; /* of Σ |r|² − r rᵀ over the arms, 1/m² */
+    ShvVec3 couple;  /* N m: of the pulls, answered so far */
+    bool turns;      /* couples are answered */
+} ShvFacetTurn;
+
+/* The two faces of a facet as they are joined to the mesh now. */
+typedef struct ShvCohesiveSides {
+    int32_t first[3], second[3]; /* nodes of corner i on both faces */
+    int32_t elements[2];
+    bool split;     /* in some corner the nodes are not the same */
+    ShvVec3 arm[2]; /* of corners 1 and 2 from corner 0, at reference positions, m */
+    double start;   /* normal opening with which the law starts (shv_law_start), m */
+} ShvCohesiveSides;
+
+enum { SHV_NEAREST_FACETS = 16 };
+
+typedef enum ShvFacetWatch {
+    SHV_FACET_IGNORED,
+    SHV_FACET_WATCHED,
+    SHV_FACET_LISTED /* for a close look in the present check */
+} ShvFacetWatch;
+
+/* Who puts the stress of some batches of elements, each asked for once a check, where the check finds it. */
+typedef struct ShvStressSource {
+    void (*fill)(void *context, const int32_t *batches, int32_t count);
+    void *context;
+} ShvStressSource;
 
 typedef struct ShvCohesive {
     ShvMemory *memory;
@@ -54,7 +86,8 @@ typedef struct ShvCohesive {
     /* per cohesive facet, in the order of insertion */
     int32_t *facet;   /* facet of the adjacency */
     uint8_t *partner; /* 3 per facet: which corner of the second element's face meets corner i of the first's */
-    double *area;     /* m², reference */
+    ShvCohesiveSides *sides;
+    double *area; /* m², reference */
     ShvLaw *law;
     ShvHistory *history;    /* 3 per facet */
     ShvOpening *opening;    /* 3 per facet: at the last half step */
@@ -64,7 +97,9 @@ typedef struct ShvCohesive {
     /* the present step */
     int32_t live_count;       /* not separated: */
     int32_t *live;            /* cohesive facets, increasing */
-    ShvCohesivePoint *points; /* 3 per live facet */
+    int32_t looked_count;     /* live facets when the step began: */
+    ShvCohesivePoint *points; /* 3 per facet */
+    ShvFacetTurn *turns;
     int32_t active_count, pair_count;
     int32_t *unsorted;           /* points that may pull, in order of facets */
     int32_t *active;             /* the same, cluster by cluster */
@@ -78,9 +113,20 @@ typedef struct ShvCohesive {
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */
     int32_t *corner_label, *corner_queue, *corner_copy; /* largest number of corners at a node */
-    double *element_bound, *facet_value;                /* element_count, interior_count */
+    double *facet_value;                                /* interior_count */
+    uint8_t *facet_watch;                               /* interior_count: ShvFacetWatch */
+    /* traction criterion: weight of each face of an element on a watched facet, 1/Pa, 0 elsewhere (4 × SHV_LANES × batches), and
+       the faces whose traction may count (batches), which the solid finds with the internal force; no facet counts more
+       than the larger of its two faces */
+    double *face_weight;
+    uint32_t *faces;
+    int32_t *asked;                      /* batches whose stress the check asks for: batches */
+    uint8_t *stress_known;               /* batches: of the present check */
+    int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the threshold at the last check */
+    int32_t nearest_count;
     int32_t *watched,
-        *watched_nodes; /* facets, and with the principal criterion nodes, that checks look at; increasing */
+        *watched_nodes; /* facets that the check looks at closely; with the principal criterion facets and nodes that it looks at,
+                           increasing */
     int32_t watched_count, watched_node_count;
     double
         *node_value; /* 2 × node_capacity, principal criterion only: largest principal stress or a bound, lower bound */
@@ -108,6 +154,12 @@ void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint
 double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
                                int32_t *candidates, double *overstress, int32_t *count);
 
+/* The same for the traction criterion in two halves, around the search for faces that count at least the first's result into
+   cohesive->faces (shv_solid_add_internal_force_and_find_faces): stress is asked for where it matters alone. */
+double shv_cohesive_floor(ShvCohesive *cohesive, const ShvState *state, const double *stress, ShvStressSource source);
+double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                    ShvStressSource source, int32_t *candidates, double *overstress, int32_t *count);
+
 /* Inserts facets: makes them cohesive and duplicates nodes by the rule that a node is split among the groups of its
    elements that are still joined across intact facets. Order of facets does not matter. Copies inherit position and
    velocity; masses are re-summed from elements. On failure nothing changed. `duplicated` receives the number of new
@@ -134,8 +186,9 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
    the inelastic impulse that lets it just close (or, when it is closed already, stops it); it never pushes faces apart,
    so that no energy can come of it. Coulomb friction between failed faces. The mean force goes to state->force. */
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction);
-/* Books the works of both on the nodes; velocities are those of n + 1/2. */
-void shv_cohesive_book(const ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger);
+/* Books the works of both on the nodes; velocities are those of n + 1/2. Where the openings go from here is remembered for
+   the next `begin`. */
+void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger);
 
 /* The step in which the fastest opening active point moves a tenth of what is left of its softening, s; infinite without
    one. After `begin`. Work is exact beyond it; the course of the softening is not resolved. */
@@ -147,6 +200,10 @@ typedef struct ShvCohesiveEnergy {
                                           fall back by a step's share when an opening turns round */
     double inserted_area, opened_area; /* m²; opened: damage ≥ 0.99 */
     double opened_energy;              /* ΣG·A over opened facets, J */
+    /* s: at which central difference with the law's springs as forces would be stable, were it not for the pull: 2/ω with
+       ω² ≤ max 2 Σ k A/3 / m over the nodes that active points of the present step share, k secant stiffness; infinite
+       without any */
+    double spring_step;
     int32_t inserted, opened;
 } ShvCohesiveEnergy;
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state);

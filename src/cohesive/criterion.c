@@ -1,31 +1,9 @@
 #include <math.h>
+#include <string.h>
 
 #include "cohesive/cohesive.h"
+#include "cohesive/storage.h"
 #include "cohesive/traction.h"
-
-/* No facet value is negative: marks facets that were left out because they are below both the threshold and the largest
-   value found so far. */
-static const double left_out = -1.0;
-
-/* Of every stress tensor the Frobenius norm, which bounds the traction on any plane; a margin covers round-off. */
-static void bound_elements(const ShvCohesive *cohesive, const double *stress)
-{
-    const int32_t count = cohesive->model->mesh.element_count, threads = cohesive->model->threads;
-    double *bound = cohesive->element_bound;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int32_t batch = 0; batch < (count + SHV_LANES - 1) / SHV_LANES; batch++) {
-        const double *s = stress + (int64_t)batch * 6 * SHV_LANES;
-        const int32_t lanes = count - batch * SHV_LANES < SHV_LANES ? count - batch * SHV_LANES : SHV_LANES;
-        for (int32_t i = 0; i < lanes; i++) {
-            const double normal =
-                s[i] * s[i] + s[SHV_LANES + i] * s[SHV_LANES + i] + s[2 * SHV_LANES + i] * s[2 * SHV_LANES + i];
-            const double shear = s[3 * SHV_LANES + i] * s[3 * SHV_LANES + i] +
-                                 s[4 * SHV_LANES + i] * s[4 * SHV_LANES + i] +
-                                 s[5 * SHV_LANES + i] * s[5 * SHV_LANES + i];
-            bound[batch * SHV_LANES + i] = sqrt(normal + 2.0 * shear) * (1.0 + 1e-12);
-        }
-    }
-}
 
 static bool awake_elements(const ShvState *state, const int32_t *elements, const uint8_t *awake)
 {
@@ -48,18 +26,6 @@ static double shear_weight(const ShvMaterial *material)
 {
     const double normal = material->strength[SHV_NORMAL], shear = material->strength[SHV_SHEAR];
     return shear < normal ? normal / shear : 1.0;
-}
-
-static double traction_value(const ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t facet,
-                             double floor)
-{
-    const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
-    const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
-    const double strength = cohesive->facet_strength[facet];
-    const double bound = 0.5 * (cohesive->element_bound[elements[0]] + cohesive->element_bound[elements[1]]);
-    if (bound * shear_weight(material) < floor * strength) return left_out;
-    const ShvVec3 normal = current_normal(cohesive, state, facet);
-    return shv_facet_overstress(material, strength, shv_facet_traction(stress, elements[0], elements[1], normal));
 }
 
 static bool judged(const ShvCohesive *cohesive, int32_t facet)
@@ -141,24 +107,151 @@ static void principal_nodes(const ShvCohesive *cohesive, const ShvState *state, 
     }
 }
 
-/* Values of all watched facets; returns the largest. A facet is left out only when it can neither be a candidate nor the largest,
-   so the result does not depend on what each thread has seen. */
-static double evaluate(const ShvCohesive *cohesive, const ShvState *state, const double *stress)
+/* Values of all watched facets; returns the largest. */
+static double evaluate_principal(const ShvCohesive *cohesive, const ShvState *state)
 {
-    const bool principal = cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL;
-    const double threshold = cohesive->settings->threshold;
     const int32_t threads = cohesive->model->threads;
     double largest = 0.0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max : largest)
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int32_t facet = cohesive->watched[i];
-        double value = left_out;
-        if (judged(cohesive, facet))
-            value = principal ? principal_value(cohesive, state, facet, 0)
-                              : traction_value(cohesive, state, stress, facet, fmin(largest, threshold));
+        const double value = judged(cohesive, facet) ? principal_value(cohesive, state, facet, 0) : 0.0;
         cohesive->facet_value[facet] = value;
         largest = shv_larger(largest, value);
     }
+    return largest;
+}
+
+/* ---- traction ---- */
+
+static int32_t batch_count(const ShvCohesive *cohesive)
+{
+    return (cohesive->model->mesh.element_count + SHV_LANES - 1) / SHV_LANES;
+}
+
+/* What makes a value of a traction's length, at most; any traction exceeds a strength of zero. Its square is finite. */
+static double facet_weight(const ShvCohesive *cohesive, int32_t facet)
+{
+    const double largest = 1e150, weight = shear_weight(shv_cohesive_material(cohesive->model, facet));
+    return shv_smaller(weight / cohesive->facet_strength[facet], largest);
+}
+
+void shv_cohesive_weigh(const ShvCohesive *cohesive, int32_t facet)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    const bool counts = cohesive->facet_watch[facet] && judged(cohesive, facet);
+    const double weight = counts ? facet_weight(cohesive, facet) : 0.0;
+    for (int side = 0; side < 2; side++) {
+        const int32_t element = adjacency->facet_elements[2 * (int64_t)facet + side];
+        const int face = adjacency->facet_faces[2 * (int64_t)facet + side];
+        cohesive->face_weight[shv_corner_slot(element, face)] = weight;
+    }
+}
+
+typedef struct Check {
+    ShvCohesive *cohesive;
+    const ShvState *state;
+    const double *stress;
+    ShvStressSource source;
+    int32_t asked;
+} Check;
+
+static void want_stress(Check *check, int32_t facet)
+{
+    for (int side = 0; side < 2; side++) {
+        const int32_t batch = check->cohesive->model->adjacency.facet_elements[2 * (int64_t)facet + side] / SHV_LANES;
+        if (check->cohesive->stress_known[batch]) continue;
+        check->cohesive->stress_known[batch] = 1;
+        check->cohesive->asked[check->asked++] = batch;
+    }
+}
+
+static void get_stress(Check *check)
+{
+    if (check->asked > 0) check->source.fill(check->source.context, check->cohesive->asked, check->asked);
+    for (int32_t k = 0; k < check->asked; k++) check->cohesive->stress_known[check->cohesive->asked[k]] = 0;
+    check->asked = 0;
+}
+
+static double traction_value(const Check *check, int32_t facet)
+{
+    const ShvCohesive *cohesive = check->cohesive;
+    const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
+    const ShvVec3 normal = current_normal(cohesive, check->state, facet);
+    return shv_facet_overstress(shv_cohesive_material(cohesive->model, facet), cohesive->facet_strength[facet],
+                                shv_facet_traction(check->stress, elements[0], elements[1], normal));
+}
+
+static bool is_watched(const ShvCohesive *cohesive, int32_t facet)
+{
+    return cohesive->facet_watch[facet] == SHV_FACET_WATCHED && judged(cohesive, facet);
+}
+
+/* The largest value is no less than those that were largest at the last check have now. */
+double shv_cohesive_floor(ShvCohesive *cohesive, const ShvState *state, const double *stress, ShvStressSource source)
+{
+    Check check = {cohesive, state, stress, source, 0};
+    double floor = 0.0;
+    for (int32_t k = 0; k < cohesive->nearest_count; k++)
+        if (is_watched(cohesive, cohesive->nearest[k])) want_stress(&check, cohesive->nearest[k]);
+    get_stress(&check);
+    for (int32_t k = 0; k < cohesive->nearest_count; k++)
+        if (is_watched(cohesive, cohesive->nearest[k]))
+            floor = shv_larger(floor, traction_value(&check, cohesive->nearest[k]));
+    return shv_smaller(floor, cohesive->settings->threshold);
+}
+
+/* The facets on which faces count. */
+static void list_facets(Check *check)
+{
+    ShvCohesive *cohesive = check->cohesive;
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    cohesive->watched_count = 0;
+    for (int32_t batch = 0; batch < batch_count(cohesive); batch++) {
+        const uint32_t bits = cohesive->faces[batch];
+        for (int bit = 0; bit < 4 * SHV_LANES && bits >> bit; bit++) {
+            const int32_t element = batch * SHV_LANES + bit % SHV_LANES;
+            if (!(bits >> bit & 1u) || element >= cohesive->model->mesh.element_count) continue;
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)element + bit / SHV_LANES];
+            if (facet >= adjacency->interior_count || !is_watched(cohesive, facet)) continue;
+            cohesive->facet_watch[facet] = SHV_FACET_LISTED;
+            cohesive->watched[cohesive->watched_count++] = facet;
+            want_stress(check, facet);
+        }
+    }
+}
+
+/* Of those below the threshold, the largest first. */
+static void keep_nearest(ShvCohesive *cohesive)
+{
+    const double *value = cohesive->facet_value;
+    int32_t *nearest = cohesive->nearest, count = 0;
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int32_t facet = cohesive->watched[i];
+        if (!(value[facet] < cohesive->settings->threshold)) continue;
+        if (count == SHV_NEAREST_FACETS && !(value[facet] > value[nearest[count - 1]])) continue;
+        int32_t k = count < SHV_NEAREST_FACETS ? count++ : count - 1;
+        for (; k > 0 && value[facet] > value[nearest[k - 1]]; k--) nearest[k] = nearest[k - 1];
+        nearest[k] = facet;
+    }
+    cohesive->nearest_count = count;
+}
+
+static double evaluate_traction(Check *check)
+{
+    ShvCohesive *cohesive = check->cohesive;
+    const int32_t threads = cohesive->model->threads;
+    double largest = 0.0;
+    list_facets(check);
+    get_stress(check);
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max : largest)
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int32_t facet = cohesive->watched[i];
+        cohesive->facet_watch[facet] = SHV_FACET_WATCHED;
+        cohesive->facet_value[facet] = traction_value(check, facet);
+        largest = shv_larger(largest, cohesive->facet_value[facet]);
+    }
+    keep_nearest(cohesive);
     return largest;
 }
 
@@ -199,27 +292,35 @@ static void sort(int32_t *facets, double *values, int32_t count)
     }
 }
 
-void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    cohesive->watched_count = cohesive->watched_node_count = 0;
-    for (int32_t facet = 0; facet < adjacency->interior_count; facet++)
-        if (judged(cohesive, facet) && !isinf(cohesive->facet_strength[facet]) &&
-            awake_elements(state, adjacency->facet_elements + 2 * (int64_t)facet, awake))
-            cohesive->watched[cohesive->watched_count++] = facet;
-    if (cohesive->settings->criterion != SHV_CRITERION_PRINCIPAL) return;
+    const bool principal = cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL;
+    cohesive->watched_count = 0;
+    for (int32_t facet = 0; facet < adjacency->interior_count; facet++) {
+        const bool looked_at = judged(cohesive, facet) && !isinf(cohesive->facet_strength[facet]) &&
+                               awake_elements(state, adjacency->facet_elements + 2 * (int64_t)facet, awake);
+        cohesive->facet_watch[facet] = looked_at ? SHV_FACET_WATCHED : SHV_FACET_IGNORED;
+        if (looked_at && principal) cohesive->watched[cohesive->watched_count++] = facet;
+    }
+}
+
+void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    watch_facets(cohesive, state, awake);
+    cohesive->watched_node_count = 0;
+    if (cohesive->settings->criterion != SHV_CRITERION_PRINCIPAL) {
+        memset(cohesive->faces, 0, (size_t)batch_count(cohesive) * sizeof *cohesive->faces);
+        for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++)
+            shv_cohesive_weigh(cohesive, facet);
+        return;
+    }
     for (int32_t i = 0; i < state->node_count; i++)
         if (awake_node(state, i, awake)) cohesive->watched_nodes[cohesive->watched_node_count++] = i;
 }
 
-double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
-                               int32_t *candidates, double *overstress, int32_t *count)
+static void collect(ShvCohesive *cohesive, int32_t *candidates, double *overstress, int32_t *count)
 {
-    if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL)
-        principal_nodes(cohesive, state, nodal);
-    else
-        bound_elements(cohesive, stress);
-    const double largest = evaluate(cohesive, state, stress);
     *count = 0;
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int32_t facet = cohesive->watched[i];
@@ -228,5 +329,34 @@ double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, con
         overstress[(*count)++] = cohesive->facet_value[facet];
     }
     sort(candidates, overstress, *count);
+}
+
+static void already_there(void *context, const int32_t *batches, int32_t count)
+{
+    (void)context;
+    (void)batches;
+    (void)count;
+}
+
+double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                    ShvStressSource source, int32_t *candidates, double *overstress, int32_t *count)
+{
+    Check check = {cohesive, state, stress, source, 0};
+    const double largest = evaluate_traction(&check);
+    collect(cohesive, candidates, overstress, count);
+    return largest;
+}
+
+double shv_cohesive_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress, const double *nodal,
+                               int32_t *candidates, double *overstress, int32_t *count)
+{
+    if (cohesive->settings->criterion != SHV_CRITERION_PRINCIPAL) {
+        const ShvStressSource source = {already_there, NULL};
+        memset(cohesive->faces, 0xff, (size_t)batch_count(cohesive) * sizeof *cohesive->faces);
+        return shv_cohesive_face_candidates(cohesive, state, stress, source, candidates, overstress, count);
+    }
+    principal_nodes(cohesive, state, nodal);
+    const double largest = evaluate_principal(cohesive, state);
+    collect(cohesive, candidates, overstress, count);
     return largest;
 }

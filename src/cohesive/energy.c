@@ -1,3 +1,5 @@
+#include <math.h>
+
 #include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
 
@@ -35,9 +37,52 @@ static PointEnergy facet_energy(const ShvCohesive *cohesive, const ShvState *sta
     return sum;
 }
 
+/* ---- springs ---- */
+
+static double secant(ShvLawBranch branch)
+{
+    return branch.limit > 0.0 ? branch.peak / branch.limit : (double)INFINITY;
+}
+
+/* Of the stiffer component, N/m. */
+static double point_stiffness(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
+{
+    const ShvLaw *law = &cohesive->law[point->point / 3];
+    const ShvHistory history = cohesive->history[point->point];
+    const ShvOpening at = cohesive->opening[point->point];
+    const double normal = secant(shv_law_normal_branch(law, history, at.shear));
+    const double shear = secant(shv_law_shear_branch(law, history, shv_larger(at.normal, 0.0)));
+    return point->weight * shv_larger(normal, shear);
+}
+
+/* 2 Σ k A/3 / m of a node of a cluster. */
+static double squared_frequency(const ShvCohesive *cohesive, const ShvState *state, int32_t cluster, int32_t node)
+{
+    double sum = 0.0;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        if (point->first == node || point->second == node) sum += point_stiffness(cohesive, point);
+    }
+    return 2.0 * sum / state->mass[node];
+}
+
+static double spring_step(const ShvCohesive *cohesive, const ShvState *state)
+{
+    double largest = 0.0;
+    for (int32_t c = 0; c < cohesive->cluster_count && cohesive->active_count > 0; c++)
+        for (int32_t i = cohesive->cluster[c]; i < cohesive->cluster[c + 1]; i++) {
+            const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+            largest = shv_larger(largest, squared_frequency(cohesive, state, c, point->first));
+            largest = shv_larger(largest, squared_frequency(cohesive, state, c, point->second));
+        }
+    return largest > 0.0 ? 2.0 / sqrt(largest) : (double)INFINITY;
+}
+
+/* ---- sums ---- */
+
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state)
 {
-    ShvCohesiveEnergy energy = {.inserted = cohesive->count};
+    ShvCohesiveEnergy energy = {.inserted = cohesive->count, .spring_step = spring_step(cohesive, state)};
     for (int32_t i = 0; i < cohesive->count; i++) {
         const PointEnergy facet = facet_energy(cohesive, state, i);
         energy.recoverable += facet.recoverable;

@@ -2,12 +2,13 @@
 
 #include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
+#include "cohesive/turn.h"
 
 /* Below this many facets, starting threads costs more than they save. */
 enum { FEWEST_PARALLEL_FACETS = 256 };
 /* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
    then left is made up for by `limit_given` and `wear`. */
-enum { MOST_SWEEPS = 32 };
+enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
 static const double news_share = 1e-3;
@@ -17,15 +18,17 @@ static bool in_parallel(const ShvCohesive *cohesive, int32_t facets)
     return cohesive->model->threads > 1 && facets >= FEWEST_PARALLEL_FACETS;
 }
 
+/* Seen by one who turns with the facet. */
 static ShvVec3 opening_rate(const ShvState *state, const ShvCohesivePoint *point)
 {
-    return shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
-                   shv_load3(state->velocity + 3 * (int64_t)point->first));
+    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
+                                 shv_load3(state->velocity + 3 * (int64_t)point->first));
+    return shv_sub(rate, point->carried);
 }
 
 static bool rests(const ShvCohesive *cohesive, const ShvState *state, int32_t index, const uint8_t *awake)
 {
-    const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)cohesive->facet[index];
+    const int32_t *elements = cohesive->sides[index].elements;
     return awake && !(awake[state->element_fragment[elements[0]]] && awake[state->element_fragment[elements[1]]]);
 }
 
@@ -110,10 +113,7 @@ static const double start_share = 1e-3;
 static double start_energy(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
 {
     const int32_t index = point->point / 3;
-    const ShvLaw *law = &cohesive->law[index];
-    const ShvMaterial *material = shv_cohesive_material(cohesive->model, cohesive->facet[index]);
-    const double length = sqrt(cohesive->area[index]);
-    return point->weight * law->strength[SHV_NORMAL] * shv_law_start(law, length, material->youngs_modulus).normal;
+    return point->weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start;
 }
 
 /* Moves the histories of a cluster along the last step, in the frame its tractions had. Sweeps that have not settled leave
@@ -132,8 +132,9 @@ static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t clust
         const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
         const ShvLaw *law = &cohesive->law[point->point / 3];
         ShvHistory *history = &cohesive->history[point->point];
-        const ShvVec3 to = shv_madd(shv_cohesive_opening(state, point->first, point->second), -0.5 * state->last_step,
-                                    opening_rate(state, point));
+        const ShvVec3 now = shv_cohesive_opening(state, point->first, point->second);
+        const ShvVec3 back = shv_madd(opening_rate(state, point), 2.0, point->carried); /* which goes the other way */
+        const ShvVec3 to = shv_madd(now, -0.5 * state->last_step, back);
         const ShvOpening at = shv_cohesive_components(to, point->normal);
         const ShvHistory next = shv_law_advance(law, *history, cohesive->opening[point->point], at);
         const bool grown = next.normal > history->normal || next.shear > history->shear;
@@ -152,15 +153,19 @@ static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t clust
 
 /* ---- begin ---- */
 
+static void begin_pair(const ShvState *state, const ShvCohesiveFrame *frame, int corner, ShvCohesivePoint *point)
+{
+    point->first = frame->first[corner];
+    point->second = frame->second[corner];
+    point->peak = 0.0;
+    point->opening = shv_cohesive_opening(state, point->first, point->second);
+}
+
 static void begin_point(ShvCohesive *cohesive, const ShvState *state, const ShvCohesiveFrame *frame, int32_t index,
                         int corner, ShvCohesivePoint *point)
 {
-    const int32_t first = frame->first[corner], second = frame->second[corner], k = 3 * index + corner;
-    point->first = first;
-    point->second = second;
-    point->peak = 0.0;
-    if (first == second) return;
-    point->opening = shv_cohesive_opening(state, first, second);
+    const int32_t k = 3 * index + corner;
+    if (point->first == point->second) return;
     point->from = shv_madd(point->opening, -0.5 * state->last_step, opening_rate(state, point));
     point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     point->pull = point->push = shv_vec3(0.0, 0.0, 0.0);
@@ -190,12 +195,13 @@ static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, int32_t index, c
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
 }
 
-static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, int32_t index,
-                        ShvCohesivePoint *points)
+static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, int32_t place)
 {
-    const bool resting = rests(cohesive, state, index, awake);
-    if (resting) {
+    const int32_t index = cohesive->live[place];
+    ShvCohesivePoint *points = cohesive->points + 3 * (int64_t)place;
+    if (!cohesive->sides[index].split || rests(cohesive, state, index, awake)) {
         for (int i = 0; i < 3; i++) points[i].first = points[i].second = 0;
+        cohesive->turns[place].turns = false;
         return;
     }
     const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
@@ -204,8 +210,11 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint
         points[i].carrying = cohesive->phase[index] == SHV_COHESIVE_CARRYING;
         points[i].weight = cohesive->area[index] / 3.0;
         points[i].normal = frame.normal;
-        begin_point(cohesive, state, &frame, index, i, &points[i]);
+        begin_pair(state, &frame, i, &points[i]);
     }
+    shv_turn_begin(&cohesive->turns[place], points, state);
+    shv_turn_follow(&cohesive->turns[place], points, state);
+    for (int i = 0; i < 3; i++) begin_point(cohesive, state, &frame, index, i, &points[i]);
     cohesive->phase[index] = (uint8_t)next_phase(cohesive, index, points);
 }
 
@@ -287,8 +296,8 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
 #pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, clusters))
     for (int32_t c = 0; c < clusters; c++) end_step(cohesive, state, c);
 #pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, live))
-    for (int32_t k = 0; k < live; k++)
-        begin_facet(cohesive, state, awake, cohesive->live[k], cohesive->points + 3 * (int64_t)k);
+    for (int32_t k = 0; k < live; k++) begin_facet(cohesive, state, awake, k);
+    cohesive->looked_count = live;
     collect(cohesive, state);
 }
 
@@ -359,6 +368,17 @@ static void move(ShvState *state, ShvCohesivePoint *point, double kick, ShvVec3 
     shv_add_to3(state->force + 3 * (int64_t)point->second, shv_scale(change, -1.0));
 }
 
+/* The rate that the pulls of one pair's points answer. */
+static void settle_block(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end)
+{
+    const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[start]];
+    const ShvVec3 whole = shv_add(opening_rate(state, pair), pair->carried);
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        point->settled = shv_sub(point->first == pair->first ? whole : shv_scale(whole, -1.0), point->carried);
+    }
+}
+
 /* Blocks one after another, each with the others' forces as they are. */
 static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
 {
@@ -374,29 +394,31 @@ static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32
             ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
             move(state, point, kick, point->change);
         }
-        const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[block]];
-        const ShvVec3 rate = opening_rate(state, pair);
-        for (int32_t i = block; i < stop; i++) {
-            ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-            point->settled = point->first == pair->first ? rate : shv_scale(rate, -1.0);
-        }
+        settle_block(cohesive, state, block, stop);
         largest = shv_larger(largest, stop - block == end - start && stop - block == 1 ? 0.0 : change);
     }
     return largest;
 }
 
+/* Of a sum of works, as a share of their magnitudes. */
+static const double rounding = 1e-13;
+
 /* Forces that have not settled could give more than the cluster stores. All are then scaled by λ, the largest for which
-   stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0. */
-static void limit_given(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
+   stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0.
+   Returns whether they were. */
+static bool limit_given(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step)
 {
-    double stored = 0.0, work = 0.0, a = 0.0;
+    const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
+    double stored = 0.0, work = 0.0, size = 0.0, a = 0.0;
     for (int32_t i = start; i < end; i++) {
         const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
         const ShvVec3 to = shv_madd(point->opening, 0.5 * step, opening_rate(state, point));
+        const double own = shv_dot(point->pull, shv_sub(to, point->from));
         stored += point->stored;
-        work += shv_dot(point->pull, shv_sub(to, point->from));
+        work += own;
+        size += point->stored + fabs(own);
     }
-    if (stored + work >= 0.0) return;
+    if (stored + work >= -rounding * size) return false;
     for (int32_t i = start; i < end; i++) {
         ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
         point->change = point->pull;
@@ -414,6 +436,7 @@ static void limit_given(ShvCohesive *cohesive, ShvState *state, int32_t start, i
         point->pull = shv_vec3(0.0, 0.0, 0.0);
         move(state, point, kick, shv_scale(point->change, scale));
     }
+    return true;
 }
 
 static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step,
@@ -423,8 +446,61 @@ static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t clus
     if (!again) prepare_cluster(cohesive, state, start, end, kick, step);
     int32_t sweeps = 1;
     while (sweep(cohesive, state, start, end, kick, step) > settled_share && sweeps < MOST_SWEEPS) sweeps++;
-    limit_given(cohesive, state, start, end, kick, step);
+    limit_given(cohesive, state, cluster, kick, step);
     return sweeps;
+}
+
+/* `first`: of the facet's points in `unsorted`. */
+static int32_t facet_end(const ShvCohesive *cohesive, int32_t first)
+{
+    int32_t end = first + 1;
+    while (end < cohesive->active_count && cohesive->unsorted[end] / 3 == cohesive->unsorted[first] / 3) end++;
+    return end;
+}
+
+/* What the pulls' couples have become since they were last answered. Facets share nodes: one after another. */
+static void answer_couples(ShvCohesive *cohesive, ShvState *state, double kick)
+{
+    for (int32_t start = 0, end; start < cohesive->active_count; start = end) {
+        end = facet_end(cohesive, start);
+        const int32_t facet = cohesive->unsorted[start] / 3;
+        ShvFacetTurn *turn = &cohesive->turns[facet];
+        ShvVec3 couple = {0.0, 0.0, 0.0};
+        for (int32_t i = start; i < end; i++) {
+            const ShvCohesivePoint *point = &cohesive->points[cohesive->unsorted[i]];
+            couple = shv_add(couple, shv_cross(point->opening, point->pull));
+        }
+        const ShvVec3 change = shv_sub(couple, turn->couple);
+        if (change.x == 0.0 && change.y == 0.0 && change.z == 0.0) continue;
+        shv_turn_strike(turn, cohesive->points + 3 * (int64_t)facet, state, change, kick);
+        turn->couple = couple;
+    }
+}
+
+/* All facets, or those that carry. */
+static void follow_turns(ShvCohesive *cohesive, const ShvState *state, bool all)
+{
+    const int32_t count = cohesive->looked_count, threads = cohesive->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count))
+    for (int32_t k = 0; k < count; k++) {
+        ShvCohesivePoint *points = cohesive->points + 3 * (int64_t)k;
+        if (all || points->carrying) shv_turn_follow(&cohesive->turns[k], points, state);
+    }
+}
+
+/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. */
+static void answer_within_limits(ShvCohesive *cohesive, ShvState *state, double kick, double step)
+{
+    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
+    bool limited = true;
+    answer_couples(cohesive, state, kick);
+    for (int round = 0; limited && round < MOST_ROUNDS; round++) {
+        follow_turns(cohesive, state, false);
+        limited = false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count)) reduction(|| : limited)
+        for (int32_t c = 0; c < count; c++) limited = limit_given(cohesive, state, c, kick, step) || limited;
+        if (limited) answer_couples(cohesive, state, kick);
+    }
 }
 
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step)
@@ -434,8 +510,10 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
     const bool again = cohesive->pull_kick == kick && cohesive->pull_step == step;
     int64_t sweeps = 0;
+    follow_turns(cohesive, state, false);
 #pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count)) reduction(+ : sweeps)
     for (int32_t c = 0; c < count; c++) sweeps += pull_cluster(cohesive, state, c, kick, step, again);
+    answer_within_limits(cohesive, state, kick, step);
     cohesive->pull_kick = kick;
     cohesive->pull_step = step;
     cohesive->sweeps = sweeps;
@@ -443,14 +521,14 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
 
 /* ---- book ---- */
 
-void shv_cohesive_book(const ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
+void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
     double pulled[2] = {0.0, 0.0}, pushed[2] = {0.0, 0.0};
+    follow_turns(cohesive, state, true);
     for (int32_t i = 0; i < cohesive->pair_count; i++) {
         const ShvCohesivePoint *point = &cohesive->points[cohesive->pairs[i]];
-        const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
-                                     shv_load3(state->velocity + 3 * (int64_t)point->first));
-        const ShvVec3 before = shv_sub(point->opening, point->from), after = shv_scale(rate, 0.5 * step);
+        const ShvVec3 before = shv_sub(point->opening, point->from);
+        const ShvVec3 after = shv_scale(opening_rate(state, point), 0.5 * step);
         pulled[0] -= shv_dot(point->pull, before);
         pulled[1] -= shv_dot(point->pull, after);
         pushed[0] -= shv_dot(point->push, before);

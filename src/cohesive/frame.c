@@ -1,30 +1,43 @@
 #include "cohesive/frame.h"
 
-/* Copies have one reference position, so the middle of a pair relative to that of corner 0 loses no digits far from the
-   origin. */
-static ShvVec3 middle(const ShvState *state, const ShvCohesiveFrame *frame, int corner)
+/* Copies have one reference position, so the arms stay; and the middle of a pair relative to that of corner 0 loses no digits far
+   from the origin. */
+void shv_cohesive_find_sides(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet)
 {
-    const int64_t a = 3 * (int64_t)frame->first[corner], b = 3 * (int64_t)frame->second[corner];
-    const int64_t origin = 3 * (int64_t)frame->first[0];
-    const ShvVec3 arm = shv_sub(shv_load3(state->reference + a), shv_load3(state->reference + origin));
-    const ShvVec3 sum = shv_add(shv_load3(state->displacement + a), shv_load3(state->displacement + b));
-    return shv_madd(arm, 0.5, sum);
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    const int64_t facet = cohesive->facet[cohesive_facet];
+    const uint8_t *faces = adjacency->facet_faces + 2 * facet;
+    ShvCohesiveSides *sides = &cohesive->sides[cohesive_facet];
+    sides->split = false;
+    for (int k = 0; k < 2; k++) sides->elements[k] = adjacency->facet_elements[2 * facet + k];
+    for (int i = 0; i < 3; i++) {
+        const uint8_t partner = cohesive->partner[3 * (int64_t)cohesive_facet + i];
+        sides->first[i] = shv_state_node(state, sides->elements[0], shv_face_corners[faces[0]][i]);
+        sides->second[i] = shv_state_node(state, sides->elements[1], shv_face_corners[faces[1]][partner]);
+        sides->split = sides->split || sides->first[i] != sides->second[i];
+    }
+    const ShvVec3 origin = shv_load3(state->reference + 3 * (int64_t)sides->first[0]);
+    for (int i = 0; i < 2; i++)
+        sides->arm[i] = shv_sub(shv_load3(state->reference + 3 * (int64_t)sides->first[i + 1]), origin);
+}
+
+static ShvVec3 twice_shift(const ShvState *state, const ShvCohesiveSides *sides, int corner)
+{
+    return shv_add(shv_load3(state->displacement + 3 * (int64_t)sides->first[corner]),
+                   shv_load3(state->displacement + 3 * (int64_t)sides->second[corner]));
 }
 
 ShvCohesiveFrame shv_cohesive_frame(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet)
 {
-    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    const int64_t facet = cohesive->facet[cohesive_facet];
-    const int32_t *elements = adjacency->facet_elements + 2 * facet;
-    const uint8_t *faces = adjacency->facet_faces + 2 * facet;
+    const ShvCohesiveSides *sides = &cohesive->sides[cohesive_facet];
     ShvCohesiveFrame frame;
     for (int i = 0; i < 3; i++) {
-        const uint8_t partner = cohesive->partner[3 * (int64_t)cohesive_facet + i];
-        frame.first[i] = shv_state_node(state, elements[0], shv_face_corners[faces[0]][i]);
-        frame.second[i] = shv_state_node(state, elements[1], shv_face_corners[faces[1]][partner]);
+        frame.first[i] = sides->first[i];
+        frame.second[i] = sides->second[i];
     }
-    const ShvVec3 start = middle(state, &frame, 0);
-    const ShvVec3 side = shv_sub(middle(state, &frame, 1), start), other = shv_sub(middle(state, &frame, 2), start);
+    const ShvVec3 start = shv_scale(twice_shift(state, sides, 0), 0.5);
+    const ShvVec3 side = shv_sub(shv_madd(sides->arm[0], 0.5, twice_shift(state, sides, 1)), start);
+    const ShvVec3 other = shv_sub(shv_madd(sides->arm[1], 0.5, twice_shift(state, sides, 2)), start);
     frame.normal = shv_unit(shv_cross(side, other));
     return frame;
 }

@@ -9,6 +9,8 @@ typedef struct ShvCohesiveFrame {
     ShvVec3 normal;              /* from the first face to the second */
 } ShvCohesiveFrame;
 
+/* Finds its sides anew, after nodes of it were split. */
+void shv_cohesive_find_sides(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet);
 ShvCohesiveFrame shv_cohesive_frame(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet);
 /* second − first, m */
 ShvVec3 shv_cohesive_opening(const ShvState *state, int32_t first, int32_t second);

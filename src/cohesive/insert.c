@@ -96,12 +96,15 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     const double scale = shv_cohesive_strength_scale(model, facet);
     cohesive->facet[index] = facet;
     match_corners(model, facet, cohesive->partner + point);
+    shv_cohesive_find_sides(cohesive, state, index);
     cohesive->area[index] = shv_norm(shv_cohesive_reference_area(model, facet));
     cohesive->law[index] = shv_law_make(material, scale * activation(cohesive, state, stress, index));
     cohesive->law[index].slip_share = cohesive->settings->regularisation;
     const double length = sqrt(cohesive->area[index]);
+    const ShvHistory start = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
+    cohesive->sides[index].start = start.normal;
     for (int i = 0; i < 3; i++) {
-        cohesive->history[point + i] = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
+        cohesive->history[point + i] = start;
         cohesive->opening[point + i] = (ShvOpening){0};
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
     }
@@ -114,9 +117,24 @@ static void mark(ShvCohesive *cohesive, const int32_t *facets, int32_t count, in
     for (int32_t i = 0; i < count; i++) cohesive->facet_cohesive[facets[i]] = first + stride * i;
 }
 
+/* Of all cohesive facets at a node. */
+static void find_sides_at(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t corner = state->corners[state->corner_start[node] + i];
+        for (int k = 0; k < 4; k++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)(corner / 4) + k];
+            if (k != corner % 4 && facet < adjacency->interior_count && cohesive->facet_cohesive[facet] >= 0)
+                shv_cohesive_find_sides(cohesive, state, cohesive->facet_cohesive[facet]);
+        }
+    }
+}
+
 static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
                         int32_t count, int32_t *sorted, int32_t *nodes, ShvError *error)
 {
+    const int32_t before = state->node_count;
     SHV_TRY(sort_facets(cohesive, facets, count, sorted, error));
     for (int32_t i = 0; i < count; i++)
         if (!shv_cohesive_material(cohesive->model, sorted[i]))
@@ -132,6 +150,9 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     }
     for (int32_t i = 0; i < count; i++) add_facet(cohesive, state, stress, sorted[i]);
     for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
+    for (int32_t i = 0; i < touched; i++) find_sides_at(cohesive, state, nodes[i]);
+    for (int32_t node = before; node < state->node_count; node++) find_sides_at(cohesive, state, node);
+    for (int32_t i = 0; i < count; i++) shv_cohesive_weigh(cohesive, sorted[i]);
     cohesive->active_count = cohesive->pair_count = 0; /* clusters wait for the end of their step */
     return SHV_OK;
 }

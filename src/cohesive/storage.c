@@ -6,6 +6,7 @@
 #define FACET_ARRAYS(X)                                                                                                \
     X(int32_t, facet, 1)                                                                                               \
     X(uint8_t, partner, 3)                                                                                             \
+    X(ShvCohesiveSides, sides, 1)                                                                                      \
     X(double, area, 1)                                                                                                 \
     X(ShvLaw, law, 1)                                                                                                  \
     X(ShvHistory, history, 3)                                                                                          \
@@ -14,6 +15,7 @@
     X(uint8_t, phase, 1)                                                                                               \
     X(int32_t, live, 1)                                                                                                \
     X(ShvCohesivePoint, points, 3)                                                                                     \
+    X(ShvFacetTurn, turns, 1)                                                                                          \
     X(int32_t, unsorted, 3)                                                                                            \
     X(int32_t, active, 3)                                                                                              \
     X(int32_t, pairs, 3)                                                                                               \
@@ -90,7 +92,8 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
 {
     const ShvModel *model = cohesive->model;
     ShvMemory *memory = cohesive->memory;
-    const size_t facets = (size_t)model->adjacency.interior_count, elements = (size_t)model->mesh.element_count;
+    const size_t facets = (size_t)model->adjacency.interior_count;
+    const size_t batches = ((size_t)model->mesh.element_count + SHV_LANES - 1) / SHV_LANES;
     const size_t corners = (size_t)most_corners(&model->adjacency, model->mesh.node_count);
     cohesive->facet_cohesive = shv_allocate(memory, SHV_PART_COHESIVE, facets, sizeof *cohesive->facet_cohesive);
     cohesive->facet_strength = shv_allocate(memory, SHV_PART_COHESIVE, facets, sizeof *cohesive->facet_strength);
@@ -101,12 +104,17 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->cluster = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster);
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
-    cohesive->element_bound = shv_allocate(memory, SHV_PART_STRESS, elements, sizeof *cohesive->element_bound);
+    cohesive->facet_watch = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_watch);
+    cohesive->face_weight = shv_allocate(memory, SHV_PART_STRESS, 4 * SHV_LANES * batches, sizeof(double));
+    cohesive->faces = shv_allocate(memory, SHV_PART_STRESS, batches, sizeof *cohesive->faces);
+    cohesive->asked = shv_allocate(memory, SHV_PART_STRESS, batches, sizeof *cohesive->asked);
+    cohesive->stress_known = shv_allocate(memory, SHV_PART_STRESS, batches, sizeof *cohesive->stress_known);
     cohesive->watched = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->watched);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
         !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->facet_value ||
-        !cohesive->element_bound || !cohesive->watched)
-        return shv_fail_memory(error, "facets that may break", facets * 24 + elements * 8 + corners * 12 + nodes * 8);
+        !cohesive->facet_watch || !cohesive->face_weight || !cohesive->faces || !cohesive->asked ||
+        !cohesive->stress_known || !cohesive->watched)
+        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 8);
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
@@ -143,7 +151,11 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->origin_fill);
     shv_release(cohesive->cluster);
     shv_release(cohesive->facet_value);
-    shv_release(cohesive->element_bound);
+    shv_release(cohesive->facet_watch);
+    shv_release(cohesive->face_weight);
+    shv_release(cohesive->faces);
+    shv_release(cohesive->asked);
+    shv_release(cohesive->stress_known);
     shv_release(cohesive->node_value);
     shv_release(cohesive->watched);
     shv_release(cohesive->watched_nodes);

@@ -6,5 +6,7 @@
 
 ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvError *error);
 ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error);
+/* criterion.c: a watched facet has been inserted, its elements' weights may fall. */
+void shv_cohesive_weigh(const ShvCohesive *cohesive, int32_t facet);
 
 #endif

@@ -43,7 +43,7 @@ static ShvStatus reserve_starts(ShvNodeGrid *grid, int64_t entries, ShvError *er
 
 static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
 {
-    const size_t count = (size_t)entries;
+    const size_t count = (size_t)(entries + entries / 4);
     if (entries > INT32_MAX / 4) return shv_fail_memory(error, "contact of surfaces", count * sizeof(ShvGridEntry));
     SHV_TRY(reserve_starts(grid, entries, error));
     if (grid->capacity >= entries) return SHV_OK;
@@ -53,21 +53,20 @@ static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
     list = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->sorted, count, sizeof *list);
     if (!list) return shv_fail_memory(error, "contact of surfaces", count * sizeof *list);
     grid->sorted = list;
-    grid->capacity = (int32_t)entries;
+    grid->capacity = (int32_t)count;
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_start(ShvNodeGrid *grid, ShvBox region, double smallest, uint32_t levels, int32_t nodes,
-                              ShvError *error)
+ShvStatus shv_node_grid_start(ShvNodeGrid *grid, const uint32_t levels[SHV_GRID_PACES],
+                              const int32_t nodes[SHV_GRID_PACES], ShvError *error)
 {
-    int used = 0;
-    for (uint32_t bits = levels; bits; bits &= bits - 1) used++;
-    SHV_TRY(reserve(grid, (int64_t)used * nodes, error));
-    shv_node_grid_scale(grid, region, smallest);
-    grid->levels = levels;
-    grid->paces = 0;
+    int64_t entries = 0;
+    for (int pace = 0; pace < SHV_GRID_PACES; pace++) {
+        for (uint32_t bits = levels[pace]; bits; bits &= bits - 1) entries += nodes[pace];
+        grid->levels[pace] = nodes[pace] > 0 ? levels[pace] : 0;
+    }
     grid->count = 0;
-    return SHV_OK;
+    return reserve(grid, entries, error);
 }
 
 /* What lies outside the region, or nowhere, counts to its rim. */
@@ -93,8 +92,8 @@ static uint64_t hash_of(const ShvNodeGrid *grid, uint64_t key)
 void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int pace, ShvVec3 position)
 {
     double size = grid->size;
-    for (int level = 0; grid->levels >> level; level++, size *= 2.0) {
-        if (grid->levels >> level & 1u) {
+    for (int level = 0; grid->levels[pace] >> level; level++, size *= 2.0) {
+        if (grid->levels[pace] >> level & 1u) {
             const ShvVec3 o = grid->origin;
             const uint64_t x = cell(position.x, o.x, size), y = cell(position.y, o.y, size);
             grid->entries[grid->count++] = (ShvGridEntry){
@@ -102,7 +101,6 @@ void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int pace, ShvVec3 positi
         }
         if (level == TOP_LEVEL) break;
     }
-    grid->paces |= (uint32_t)1 << pace;
 }
 
 /* Counting sort: entries of a cube stay in the order in which they came. */
@@ -117,12 +115,12 @@ void shv_node_grid_finish(ShvNodeGrid *grid)
 }
 
 /* The level in use that fits best: the lowest at or above its own, or the highest. */
-static int level_for(const ShvNodeGrid *grid, double size)
+static int level_for(const ShvNodeGrid *grid, int pace, double size)
 {
     int highest = 0;
     const int own = shv_node_grid_level(grid, size);
     for (int level = 0; level <= TOP_LEVEL; level++) {
-        if (!(grid->levels >> level & 1u)) continue;
+        if (!(grid->levels[pace] >> level & 1u)) continue;
         highest = level;
         if (level >= own) break;
     }
@@ -160,12 +158,12 @@ static ShvStatus take_from_all(ShvNodeGrid *grid, uint64_t cubes, const ShvBox *
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int pace, double facet_size, ShvBox box, ShvError *error)
+ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int pace, double size, ShvBox box, ShvError *error)
 {
     grid->found_count = 0;
-    if (!(grid->paces >> pace & 1u)) return SHV_OK;
-    const int level = level_for(grid, facet_size);
-    double size = grid->size;
+    if (grid->levels[pace] == 0) return SHV_OK;
+    const int level = level_for(grid, pace, size);
+    size = grid->size;
     for (int k = 0; k < level; k++) size *= 2.0;
     const ShvVec3 o = grid->origin;
     const uint64_t low[3] = {cell(box.low.x, o.x, size), cell(box.low.y, o.y, size), cell(box.low.z, o.z, size)};

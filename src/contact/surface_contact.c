@@ -15,7 +15,9 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
                                    .stale = true,
                                    .idle = true,
                                    .list = {.memory = memory, .model = model},
-                                   .grid = {.memory = memory}};
+                                   .beats = SHV_SURFACE_BEAT,
+                                   .grid = {.memory = memory},
+                                   .facet_grid = {.memory = memory}};
     return SHV_OK;
 }
 
@@ -23,6 +25,9 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
 {
     shv_surface_list_release(&contact->list);
     shv_node_grid_release(&contact->grid);
+    shv_node_grid_release(&contact->facet_grid);
+    shv_release(contact->strays.items);
+    shv_release(contact->stray_facets.items);
     shv_release(contact->own);
     shv_release(contact->near);
     shv_release(contact->order);

@@ -40,7 +40,7 @@ typedef struct ShvCompanionBefore {
     ShvVec3 velocity, angular_velocity;
 } ShvCompanionBefore;
 
-/* Steps from one look at companions among themselves to the next: they have no waves to resolve, and weight moves them by
+/* Most steps from one look at companions among themselves to the next: they have no waves to resolve, and weight moves them by
    g t²/2, nanometres, in so short a time. */
 enum { SHV_SURFACE_BEAT = 8 };
 
@@ -68,6 +68,12 @@ typedef struct ShvSurfaceFragment {
     bool cracked; /* it was cracked, or comes from such: its own surfaces are candidates of one another */
 } ShvSurfaceFragment;
 
+/* Places, in a list, of those in its grid that have strayed since. */
+typedef struct ShvSurfaceStrays {
+    int32_t *items;
+    int32_t count, capacity;
+} ShvSurfaceStrays;
+
 /* What moves: nodes and facets of each pace, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_PACES, SHV_SURFACE_MOVERS };
 
@@ -86,18 +92,22 @@ struct ShvSurfaceContact {
     int32_t *order;     /* fragments by the low end of their boxes */
     ShvSurfaceFragment *fragments;
     int32_t fragment_capacity;
-    double size;                          /* of facets, mean, m */
-    double built_time;                    /* s: when candidates were chosen */
-    int32_t grid_nodes;                   /* of the list, so many are in the grid */
+    double size;            /* of facets, mean, m */
+    double built_time;      /* s: when candidates were chosen */
+    int32_t grid_nodes;     /* of the list, so many are in the grid */
+    ShvNodeGrid facet_grid; /* centres of the facets' boxes; their first grid_facets are in it */
+    int32_t grid_facets;
+    double half[SHV_SURFACE_PACES]; /* m: no box of a facet of the pace in the grid reaches farther from its centre */
+    ShvSurfaceStrays strays, stray_facets;
     ShvVec3 drift;                        /* velocity of the frame in which motion is measured, m/s */
     double allowance[SHV_SURFACE_MOVERS]; /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];     /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];      /* m: how far the fastest has gone since */
-    int32_t since;                        /* steps since the last look at all nodes */
+    int32_t rest;                         /* steps until the next look at all nodes */
     int32_t age;                          /* steps since candidates were chosen */
     double seen_time;                     /* s: moment up to which motion has been counted */
     ShvSurfaceCandidates candidates[2];   /* where something deforms or an obstacle is met; between companions */
-    int32_t beat;                         /* steps since companions were looked at together */
+    int32_t beat, beats;                  /* steps since companions were looked at together; until they are again */
     int32_t *watched;                     /* nodes of candidates that are not companions': places in list.nodes */
     int32_t watched_count, watched_capacity;
     double *before; /* 3 per watched node: velocity before the kick, m/s */

@@ -32,7 +32,7 @@ typedef struct ShvSurfaceContact ShvSurfaceContact;
 
 void shv_surface_draw_release(ShvSurfaceDraw *draw);
 /* Finds the pairs that may meet within `step` from now: contact->draw.keys, in the order of their numbers, whatever the
-   candidates were. Between companions it looks once in SHV_SURFACE_BEAT steps, that far ahead. */
+   candidates were. Between companions it looks once in contact->beats steps, that far ahead. */
 ShvStatus shv_surface_draw(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error);
 
 #endif

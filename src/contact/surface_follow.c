@@ -16,7 +16,7 @@ static bool first_crack(const ShvSurfaceContact *contact, int32_t fragment)
 static bool splits_whole_body(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const int32_t *fragment = bodies->state->element_fragment;
-    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+    for (int32_t k = 0; k < contact->list.facet_count && contact->known_fragments != bodies->fragment_count; k++) {
         const ShvSurfaceFacet *facet = &contact->list.facets[k];
         if (fragment[facet->element] != facet->fragment && first_crack(contact, facet->fragment)) return true;
     }
@@ -116,6 +116,8 @@ static ShvStatus copy_candidates(ShvSurfaceContact *contact, const ShvSurfaceBod
     ShvSurfaceCandidates *list = &contact->candidates[0];
     const int32_t count = list->count;
     for (int32_t k = 0; k < count; k++) {
+        const int32_t slot = list->items[k].slot, facet = list->items[k].facet;
+        if (!contact->list.parted[slot] && !(facet >= 0 && contact->list.touch[facet])) continue;
         const ShvSurfaceCandidate candidate = list->items[k];
         if (candidate.element >= 0 && contact->list.facets[candidate.facet].changed)
             SHV_TRY(shv_surface_candidate_watch(contact, bodies, &candidate, error));
@@ -134,15 +136,19 @@ static ShvStatus copy_candidates(ShvSurfaceContact *contact, const ShvSurfaceBod
 
 static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
-    int32_t nodes;
+    const ShvSurfaceKnown known = {contact->known_nodes, contact->known_cohesive, contact->known_fragments};
+    const bool renamed = known.fragments != bodies->fragment_count;
     SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
     for (int32_t i = contact->known_fragments; i < bodies->fragment_count; i++)
         contact->fragments[i] = (ShvSurfaceFragment){.cracked = true};
-    SHV_TRY(shv_surface_list_follow(&contact->list, bodies, contact->known_cohesive, &nodes, error));
-    if (contact->list.node_count > nodes) SHV_TRY(copy_candidates(contact, bodies, error));
+    SHV_TRY(shv_surface_list_follow(&contact->list, bodies, known, error));
+    if (contact->list.copies_end > contact->list.copies_begin) SHV_TRY(copy_candidates(contact, bodies, error));
     for (int kind = 0; kind < 2; kind++)
-        for (int32_t k = 0; k < contact->candidates[kind].count; k++)
-            name_anew(contact, bodies->state, &contact->candidates[kind].items[k]);
+        for (int32_t k = 0; k < contact->candidates[kind].count; k++) {
+            ShvSurfaceCandidate *candidate = &contact->candidates[kind].items[k];
+            if (renamed || (candidate->facet >= 0 && contact->list.touch[candidate->facet]))
+                name_anew(contact, bodies->state, candidate);
+        }
     return SHV_OK;
 }
 

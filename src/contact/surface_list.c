@@ -1,5 +1,7 @@
 #include "contact/surface_list.h"
 
+#include <stdlib.h>
+
 #include "contact/candidates.h"
 #include "mesh/facets.h"
 
@@ -10,6 +12,10 @@ void shv_surface_list_release(ShvSurfaceList *list)
     shv_release(list->nodes);
     shv_release(list->slot);
     shv_release(list->cracks);
+    shv_release(list->place);
+    shv_release(list->touched);
+    shv_release(list->touch);
+    shv_release(list->parted);
     *list = (ShvSurfaceList){0};
 }
 
@@ -24,6 +30,36 @@ static ShvStatus reserve_slots(ShvSurfaceList *list, const ShvState *state, ShvE
     list->slot = grown;
     for (int32_t i = list->slot_capacity; i < state->node_capacity; i++) list->slot[i] = -1;
     list->slot_capacity = state->node_capacity;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_places(ShvSurfaceList *list, ShvError *error)
+{
+    const size_t faces = 4 * (size_t)list->model->mesh.element_count;
+    if (list->place) {
+        for (int32_t k = 0; k < list->facet_count; k++)
+            list->place[4 * (int64_t)list->facets[k].element + list->facets[k].face] = -1;
+        return SHV_OK;
+    }
+    list->place = shv_allocate(list->memory, SHV_PART_CONTACT, faces, sizeof(int32_t));
+    if (!list->place) return shv_fail_memory(error, "contact of surfaces", faces * sizeof(int32_t));
+    for (size_t k = 0; k < faces; k++) list->place[k] = -1;
+    return SHV_OK;
+}
+
+/* Marks are zero between looks. */
+static ShvStatus reserve_marks(ShvSurfaceList *list, ShvError *error)
+{
+    if (list->touch_capacity < list->facet_capacity) {
+        const size_t wanted = (size_t)list->facet_capacity;
+        SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->touch, wanted, "contact of surfaces", wanted, error);
+        list->touch_capacity = list->facet_capacity;
+    }
+    if (list->parted_capacity < list->node_capacity) {
+        const size_t wanted = (size_t)list->node_capacity;
+        SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->parted, wanted, "contact of surfaces", wanted, error);
+        list->parted_capacity = list->node_capacity;
+    }
     return SHV_OK;
 }
 
@@ -66,7 +102,8 @@ static ShvStatus add_nodes(ShvSurfaceList *list, const ShvState *state, int32_t 
     return SHV_OK;
 }
 
-static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+/* Its box; returns its area vector × 2, m². */
+static ShvVec3 measure_box(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
 {
     int32_t nodes[3];
     ShvVec3 x[3];
@@ -80,8 +117,19 @@ static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSur
     const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])), n = shv_unit(area);
     const double altitude = shv_dot(n, shv_sub(x[0], shv_bodies_position(bodies, apex, facet->fragment)));
     for (int k = 0; k < 3; k++) shv_box_add(&facet->box, shv_madd(x[k], -0.5 * altitude, n));
+    return area;
+}
+
+void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+{
+    measure_box(bodies, facet);
+}
+
+static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+{
+    const ShvVec3 area = measure_box(bodies, facet);
     for (int k = 0; k < 3; k++) {
-        ShvVec3 *normal = &list->nodes[list->slot[nodes[k]]].normal;
+        ShvVec3 *normal = &list->nodes[facet->slots[k]].normal;
         *normal = shv_add(*normal, area);
     }
 }
@@ -102,6 +150,7 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     SHV_TRY(shv_candidates_grow(list->memory, &block, &list->facet_capacity, list->facet_count, sizeof(ShvSurfaceFacet),
                                 error));
     list->facets = block;
+    if (list->place) list->place[4 * (int64_t)element + face] = list->facet_count;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
     *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .crack = crack};
     int32_t nodes[3];
@@ -150,19 +199,36 @@ static ShvStatus open_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies
     return SHV_OK;
 }
 
-static void hold_pairs(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index)
+/* Whether a crack that has not parted lies between a node and another copy of it. */
+static bool is_held(const ShvCohesive *cohesive, const ShvState *state, const ShvAdjacency *adjacency, int32_t node)
 {
-    const ShvAdjacency *adjacency = &list->model->adjacency;
-    const int64_t facet = bodies->cohesive->facet[index];
-    const int32_t *elements = adjacency->facet_elements + 2 * facet;
-    const uint8_t *faces = adjacency->facet_faces + 2 * facet;
-    for (int i = 0; i < 3; i++) {
-        const uint8_t partner = bodies->cohesive->partner[3 * (int64_t)index + i];
-        const int32_t first = shv_state_node(bodies->state, elements[0], shv_face_corners[faces[0]][i]);
-        const int32_t second = shv_state_node(bodies->state, elements[1], shv_face_corners[faces[1]][partner]);
-        if (first == second) continue;
-        if (list->slot[first] >= 0) list->nodes[list->slot[first]].held = true;
-        if (list->slot[second] >= 0) list->nodes[list->slot[second]].held = true;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t corner = state->corners[state->corner_start[node] + i];
+        for (int k = 0; k < 4; k++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)(corner / 4) + k];
+            if (k == corner % 4 || facet >= adjacency->interior_count || cohesive->facet_cohesive[facet] < 0) continue;
+            const int32_t index = cohesive->facet_cohesive[facet];
+            if (cohesive->phase[index] == SHV_COHESIVE_SEPARATED) continue;
+            const ShvCohesiveSides *sides = &cohesive->sides[index];
+            for (int c = 0; c < 3; c++)
+                if (sides->first[c] != sides->second[c] && (sides->first[c] == node || sides->second[c] == node))
+                    return true;
+        }
+    }
+    return false;
+}
+
+static void hold_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node)
+{
+    const int32_t slot = list->slot[node];
+    if (slot >= 0) list->nodes[slot].held = is_held(bodies->cohesive, bodies->state, &list->model->adjacency, node);
+}
+
+static void hold_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index)
+{
+    for (int c = 0; c < 3; c++) {
+        hold_node(list, bodies, bodies->cohesive->sides[index].first[c]);
+        hold_node(list, bodies, bodies->cohesive->sides[index].second[c]);
     }
 }
 
@@ -177,32 +243,21 @@ static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     return SHV_OK;
 }
 
-/* *changed: whether nodes were added or cracks have parted. */
-static ShvStatus follow_cracks(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, bool *changed, ShvError *error)
+/* Nodes that have come, and those of cracks that have parted, may be held or not. */
+ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     int32_t kept = 0;
     const int32_t nodes = list->node_count;
     for (int32_t k = 0; k < list->crack_count; k++) {
+        const int32_t index = list->cracks[k].index;
         SHV_TRY(follow_crack(list, bodies, &list->cracks[k], error));
-        if (bodies->cohesive->phase[list->cracks[k].index] != SHV_COHESIVE_SEPARATED)
+        if (bodies->cohesive->phase[index] == SHV_COHESIVE_SEPARATED)
+            hold_sides(list, bodies, index);
+        else
             list->cracks[kept++] = list->cracks[k];
     }
-    *changed = kept != list->crack_count || nodes != list->node_count;
     list->crack_count = kept;
-    return SHV_OK;
-}
-
-static void hold(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
-{
-    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].held = false;
-    for (int32_t k = 0; k < list->crack_count; k++) hold_pairs(list, bodies, list->cracks[k].index);
-}
-
-ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
-{
-    bool changed = false;
-    SHV_TRY(follow_cracks(list, bodies, &changed, error));
-    if (changed) hold(list, bodies);
+    for (int32_t k = nodes; k < list->node_count; k++) hold_node(list, bodies, list->nodes[k].node);
     return SHV_OK;
 }
 
@@ -216,9 +271,26 @@ static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvE
     ShvSurfaceNode *copy = &list->nodes[own], *original = &list->nodes[slot];
     copy->pace = original->pace;
     copy->from = original->from;
+    copy->original = original->node;
     copy->twin = original->twins;
     original->twins = own;
     return SHV_OK;
+}
+
+/* Marks of the last look. */
+static void forget(ShvSurfaceList *list)
+{
+    for (int32_t k = 0; k < list->touched_count; k++) {
+        const int32_t place = list->touched[k];
+        list->touch[place] = 0;
+        list->facets[place].changed = false;
+    }
+    for (int32_t k = list->copies_begin; k < list->copies_end; k++) {
+        const int32_t original = list->slot[list->nodes[k].original];
+        list->nodes[k].twin = list->nodes[k].twins = list->nodes[original].twins = -1;
+        list->parted[original] = 0;
+    }
+    list->touched_count = list->copies_begin = list->copies_end = 0;
 }
 
 static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet,
@@ -226,54 +298,114 @@ static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 {
     int32_t nodes[3];
     shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
-    facet->changed = false;
     for (int k = 0; k < 3; k++) {
         if (list->nodes[facet->slots[k]].node == nodes[k]) continue;
         if (list->slot[nodes[k]] < 0) SHV_TRY(add_copy(list, facet->slots[k], nodes[k], error));
         facet->slots[k] = list->slot[nodes[k]];
         facet->changed = true;
     }
-    facet->fragment = bodies->state->element_fragment[facet->element];
     return SHV_OK;
 }
 
-/* Normals of nodes that were split, and of their copies: each has fewer facets now. */
-static void part_normals(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t copies)
+static ShvStatus touch(ShvSurfaceList *list, int32_t place, ShvError *error)
 {
-    for (int32_t k = 0; k < list->node_count; k++)
-        if (k >= copies || list->nodes[k].twins >= 0) list->nodes[k].normal = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < list->facet_count; k++) {
-        const ShvSurfaceFacet *facet = &list->facets[k];
-        ShvVec3 x[3];
-        bool concerned = false;
-        for (int i = 0; i < 3; i++)
-            concerned = concerned || facet->slots[i] >= copies || list->nodes[facet->slots[i]].twins >= 0;
-        if (!concerned) continue;
-        for (int i = 0; i < 3; i++)
-            x[i] = shv_bodies_position(bodies, list->nodes[facet->slots[i]].node, facet->fragment);
-        const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
-        for (int i = 0; i < 3; i++) {
-            ShvSurfaceNode *node = &list->nodes[facet->slots[i]];
-            if (facet->slots[i] >= copies || node->twins >= 0) node->normal = shv_add(node->normal, area);
+    if (place < 0 || list->touch[place]) return SHV_OK;
+    void *block = list->touched;
+    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->touched_capacity, list->touched_count, sizeof(int32_t),
+                                error));
+    list->touched = block;
+    list->touch[place] = 1;
+    list->touched[list->touched_count++] = place;
+    return SHV_OK;
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* The facets of all tets at the nodes that have come since. */
+static ShvStatus touch_facets(ShvSurfaceList *list, const ShvState *state, int32_t first, ShvError *error)
+{
+    for (int32_t node = first; node < state->node_count; node++)
+        for (int32_t i = 0; i < state->corner_count[node]; i++) {
+            const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+            for (int face = 0; face < 4; face++) SHV_TRY(touch(list, list->place[4 * (int64_t)element + face], error));
         }
+    if (list->touched_count > 0) qsort(list->touched, (size_t)list->touched_count, sizeof(int32_t), by_number);
+    return SHV_OK;
+}
+
+static void add_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, int32_t slot)
+{
+    ShvVec3 x[3];
+    for (int i = 0; i < 3; i++) x[i] = shv_bodies_position(bodies, list->nodes[facet->slots[i]].node, facet->fragment);
+    ShvSurfaceNode *node = &list->nodes[slot];
+    node->normal = shv_add(node->normal, shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
+}
+
+/* The sum over a node's facets, in their order. */
+static void sum_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t slot)
+{
+    const ShvState *state = bodies->state;
+    const int32_t node = list->nodes[slot].node;
+    list->nodes[slot].normal = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t last = -1, next;; last = next) {
+        next = INT32_MAX;
+        for (int32_t i = 0; i < state->corner_count[node]; i++) {
+            const int32_t corner = state->corners[state->corner_start[node] + i];
+            for (int face = 0; face < 4; face++) {
+                const int32_t place = list->place[corner / 4 * (int64_t)4 + face];
+                if (face != corner % 4 && place > last && place < next) next = place;
+            }
+        }
+        if (next == INT32_MAX) return;
+        add_normal(list, bodies, &list->facets[next], slot);
     }
 }
 
-ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t cohesive,
-                                  int32_t *nodes, ShvError *error)
+/* Of nodes that were split, and of their copies: each has fewer facets now. */
+static void part_normals(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
 {
-    const ShvState *state = bodies->state;
-    *nodes = list->node_count;
-    SHV_TRY(reserve_slots(list, state, error));
-    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].twins = list->nodes[k].twin = -1;
-    for (int32_t k = 0; k < list->facet_count; k++) SHV_TRY(follow_facet(list, bodies, &list->facets[k], error));
+    for (int32_t k = list->copies_begin; k < list->copies_end; k++) {
+        const int32_t original = list->slot[list->nodes[k].original];
+        sum_normal(list, bodies, k);
+        if (list->nodes[original].twins == k) sum_normal(list, bodies, original); /* once */
+        list->parted[original] = 1;
+    }
+}
+
+static void name_fragments(ShvSurfaceList *list, const ShvState *state)
+{
+    for (int32_t k = 0; k < list->facet_count; k++)
+        list->facets[k].fragment = state->element_fragment[list->facets[k].element];
     for (int32_t k = 0; k < list->node_count; k++) {
         const int32_t corner = state->corners[state->corner_start[list->nodes[k].node]];
         list->nodes[k].fragment = state->element_fragment[corner / 4];
     }
-    if (list->node_count > *nodes) part_normals(list, bodies, *nodes);
-    for (int32_t i = cohesive; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
-    hold(list, bodies);
+}
+
+ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
+                                  ShvError *error)
+{
+    const ShvState *state = bodies->state;
+    forget(list);
+    SHV_TRY(reserve_slots(list, state, error));
+    SHV_TRY(reserve_marks(list, error));
+    SHV_TRY(touch_facets(list, state, known.nodes, error));
+    list->copies_begin = list->copies_end = list->node_count;
+    for (int32_t k = 0; k < list->touched_count; k++)
+        SHV_TRY(follow_facet(list, bodies, &list->facets[list->touched[k]], error));
+    SHV_TRY(reserve_marks(list, error));
+    list->copies_end = list->node_count;
+    if (known.fragments != bodies->fragment_count) name_fragments(list, state);
+    part_normals(list, bodies);
+    for (int32_t i = known.cohesive; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
+    for (int32_t node = known.nodes; node < state->node_count; node++) {
+        hold_node(list, bodies, node);
+        hold_node(list, bodies, shv_state_split_from(state, node));
+    }
     return SHV_OK;
 }
 
@@ -291,15 +423,16 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 
 ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
+    forget(list);
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
+    if (bodies->cohesive) SHV_TRY(reserve_places(list, error));
     list->node_count = list->facet_count = list->crack_count = 0;
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
     if (!bodies->cohesive) return SHV_OK;
     for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
-    bool changed;
-    SHV_TRY(follow_cracks(list, bodies, &changed, error));
-    hold(list, bodies);
+    SHV_TRY(shv_surface_list_part(list, bodies, error));
+    for (int32_t k = 0; k < list->node_count; k++) hold_node(list, bodies, list->nodes[k].node);
     return SHV_OK;
 }

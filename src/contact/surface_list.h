@@ -28,20 +28,23 @@ enum { SHV_SURFACE_PACES = 8 };
 
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    int32_t slots[3]; /* of its nodes */
-    bool crack;       /* face of a crack that has parted */
-    bool changed;     /* nodes of it were split at the last look */
-    int64_t seen;     /* turn of the last look at it */
-    uint8_t pace;     /* the largest of its nodes */
-    ShvBox box;       /* of the facet and what is below it to half the depth of its tet, when last measured */
+    int32_t slots[3];   /* of its nodes */
+    bool crack;         /* face of a crack that has parted */
+    bool changed;       /* nodes of it were split at the last look */
+    bool stray, strays; /* of a node that has strayed, or does just now */
+    int64_t seen;       /* turn of the last look at it */
+    uint8_t pace;       /* the largest of its nodes */
+    ShvBox box;         /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
-    int32_t watch; /* place among the nodes of candidates, −1: of none */
-    int32_t twins; /* the last of the nodes that were split from it at the last look, −1: none */
-    int32_t twin;  /* the one before this of the same node, −1: none */
+    int32_t watch;    /* place among the nodes of candidates, −1: of none */
+    int32_t twins;    /* the last of the nodes that were split from it at the last look, −1: none */
+    int32_t twin;     /* the one before this of the same node, −1: none */
+    int32_t original; /* of a copy: the node that it was split from in the list */
     uint8_t pace;
+    bool stray, strays; /* it has left the way that its place in the grid of all nodes allows for, or is about to */
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
     ShvVec3 from;   /* where it was when its pace was chosen, m */
     ShvVec3 at;     /* where it was when last looked at, m */
@@ -68,6 +71,14 @@ typedef struct ShvSurfaceList {
     int32_t slot_capacity;
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
+    int32_t *place; /* per element × 4 + face: its place in `facets`, −1: none */
+    /* of the last look at insertions */
+    int32_t *touched; /* places in `facets`, increasing: of tets that have got a copy in place of a node */
+    int32_t touched_count, touched_capacity;
+    uint8_t *touch;  /* per place in `facets`: it is one of these */
+    uint8_t *parted; /* per place in `nodes`: it has twins */
+    int32_t touch_capacity, parted_capacity;
+    int32_t copies_begin, copies_end; /* in `nodes` */
 } ShvSurfaceList;
 
 static inline ShvCompanion *shv_bodies_companion(const ShvSurfaceBodies *bodies, int32_t fragment)
@@ -95,10 +106,17 @@ void shv_surface_list_release(ShvSurfaceList *list);
 ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 /* Measures boxes and normals anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
+/* The box of one facet. */
+void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
+/* What was known before insertions: nodes of the state, cohesive facets, fragments. */
+typedef struct ShvSurfaceKnown {
+    int32_t nodes, cohesive, fragments;
+} ShvSurfaceKnown;
+
 /* Goes on after insertions: copies of nodes are appended, with where their originals came from and the pace; fragments are
-   named anew, and cohesive facets from number `cohesive` on are followed. *nodes receives the number of nodes before. */
-ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t cohesive,
-                                  int32_t *nodes, ShvError *error);
+   named anew where there are new ones, and new cohesive facets are followed. */
+ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
+                                  ShvError *error);
 /* Appends the nodes of cracks that have failed since and the faces of those that have parted. */
 ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 

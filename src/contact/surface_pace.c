@@ -2,7 +2,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { STEPS_BETWEEN_LOOKS = 4, STEPS_TO_LAST = 64 };
+enum { MOST_BETWEEN_LOOKS = 4, STEPS_TO_LAST = 64 };
 
 /* ---- motion ---- */
 
@@ -66,20 +66,46 @@ static bool companions_outrun(const ShvSurfaceContact *contact, const ShvSurface
     return false;
 }
 
-static bool outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity)
+int32_t shv_surface_pace_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                               const ShvSurfaceNode *node, double step, double gravity, int32_t most)
 {
-    const double time = bodies->state->time - contact->built_time, ahead = 2.0 * STEPS_BETWEEN_LOOKS * step;
-    for (int32_t k = 0; k < contact->list.node_count; k++) {
+    const double time = bodies->state->time - contact->built_time;
+    const ShvVec3 x = shv_state_position(bodies->state, node->node);
+    const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
+    const double gone = shv_norm(shv_madd(shv_sub(x, node->from), -time, contact->drift)), speed = shv_norm(v);
+    double ahead = 2.0 * most * step;
+    while (most > 0 && !(gone + ahead * (speed + ahead * gravity) <= contact->allowance[node->pace]))
+        ahead = 2.0 * (most /= 2) * step;
+    return most;
+}
+
+/* Of the node that can be left for the fewest. */
+static int32_t steps_of_nodes(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                              double gravity)
+{
+    int32_t steps = MOST_BETWEEN_LOOKS;
+    for (int32_t k = 0; k < contact->list.node_count && steps > 0; k++) {
         const ShvSurfaceNode *node = &contact->list.nodes[k];
-        if (shv_bodies_companion(bodies, node->fragment)) continue;
-        const ShvVec3 x = shv_state_position(bodies->state, node->node);
-        const ShvVec3 gone = shv_madd(shv_sub(x, node->from), -time, contact->drift);
-        const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
-        if (!(shv_norm(gone) + ahead * (shv_norm(v) + ahead * gravity) <= contact->allowance[node->pace])) return true;
+        if (!shv_bodies_companion(bodies, node->fragment))
+            steps = shv_surface_pace_steps(contact, bodies, node, step, gravity, steps);
     }
-    return companions_outrun(contact, bodies, 2.0 * SHV_SURFACE_BEAT * step, gravity) ||
-           contact->path[SHV_SURFACE_OBSTACLES] + ahead * contact->speed[SHV_SURFACE_OBSTACLES] >
-               contact->allowance[SHV_SURFACE_OBSTACLES];
+    return steps;
+}
+
+static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
+{
+    return contact->path[SHV_SURFACE_OBSTACLES] + ahead * contact->speed[SHV_SURFACE_OBSTACLES] >
+           contact->allowance[SHV_SURFACE_OBSTACLES];
+}
+
+/* Steps until companions are looked at together again: what flies past its neighbours is looked at more often. */
+static int32_t beats_for(const ShvSurfaceContact *contact, double step)
+{
+    const double share = 0.1; /* of a facet's size: twice the way of both sides from one look to the next */
+    double fastest = 0.0;
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) fastest = fmax(fastest, contact->speed[pace]);
+    const double steps = share * contact->size / (4.0 * step * fastest);
+    return steps >= SHV_SURFACE_BEAT ? SHV_SURFACE_BEAT : steps >= 1.0 ? (int32_t)steps : 1;
 }
 
 /* Neighbours that were in place are no candidates of each other: where there are cracks, candidates last a limited time. */
@@ -93,11 +119,15 @@ bool shv_surface_pace_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     for (int32_t i = 0; bodies->companions && i < bodies->fragment_count; i++)
         if (bodies->companions[i])
             contact->fragments[i].path += state->last_step * companion_speed(contact, bodies->companions[i]);
-    contact->beat = (contact->beat + 1) % SHV_SURFACE_BEAT;
+    if (++contact->beat >= contact->beats) {
+        contact->beat = 0;
+        contact->beats = beats_for(contact, state->last_step);
+    }
     if (++contact->age >= STEPS_TO_LAST && contact->list.crack_count > 0) return true;
-    if (++contact->since < STEPS_BETWEEN_LOOKS) return false;
-    contact->since = 0;
-    return outrun(contact, bodies, state->last_step, gravity);
+    if (--contact->rest > 0) return false;
+    contact->rest = steps_of_nodes(contact, bodies, state->last_step, gravity);
+    return companions_outrun(contact, bodies, 2.0 * contact->beats * state->last_step, gravity) ||
+           obstacles_outrun(contact, 2.0 * MOST_BETWEEN_LOOKS * state->last_step);
 }
 
 /* ---- paces ---- */
@@ -120,7 +150,7 @@ static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 /* Lasts for many steps, but is not so far that every node has dozens of candidates unless the motion demands it. */
 static double allowance_for(const ShvSurfaceContact *contact, double way)
 {
-    const double far = 0.25 * contact->size, wanted = STEPS_TO_LAST * way, needed = 4.0 * STEPS_BETWEEN_LOOKS * way;
+    const double far = 0.25 * contact->size, wanted = STEPS_TO_LAST * way, needed = 4.0 * MOST_BETWEEN_LOOKS * way;
     return fmax(needed, fmin(wanted, far));
 }
 
@@ -131,7 +161,8 @@ void shv_surface_pace_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     const ShvCompanion *companion = shv_bodies_companion(bodies, node->fragment);
     const double speed =
         companion ? companion_speed(contact, companion) : shv_norm(against_frame(contact, node_velocity(bodies, node)));
-    const double wanted = companion ? 4.0 * SHV_SURFACE_BEAT * step * speed : allowance_for(contact, step * speed);
+    double wanted = allowance_for(contact, step * speed);
+    if (companion) wanted = fmax(wanted, 4.0 * contact->beats * step * speed);
     const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
     node->from = shv_madd(x, contact->built_time - bodies->state->time, contact->drift);
     node->pace = 0;
@@ -157,7 +188,8 @@ void shv_surface_pace_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     const double least = 0.04;
     choose_frame(contact, bodies);
     contact->built_time = bodies->state->time;
-    contact->since = contact->age = 0;
+    contact->rest = 1;
+    contact->age = 0;
     contact->size = mean_size(contact);
     for (int pace = 0; pace < SHV_SURFACE_PACES; pace++)
         contact->allowance[pace] = least * contact->size * (double)(1 << pace);

@@ -1,6 +1,8 @@
 /* Where surfaces may meet, and the grid that holds their nodes. */
 #include "contact/surface_candidates.h"
 
+_Static_assert((int)SHV_GRID_PACES == (int)SHV_SURFACE_PACES, "a grid for each pace");
+
 enum { MOST_REGIONS = 64 };
 
 /* ---- regions ---- */
@@ -110,35 +112,79 @@ static double smallest_facet(const ShvSurfaceContact *contact)
     return smallest;
 }
 
-/* Sizes of the facets that lie in regions. */
-static uint32_t find_levels(ShvSurfaceContact *contact, ShvBox region, double smallest)
+double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int pace)
 {
-    uint32_t levels = 0;
-    shv_node_grid_scale(&contact->grid, region, smallest);
+    return contact->allowance[facet->pace] + contact->allowance[pace];
+}
+
+double shv_surface_cube(const ShvSurfaceFacet *facet, double reach)
+{
+    return 0.5 * shv_box_size(&facet->box) + reach;
+}
+
+/* For the facets that lie in regions, and nodes of each pace. */
+static void find_levels(const ShvSurfaceContact *contact, uint32_t levels[SHV_GRID_PACES])
+{
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        const ShvSurfaceFacet *facet = &contact->list.facets[k];
+        if (!shv_surface_in_region(contact, facet)) continue;
+        for (int pace = 0; pace < SHV_GRID_PACES; pace++)
+            levels[pace] |= (uint32_t)1 << shv_node_grid_level(
+                                &contact->grid, shv_surface_cube(facet, shv_surface_reach(contact, facet, pace)));
+    }
+}
+
+static ShvVec3 centre_of(const ShvBox *box)
+{
+    return shv_scale(shv_add(box->low, box->high), 0.5);
+}
+
+/* One level a pace, for nodes of a middling pace. */
+static ShvStatus fill_facet_grid(ShvSurfaceContact *contact, ShvBox region, double smallest, ShvError *error)
+{
+    ShvNodeGrid *grid = &contact->facet_grid;
+    int32_t counts[SHV_GRID_PACES] = {0};
+    uint32_t levels[SHV_GRID_PACES] = {0};
+    contact->grid_facets = contact->list.facet_count;
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) contact->half[pace] = 0.0;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        ShvSurfaceFacet *facet = &contact->list.facets[k];
+        facet->stray = false;
+        counts[facet->pace]++;
+        contact->half[facet->pace] = fmax(contact->half[facet->pace], 0.5 * shv_box_size(&facet->box));
+    }
+    shv_node_grid_scale(grid, region, isfinite(smallest) ? 0.5 * smallest : 1.0);
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++)
+        levels[pace] = (uint32_t)1 << shv_node_grid_level(
+                           grid, contact->half[pace] +
+                                     2.0 * (contact->allowance[pace] + contact->allowance[SHV_SURFACE_PACES / 2]));
+    SHV_TRY(shv_node_grid_start(grid, levels, counts, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
-        if (shv_surface_in_region(contact, &contact->list.facets[k]))
-            levels |=
-                (uint32_t)1 << shv_node_grid_level(&contact->grid, 0.5 * shv_box_size(&contact->list.facets[k].box));
-    return levels;
+        shv_node_grid_add(grid, k, contact->list.facets[k].pace, centre_of(&contact->list.facets[k].box));
+    shv_node_grid_finish(grid);
+    return SHV_OK;
 }
 
 ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error)
 {
     ShvBox region = shv_box_empty();
-    int32_t count = 0;
+    int32_t counts[SHV_GRID_PACES] = {0};
+    uint32_t levels[SHV_GRID_PACES] = {0};
     contact->grid_nodes = contact->list.node_count;
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         if (!node_in_region(contact, &contact->list.nodes[k])) continue;
         shv_box_add(&region, contact->list.nodes[k].from);
-        count++;
+        counts[contact->list.nodes[k].pace]++;
     }
     const double smallest = smallest_facet(contact);
-    const bool none = count == 0 || !isfinite(smallest);
-    const uint32_t levels = none ? 0 : find_levels(contact, region, 0.5 * smallest);
-    SHV_TRY(shv_node_grid_start(&contact->grid, region, none ? 1.0 : 0.5 * smallest, levels, none ? 0 : count, error));
-    for (int32_t k = 0; k < contact->list.node_count && !none; k++)
+    if (isfinite(smallest)) {
+        shv_node_grid_scale(&contact->grid, region, 0.5 * smallest);
+        find_levels(contact, levels);
+    }
+    SHV_TRY(shv_node_grid_start(&contact->grid, levels, counts, error));
+    for (int32_t k = 0; k < contact->list.node_count; k++)
         if (node_in_region(contact, &contact->list.nodes[k]))
             shv_node_grid_add(&contact->grid, k, contact->list.nodes[k].pace, contact->list.nodes[k].from);
     shv_node_grid_finish(&contact->grid);
-    return SHV_OK;
+    return fill_facet_grid(contact, region, smallest, error);
 }

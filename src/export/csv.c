@@ -158,6 +158,8 @@ static const char *kind_name(ShvRunEvent kind)
         return "inversion";
     case SHV_RUN_SCENE:
         return "scene";
+    case SHV_RUN_SQUEEZE:
+        return "squeeze";
     case SHV_RUN_BIN:
         return "bin";
     }

@@ -52,19 +52,20 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
-    shv_companions_push(hybrid, 0.5 * hybrid->state.last_step);
+    shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
     SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
     SHV_TRY(fly(hybrid, error));
     shv_companions_push(hybrid, -0.5 * hybrid->state.last_step);
     return SHV_OK;
 }
 
-/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it. */
+/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it; where flight has taken the
+   interval in one step already, they are companions until then. */
 static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 {
     const int32_t awake = hybrid->awake.count;
     SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
-    if (hybrid->awake.count == awake) return SHV_OK;
+    if (hybrid->awake.count == awake || hybrid->backend->whole_steps) return SHV_OK;
     hybrid->wake_count -= hybrid->wake_next;
     memmove(hybrid->wakes, hybrid->wakes + hybrid->wake_next, (size_t)hybrid->wake_count * sizeof *hybrid->wakes);
     hybrid->wake_next = 0;
@@ -75,7 +76,7 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 /* Whether fragments are asked, within an interval, if they may rest. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
-    return !hybrid->backend->whole_steps && hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
+    return hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a moment. */
@@ -96,14 +97,22 @@ static double next_wake_time(const ShvHybrid *hybrid)
     return hybrid->wake_next < hybrid->wake_count ? hybrid->wakes[hybrid->wake_next].time : HUGE_VAL;
 }
 
+/* Up to which impacts count as of now. Beside what is awake they do so at the nearest step: to fit steps to every impact would
+   make them long and short by turns, which vibration near the stable step does not bear. */
+static double end_of_now(const ShvHybrid *hybrid)
+{
+    if (!shv_hybrid_in_substeps(hybrid)) return hybrid->state.time;
+    const double left = hybrid->interval_end - hybrid->state.time;
+    return hybrid->state.time + 0.5 * shv_hybrid_choose_step(hybrid, left);
+}
+
 /* Fragments whose time of impact has come enter fracture mode. */
 static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
-    if (next_wake_time(hybrid) > hybrid->state.time) return SHV_OK;
-    if (hybrid->awake.count == 0)
-        hybrid->state.last_step = 0.0; /* velocities are those of now: the first kick is half a one */
-    while (next_wake_time(hybrid) <= hybrid->state.time)
-        SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
+    const double now = end_of_now(hybrid);
+    if (next_wake_time(hybrid) > now) return SHV_OK;
+    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
+    while (next_wake_time(hybrid) <= now) SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
     return shv_awake_refresh(hybrid, error);
 }
 
@@ -116,11 +125,10 @@ static void jump(ShvHybrid *hybrid)
     hybrid->state.last_step = 0.0;
 }
 
-/* A substep towards the next impact or the end of the interval; steps of equal length fill what is left, so that no
-   sliver of a step remains. */
+/* A substep towards the end of the interval; steps of equal length fill what is left, so that no sliver of a step remains. */
 static ShvStatus creep(ShvHybrid *hybrid, ShvError *error)
 {
-    const double to = fmin(next_wake_time(hybrid), hybrid->interval_end);
+    const double to = hybrid->interval_end;
     SHV_TRY(shv_hybrid_substep(hybrid, to - hybrid->state.time, error));
     /* The last step lands on the moment itself, not on a rounded neighbour of it. */
     if (to - hybrid->state.time < 1e-6 * hybrid->step) hybrid->state.time = to;
@@ -138,16 +146,18 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (hybrid->awake.count == 0) {
-            jump(hybrid);
-        } else {
+        if (shv_hybrid_in_substeps(hybrid)) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
+        } else {
+            jump(hybrid);
         }
-        if (hybrid->interval_end <= hybrid->state.time)
+        if (hybrid->interval_end <= hybrid->state.time) {
+            SHV_TRY(shv_hybrid_look_for_squeeze(hybrid, error));
             SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
-        else if (rest_is_due(hybrid))
+        } else if (rest_is_due(hybrid)) {
             SHV_TRY(rest_early(hybrid, error));
+        }
         if (steps > 0 && *taken == steps) break;
     }
     return SHV_OK;

@@ -61,3 +61,16 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     hybrid->awake.stale = false;
     return SHV_OK;
 }
+
+ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->awake.stale) return shv_awake_refresh(hybrid, error);
+    SHV_TRY(shv_awake_reserve(hybrid, error));
+    if (hybrid->companions.count > 0) SHV_TRY(shv_companions_reserve(hybrid, error));
+    list_nodes(hybrid);
+    if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL) /* whose nodes are other ones now */
+        shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
+    shv_node_contact_invalidate(&hybrid->contact);
+    hybrid->bars_stale = true;
+    return SHV_OK;
+}

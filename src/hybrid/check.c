@@ -75,11 +75,12 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
 }
 
 /* Components of one awake fragment; its children carry on with its record. */
-static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *error)
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, int32_t first_copy, ShvError *error)
 {
     int32_t parts = 0;
     const int32_t first_child = hybrid->fragments.count;
-    SHV_TRY(shv_fragments_split(&hybrid->fragments, &hybrid->model, &hybrid->state, index, &parts, error));
+    SHV_TRY(
+        shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, first_copy, &parts, error));
     if (parts < 2) return SHV_OK;
     for (int32_t i = first_child; i < hybrid->fragments.count; i++) {
         ShvFragment *child = &hybrid->fragments.items[i];
@@ -93,14 +94,30 @@ static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, ShvError *er
 
 /* What has come apart is labelled at once, so that the present count of fragments does not depend on who looks when: only
    fragments in which facets have just been inserted. Their nodes, copies included, are listed anew. */
-static ShvStatus relabel(ShvHybrid *hybrid, ShvError *error)
+static ShvStatus relabel(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
 {
     const int32_t count = hybrid->fragments.count;
     for (int32_t i = 0; i < count; i++)
         if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion == hybrid->state.time)
-            SHV_TRY(relabel_fragment(hybrid, i, error));
-    hybrid->awake.stale = true;
-    return shv_awake_refresh(hybrid, error);
+            SHV_TRY(relabel_fragment(hybrid, i, first_copy, error));
+    return shv_awake_follow(hybrid, error);
+}
+
+/* Internal forces of split nodes are shared among their copies. */
+static ShvStatus share_forces(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    const size_t most = 2 * (size_t)(state->node_count - first_copy);
+    int32_t *nodes = shv_allocate(hybrid->memory, SHV_PART_STRESS, most, sizeof *nodes), count = 0;
+    if (!nodes) return shv_fail_memory(error, "the nodes of an insertion", most * sizeof *nodes);
+    for (int32_t copy = first_copy; copy < state->node_count; copy++) {
+        const int32_t from = shv_state_split_from(state, copy);
+        if (from < first_copy) nodes[count++] = from;
+        nodes[count++] = copy;
+    }
+    shv_solid_put_internal_force(&hybrid->solid, state, nodes, count);
+    shv_release(nodes);
+    return SHV_OK;
 }
 
 static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
@@ -111,7 +128,9 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
                                 &duplicated, error));
     hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
     SHV_TRY(note_insertions(hybrid, count, error));
-    if (duplicated > 0) SHV_TRY(relabel(hybrid, error));
+    const int32_t first_copy = hybrid->state.node_count - duplicated;
+    if (duplicated > 0 && hybrid->forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
+    if (duplicated > 0) SHV_TRY(relabel(hybrid, first_copy, error));
     shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     return SHV_OK;
 }
@@ -138,6 +157,45 @@ static void count_quiet(ShvHybrid *hybrid)
             hybrid->fragments.items[i].quiet++;
 }
 
+static ShvStatus check_nodes(ShvHybrid *hybrid, double *largest, int32_t *count, ShvError *error)
+{
+    const double start = shv_now();
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+    SHV_TRY(nodal_stress(hybrid, error));
+    *largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
+                                       hybrid->candidates, hybrid->overstress, count);
+    SHV_TRY(look_for_inversion(hybrid, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    return SHV_OK;
+}
+
+static void fill_stress(void *context, const int32_t *batches, int32_t count)
+{
+    const ShvHybrid *hybrid = context;
+    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->stress);
+}
+
+/* The internal forces of the step are found here: they know the stress as well, and where it is too low to matter. */
+static ShvStatus check_facets(ShvHybrid *hybrid, double *largest, int32_t *count, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    ShvCohesive *cohesive = &hybrid->cohesive;
+    const ShvStressSource source = {fill_stress, hybrid};
+    double start = shv_now();
+    const double floor = shv_cohesive_floor(cohesive, state, hybrid->stress, source);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    shv_motion_clear_force(state, hybrid->awake.nodes, hybrid->awake.node_count, hybrid->model.threads);
+    const bool inverted = shv_solid_add_internal_force_and_find_faces(&hybrid->solid, state, cohesive->face_weight,
+                                                                      floor, cohesive->faces);
+    hybrid->forces_begun = true;
+    start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
+    if (inverted) SHV_TRY(look_for_inversion(hybrid, error));
+    *largest = shv_cohesive_face_candidates(cohesive, state, hybrid->stress, source, hybrid->candidates,
+                                            hybrid->overstress, count);
+    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    return SHV_OK;
+}
+
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
 {
     if (++hybrid->clock.since < hybrid->clock.due) return SHV_OK;
@@ -146,14 +204,12 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
         set_clock(hybrid, 0.0);
         return SHV_OK;
     }
-    const double start = shv_now();
     int32_t count = 0;
-    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
-    SHV_TRY(nodal_stress(hybrid, error));
-    const double largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
-                                                   hybrid->candidates, hybrid->overstress, &count);
-    SHV_TRY(look_for_inversion(hybrid, error));
+    double largest = 0.0;
+    if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL)
+        SHV_TRY(check_nodes(hybrid, &largest, &count, error));
+    else
+        SHV_TRY(check_facets(hybrid, &largest, &count, error));
     set_clock(hybrid, largest);
-    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     return count > 0 ? insert(hybrid, count, error) : SHV_OK;
 }

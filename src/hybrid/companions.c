@@ -130,10 +130,26 @@ void shv_companions_push(ShvHybrid *hybrid, double time)
     }
 }
 
-/* What it met in flight has its whole impulse already, of which the companion has got its share of the interval so far. */
+void shv_companions_settle(ShvHybrid *hybrid, double time)
+{
+    ShvCompanions *companions = &hybrid->companions;
+    shv_companions_push(hybrid, time);
+    for (int32_t i = 0; i < companions->count; i++) {
+        ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
+        fragment->contact_force = fragment->contact_torque = shv_vec3(0.0, 0.0, 0.0);
+    }
+}
+
+/* What a companion met in flight has its whole impulse already, of which the companion has got its share of the interval so
+   far: the time, s, of which it still lacks it. */
+static double outstanding(const ShvHybrid *hybrid)
+{
+    return hybrid->interval_end - hybrid->state.time + 0.5 * hybrid->state.last_step; /* v is of n − 1/2 */
+}
+
 static void give_rest_of_impulse(ShvHybrid *hybrid, ShvFragment *fragment)
 {
-    const double left = hybrid->interval_end - hybrid->state.time + 0.5 * hybrid->state.last_step; /* v is of n − 1/2 */
+    const double left = outstanding(hybrid);
     if (!(left > 0.0)) return;
     const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
     const ShvMat3 inverse = world_inverse(fragment, &rotation);
@@ -155,6 +171,17 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
     shv_surface_contact_wake(&hybrid->surface);
 }
 
+void shv_companions_restart(ShvHybrid *hybrid)
+{
+    const double half = 0.5 * hybrid->state.last_step;
+    shv_companions_push(hybrid, half);
+    for (int32_t i = 0; i < hybrid->companions.count; i++) {
+        ShvCompanion *companion = &hybrid->companions.items[i];
+        companion->velocity = shv_madd(companion->velocity, half, shv_load3(hybrid->gravity));
+    }
+    hybrid->state.last_step = 0.0;
+}
+
 /* ---- waking ---- */
 
 /* What a companion felt is judged as any contact of a rigid body. */
@@ -169,7 +196,9 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
                                      .other_mass = touch ? touch->other_mass : 0.0,
                                      .load = load};
     const bool wakes = isfinite(hybrid->fragments.items[index].strength) && shv_hybrid_judge(hybrid, &contact);
-    return wakes ? shv_hybrid_wake(hybrid, &contact, error) : SHV_OK;
+    if (!wakes) return SHV_OK;
+    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
+    return shv_hybrid_wake(hybrid, &contact, error);
 }
 
 ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error)
@@ -244,6 +273,12 @@ ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *er
     return SHV_OK;
 }
 
+ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error)
+{
+    shv_companions_settle(hybrid, outstanding(hybrid));
+    return shv_companions_choose(hybrid, 0.0, error);
+}
+
 /* ---- the step ---- */
 
 void shv_companions_kick(ShvHybrid *hybrid, double kick)
@@ -279,6 +314,18 @@ void shv_companions_drift(ShvHybrid *hybrid, double step)
         fragment->angular_velocity = companion->angular_velocity;
         companion->inverse_inertia = world_inverse(fragment, rotation);
     }
+}
+
+double shv_companions_crossing_time(const ShvHybrid *hybrid)
+{
+    double smallest = HUGE_VAL, fastest = 0.0;
+    for (int32_t i = 0; i < hybrid->companions.count; i++) {
+        const ShvCompanion *companion = &hybrid->companions.items[i];
+        smallest = fmin(smallest, companion->radius);
+        fastest =
+            fmax(fastest, shv_norm(companion->velocity) + shv_norm(companion->angular_velocity) * companion->radius);
+    }
+    return smallest / fastest;
 }
 
 /* ---- the present moment ---- */

@@ -119,8 +119,10 @@ typedef struct ShvHybrid {
     double contact_time, first_contact, last_contact; /* s: of the steps with such impulses; with contact_steps > 0 */
     int64_t contact_steps;
     int32_t inverted; /* most elements found inside out at once so far */
-    double *stress;   /* of the criterion, only with model.can_break */
-    double *nodal;    /* principal criterion only; 6 per node */
+    double
+        *stress; /* of the criterion, only with model.can_break; traction criterion: where a check has asked for it */
+    bool forces_begun; /* state.force holds the internal forces of the present moment: a check has found them */
+    double *nodal;     /* principal criterion only; 6 per node */
     int64_t nodal_capacity;
     int32_t *candidates;
     double *overstress;
@@ -131,6 +133,7 @@ typedef struct ShvHybrid {
 
     ShvLedger ledger;
     ShvCohesiveEnergy cohesive_energy;    /* of the last observed moment */
+    double least_spring_step;             /* s: of all frames so far; 0: none */
     ShvLedgerView balance;                /* of the last observed moment */
     double start_energy, start_potential; /* J */
     bool balance_started;
@@ -159,9 +162,17 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 
 /* ---- parts of the loop, one file each ---- */
 
-/* awake.c: lists of what is awake, rebuilt when stale. */
+/* Whether time goes in substeps: something is awake, or came to rest in the present interval. */
+static inline bool shv_hybrid_in_substeps(const ShvHybrid *hybrid)
+{
+    return hybrid->awake.count > 0 || hybrid->companions.count > 0;
+}
+
+/* awake.c: lists of what is awake, rebuilt when stale; and after insertions, when the same elements are awake in other
+   fragments and with more nodes. */
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error);
 /* wake.c; and the sides of the solid box with a fragment's inertia, longest first. */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
@@ -177,12 +188,19 @@ void shv_audit_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, doubl
 double shv_audit_strain(const ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_audit_cohesive(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *error);
-/* rest.c */
+/* rest.c; and between which moments an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
+   it). */
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
+/* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to
+   the latest moment, or `until`; others for the geometric mean of the least and the longest time. */
+ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error);
 /* substep.c: forces of the present moment into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
-   `after` around it, all impulses and conditions, works booked; and a whole step of at most `limit` seconds. */
+   `after` around it, all impulses and conditions, works booked; the length of the equal steps that fill what is left of
+   `limit` seconds; and one of them. */
 ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
+double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
 /* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
 void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
@@ -195,13 +213,22 @@ ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error);
 ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
 void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
+/* Nothing is awake any more: all go back to flight, with what their contacts in flight still owe them for the interval. */
+ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error);
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
 /* The forces of what flies alone, for a time, s: where an interval begins velocities of n − 1/2 have had half a step less of
    the last interval's, and half a step less, from then on, of the next one's. */
 void shv_companions_push(ShvHybrid *hybrid, double time);
+/* Likewise, the last of them: whoever wakes or leaves from now on is owed nothing more. */
+void shv_companions_settle(ShvHybrid *hybrid, double time);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);
+/* Before the first fragment wakes: velocities of n − 1/2, where there are companions, become those of n, from which the first
+   kick is half a one. Companions alone go in steps that are too long for what deforms. */
+void shv_companions_restart(ShvHybrid *hybrid);
+/* In which no companion goes farther than the smallest one's radius, s. */
+double shv_companions_crossing_time(const ShvHybrid *hybrid);
 /* Those that the step's touches wake. */
 ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error);
 void shv_companions_release(ShvHybrid *hybrid);
@@ -218,6 +245,8 @@ void shv_check_clock_start(ShvCheckClock *clock);
 /* time_line.c: scene events that are due. */
 ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
 double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
+/* squeeze.c: events of bodies that obstacles which hold their place leave no room; asked at the end of a rigid interval. */
+ShvStatus shv_hybrid_look_for_squeeze(ShvHybrid *hybrid, ShvError *error);
 /* event_log.c */
 ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);
 /* observe.c: mean of the velocities around the present moment into state.velocity, those of n − 1/2 into ghost.before; and the

@@ -141,11 +141,12 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
     balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
 }
 
-/* Strain that a deformed fragment keeps in flight; what of it lies in batches with awake elements has been counted. */
+/* Strain that a deformed fragment keeps in flight; what of it lies in batches with awake elements has been counted. Nodes that
+   fly on their own, led by bars, have given theirs back when they went to rest and get another when they wake. */
 static void add_kept_strain(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
 {
-    if (!fragment->deformed) return;
-    balance->strain += fragment->strain;
+    if (!fragment->deformed && !hybrid->backend->keeps_nodes) return;
+    if (fragment->deformed) balance->strain += fragment->strain;
     for (int32_t k = 0; k < fragment->element_count && hybrid->awake.count > 0; k++) {
         const int32_t element = hybrid->fragments.elements[fragment->element_begin + k];
         if (hybrid->solid.batch_active[element / SHV_LANES])
@@ -275,7 +276,8 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
             "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
             (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
     /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
-    const bool defect = !hybrid->relaxed && fabs(b->cohesive_defect) > bound;
+    const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
+    const bool defect = !barred && fabs(b->cohesive_defect) > bound;
     if (fabs(b->residual) <= bound && !defect) return SHV_OK;
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
@@ -294,7 +296,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
-    if (hybrid->awake.count > 0) {
+    if (shv_hybrid_in_substeps(hybrid)) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
             if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);

@@ -328,6 +328,22 @@ static ShvVec3 touch_impulse(const ShvSampledProbe *probe, const ShvNodeContact 
     return impulse;
 }
 
+/* N·s by other bodies, and by faces of cracks that meet again, on the probe's nodes; of an obstacle's probe by its obstacle on
+   companions. */
+static ShvVec3 meeting_impulse(const ShvSampledProbe *probe, const ShvSurfaceContact *surface, const ShvState *state)
+{
+    ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < surface->pair_count; k++) {
+        const ShvFacetPair *pair = &surface->pairs[k];
+        const ShvVec3 given = shv_madd(pair->friction, pair->normal_impulse, pair->normal);
+        if (is_touched(probe, state, pair->node, -1 - pair->element)) impulse = shv_add(impulse, given);
+        for (int c = 0; c < 3 && pair->element >= 0 && probe->obstacle < 0; c++)
+            if (is_chosen(probe, state->origin[pair->corners[c]]))
+                impulse = shv_add(impulse, shv_facet_pair_share(pair, c, given));
+    }
+    return impulse;
+}
+
 static ShvVec3 reaction(const ShvSampledProbe *probe, const ShvImposed *imposed, const ShvState *state, double kick)
 {
     ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0);
@@ -349,7 +365,8 @@ static void synchronise(double velocity[3], ShvVec3 after, double share)
 }
 
 void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before, double after,
-                    const ShvNodeContact *contact, const ShvRelax *relax, const ShvImposed *imposed)
+                    const ShvNodeContact *contact, const ShvSurfaceContact *surface, const ShvRelax *relax,
+                    const ShvImposed *imposed)
 {
     const ShvState *state = scene->state;
     const double kick = 0.5 * (before + after), share = before / (before + after);
@@ -362,9 +379,11 @@ void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before
                     obstacle ? scene->obstacles->items[probe->obstacle].velocity
                              : mean_of(probe, state, state->velocity),
                     share);
-        if (probe->definition->kind != SHV_PROBE_POINT)
-            shv_store3(sample->contact,
-                       shv_scale(touch_impulse(probe, contact, relax, state), (obstacle ? -1.0 : 1.0) / kick));
+        if (probe->definition->kind != SHV_PROBE_POINT) {
+            ShvVec3 impulse = touch_impulse(probe, contact, relax, state);
+            if (surface) impulse = shv_add(impulse, meeting_impulse(probe, surface, state));
+            shv_store3(sample->contact, shv_scale(impulse, (obstacle ? -1.0 : 1.0) / kick));
+        }
         if (probe->definition->kind == SHV_PROBE_NODES)
             shv_store3(sample->reaction, reaction(probe, imposed, state, kick));
     }

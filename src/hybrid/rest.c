@@ -35,6 +35,24 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     return age >= 2.0 * bar && little ? SHV_REASON_QUIET : SHV_REASON_NONE;
 }
 
+void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
+{
+    double bar, bending;
+    const double now = hybrid->state.time;
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    *soonest = *latest = HUGE_VAL;
+    if (shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, now)) return;
+    transit_times(hybrid, fragment, &bar, &bending);
+    const int32_t checks = fracture->quiet_checks - fragment->quiet;
+    const double counted = now + (checks > 0 ? checks : 0) * hybrid->clock.due * hybrid->step;
+    const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
+    const bool by_checks = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
+    *soonest = by_checks ? counted : fmax(counted, fragment->last_insertion + 2.0 * bar);
+    *latest = fmax(now, fragment->last_insertion + longest);
+    if (by_checks) *latest = fmin(*latest, counted);
+    *soonest = fmin(*soonest, *latest);
+}
+
 /* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present moment. */
 static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
@@ -152,15 +170,14 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
+    if (taker != TAKER_BIN && hybrid->backend->whole_steps && hybrid->state.time < hybrid->interval_end)
+        SHV_TRY(shv_companions_add(hybrid, index, error));
     shv_audit_hulls(fragment, &event);
     return shv_audit_close(hybrid, &event, error);
 }
 
-ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
+static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
 {
-    hybrid->quiet_looks = 0;
-    if (hybrid->awake.count == 0) return SHV_OK;
-    const double start = shv_now();
     bool any = false;
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
@@ -169,8 +186,56 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
     shv_hybrid_resume(hybrid);
-    SHV_TRY(shv_awake_refresh(hybrid, error));
-    if (hybrid->awake.count == 0) SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
+    return shv_awake_refresh(hybrid, error);
+}
+
+/* Whether what a fragment carries beside its rigid motion would let it rest now; velocities as shv_hybrid_part_ways leaves
+   them. */
+static bool carries_little(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double kinetic, strain;
+    ShvFragment fitted = *fragment;
+    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
+    carried_energy(hybrid, fragment, &kinetic, &strain);
+    const double carried = kinetic - shv_fragment_kinetic(&fitted) + strain + shv_audit_cohesive(hybrid, fragment);
+    return carried <= 0.05 * fragment->wake_energy * fragment->mass;
+}
+
+/* For how long a fragment stays awake, s. What carries little goes to rest unless it breaks again or is met again, which puts it
+   off: between the bounds, at their geometric mean. */
+static double expected_time(const ShvHybrid *hybrid, const ShvFragment *fragment, double until)
+{
+    double soonest, latest;
+    shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
+    const double most = fmax(0.0, fmin(until, latest) - hybrid->state.time);
+    const double least = fmin(most, fmax(0.0, soonest - hybrid->state.time));
+    return carries_little(hybrid, fragment) ? sqrt(fmax(least, 0.01 * most) * most) : most;
+}
+
+ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error)
+{
+    double sum = 0.0, elements = 0.0;
+    *time = 0.0;
+    SHV_TRY(shv_hybrid_part_ways(hybrid, error));
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_FRACTURE) continue;
+        sum += fragment->element_count * expected_time(hybrid, fragment, until);
+        elements += fragment->element_count;
+    }
+    shv_hybrid_resume(hybrid);
+    if (elements > 0.0) *time = sum / elements;
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
+{
+    hybrid->quiet_looks = 0;
+    if (!shv_hybrid_in_substeps(hybrid)) return SHV_OK;
+    const double start = shv_now();
+    SHV_TRY(rest_quiet_ones(hybrid, error));
+    if (hybrid->awake.count == 0 && hybrid->interval_end <= hybrid->state.time)
+        SHV_TRY(shv_companions_dismiss(hybrid, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;
 }

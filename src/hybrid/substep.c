@@ -8,8 +8,11 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     const ShvAwake *awake = &hybrid->awake;
     double start = shv_now();
-    shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
-    shv_solid_add_internal_force(&hybrid->solid, state);
+    if (!hybrid->forces_begun) {
+        shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
+        shv_solid_add_internal_force(&hybrid->solid, state);
+    }
+    hybrid->forces_begun = false;
     start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
     if (hybrid->relaxed)
         hybrid->elastic_turnover += state->last_step * fabs(shv_motion_power(state, state->force, awake->nodes,
@@ -100,11 +103,14 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     return SHV_OK;
 }
 
-/* Equal steps no longer than the stable one that fill what is left. */
-static double choose_step(const ShvHybrid *hybrid, double limit)
+/* No longer than the stable one. Bodies that are all rigid have none: from one look at
+   them to the next they may go a tenth of the smallest one's size. */
+double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    if (hybrid->awake.count == 0)
+        longest = fmax(longest, 0.1 / SHV_SURFACE_BEAT * shv_companions_crossing_time(hybrid));
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
 }
 
@@ -147,7 +153,8 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
     if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
     SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
     const ShvRelax *relax = hybrid->relaxed ? &hybrid->relax : NULL;
-    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, relax, &hybrid->imposed);
+    const ShvSurfaceContact *surface = hybrid->mutual ? &hybrid->surface : NULL;
+    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, surface, relax, &hybrid->imposed);
     return SHV_OK;
 }
 
@@ -156,7 +163,7 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     ShvState *state = &hybrid->state;
     SHV_TRY(look_now_and_then(hybrid, error));
     SHV_TRY(shv_hybrid_check(hybrid, error));
-    const double step = choose_step(hybrid, limit);
+    const double step = shv_hybrid_choose_step(hybrid, limit);
     shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
     SHV_TRY(sampled_kick(hybrid, step, error));

@@ -118,7 +118,7 @@ ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error)
 {
     if (shv_hybrid_next_event_time(hybrid) > hybrid->state.time) return SHV_OK;
     SHV_TRY(shv_hybrid_observe(hybrid, error));
-    if (hybrid->awake.count > 0) SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    if (shv_hybrid_in_substeps(hybrid)) SHV_TRY(shv_hybrid_synchronise(hybrid, error));
     while (shv_hybrid_next_event_time(hybrid) <= hybrid->state.time) {
         const ShvEventDefinition *event = &hybrid->scene->events[hybrid->next_event];
         hybrid->ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
@@ -129,7 +129,7 @@ ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error)
                                     .value = hybrid->next_event++};
         SHV_TRY(shv_hybrid_log(hybrid, &entry, error));
     }
-    if (hybrid->awake.count > 0) shv_hybrid_resume(hybrid);
+    if (shv_hybrid_in_substeps(hybrid)) shv_hybrid_resume(hybrid);
     shv_node_contact_invalidate(&hybrid->contact);
     return SHV_OK;
 }

@@ -105,6 +105,22 @@ static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact,
     return flies ? shv_companions_add(hybrid, contact->other, error) : SHV_OK;
 }
 
+/* Its record is that of the impact, less than a step from now: it flies as far, or back. */
+static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double time)
+{
+    const double way = hybrid->state.time - time;
+    if (way == 0.0 || hybrid->backend->keeps_nodes) return;
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
+    const ShvVec3 spin = shv_free_rotation_momentum(&rotation, fragment->orientation, fragment->angular_velocity);
+    fragment->position = shv_madd(shv_madd(fragment->position, way, fragment->velocity), 0.5 * way * way, gravity);
+    fragment->velocity = shv_madd(fragment->velocity, way, gravity);
+    /* Backwards is forwards with the momentum reversed. */
+    fragment->orientation = shv_free_rotation_advance(&rotation, fragment->orientation,
+                                                      way > 0.0 ? spin : shv_scale(spin, -1.0), fabs(way));
+    fragment->angular_velocity = shv_free_rotation_velocity(&rotation, fragment->orientation, spin);
+}
+
 /* Nodes get the rigid motion, on top of the deformation that was kept. */
 static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
 {
@@ -172,8 +188,10 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->audited = event.reason == SHV_REASON_AUDIT;
     hybrid->audited += fragment->audited;
     if (!fragment->companion) shv_surface_contact_invalidate(&hybrid->surface);
+    const bool was_companion = fragment->companion;
     leave_flight(hybrid, contact);
     if (fragment->deformed) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
+    if (!was_companion) bring_to_now(hybrid, fragment, contact->time);
     give_motion(hybrid, fragment);
     stand_outside(hybrid, fragment);
     wake_energies(hybrid, fragment, &event);

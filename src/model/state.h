@@ -54,6 +54,13 @@ static inline int32_t shv_state_node(const ShvState *state, int32_t element, int
 {
     return state->connectivity[shv_corner_slot(element, corner)];
 }
+/* The node that a copy was split from, or another copy of it: whose corners stand before the copy's own. Until one of them is
+   split again these lead from copy to copy to the original. */
+static inline int32_t shv_state_split_from(const ShvState *state, int32_t copy)
+{
+    const int32_t corner = state->corners[state->corner_start[copy] - 1];
+    return shv_state_node(state, corner / 4, corner % 4);
+}
 static inline ShvVec3 shv_state_position(const ShvState *state, int32_t node)
 {
     const int64_t i = 3 * (int64_t)node;

@@ -1,10 +1,12 @@
 #include "rigid/fragment.h"
+#include "rigid/severed.h"
 
 /* Workspace of one search, all in proportion to the fragment. */
 typedef struct Parts {
     int32_t count;
     int32_t *element_part; /* per element of the fragment */
     int32_t *nodes;        /* its nodes, increasing */
+    int32_t *node_part;    /* of each */
     int32_t node_count;
     int32_t *sorted; /* elements or nodes grouped by part; also the spare half of the sort */
     int32_t *element_counts, *node_counts;
@@ -14,6 +16,7 @@ static void release_parts(Parts *parts)
 {
     shv_release(parts->element_part);
     shv_release(parts->nodes);
+    shv_release(parts->node_part);
     shv_release(parts->sorted);
     shv_release(parts->element_counts);
     *parts = (Parts){0};
@@ -70,18 +73,41 @@ static void collect_nodes(Parts *parts, ShvFragments *fragments, const ShvState 
     sort_increasing(parts->nodes, parts->sorted, parts->node_count);
 }
 
+static ShvStatus reserve_parts(Parts *parts, const ShvFragments *fragments, int32_t elements, int64_t nodes,
+                               ShvError *error)
+{
+    const size_t sorted = (size_t)(nodes > elements ? nodes : elements);
+    *parts = (Parts){0};
+    parts->element_part = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)elements, sizeof(int32_t));
+    parts->nodes = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)nodes, sizeof(int32_t));
+    parts->node_part = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)nodes, sizeof(int32_t));
+    parts->sorted = shv_allocate(fragments->memory, SHV_PART_RIGID, sorted, sizeof(int32_t));
+    if (parts->element_part && parts->nodes && parts->node_part && parts->sorted) return SHV_OK;
+    release_parts(parts);
+    return shv_fail_memory(error, "the components of a fragment",
+                           ((size_t)elements + 2 * (size_t)nodes + sorted) * sizeof(int32_t));
+}
+
+/* How many elements and nodes each part has. */
+static ShvStatus count_parts(Parts *parts, const ShvFragments *fragments, int32_t elements, ShvError *error)
+{
+    parts->element_counts = shv_allocate(fragments->memory, SHV_PART_RIGID, 2 * (size_t)parts->count, sizeof(int32_t));
+    if (!parts->element_counts) {
+        const size_t bytes = 2 * (size_t)parts->count * sizeof(int32_t);
+        release_parts(parts);
+        return shv_fail_memory(error, "the components of a fragment", bytes);
+    }
+    parts->node_counts = parts->element_counts + parts->count;
+    for (int32_t i = 0; i < elements; i++) parts->element_counts[parts->element_part[i]]++;
+    for (int32_t i = 0; i < parts->node_count; i++) parts->node_counts[parts->node_part[i]]++;
+    return SHV_OK;
+}
+
 /* Components through shared nodes, numbered by their lowest element. */
 static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvState *state, const int32_t *elements,
                             int32_t count, ShvError *error)
 {
-    *parts = (Parts){0};
-    parts->element_part = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)count, sizeof(int32_t));
-    parts->nodes = shv_allocate(fragments->memory, SHV_PART_RIGID, 4 * (size_t)count, sizeof(int32_t));
-    parts->sorted = shv_allocate(fragments->memory, SHV_PART_RIGID, 4 * (size_t)count, sizeof(int32_t));
-    if (!parts->element_part || !parts->nodes || !parts->sorted) {
-        release_parts(parts);
-        return shv_fail_memory(error, "the components of a fragment", 9 * (size_t)count * sizeof(int32_t));
-    }
+    SHV_TRY(reserve_parts(parts, fragments, count, 4 * (int64_t)count, error));
     collect_nodes(parts, fragments, state, elements, count);
     for (int32_t i = 0; i < count; i++)
         for (int32_t a = 1; a < 4; a++)
@@ -91,17 +117,44 @@ static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvStat
         if (fragments->label[root] == NO_PART) fragments->label[root] = parts->count++;
         parts->element_part[i] = fragments->label[root];
     }
-    parts->element_counts = shv_allocate(fragments->memory, SHV_PART_RIGID, 2 * (size_t)parts->count, sizeof(int32_t));
-    if (!parts->element_counts) {
-        const size_t bytes = 2 * (size_t)parts->count * sizeof(int32_t);
-        release_parts(parts);
-        return shv_fail_memory(error, "the components of a fragment", bytes);
-    }
-    parts->node_counts = parts->element_counts + parts->count;
-    for (int32_t i = 0; i < count; i++) parts->element_counts[parts->element_part[i]]++;
     for (int32_t i = 0; i < parts->node_count; i++)
-        parts->node_counts[fragments->label[find_root(fragments->root, parts->nodes[i])]]++;
-    return SHV_OK;
+        parts->node_part[i] = fragments->label[find_root(fragments->root, parts->nodes[i])];
+    return count_parts(parts, fragments, count, error);
+}
+
+/* The same from what has come off: `found` says for each node of it which part it is of, 0 the rest. The node list goes on,
+   copies have the highest numbers. */
+static ShvStatus name_parts(Parts *parts, const ShvFragments *fragments, const ShvState *state,
+                            const ShvFragment *fragment, const ShvSevered *severed, int32_t first_copy, int32_t *number,
+                            ShvError *error)
+{
+    const int32_t *elements = fragments->elements + fragment->element_begin;
+    SHV_TRY(reserve_parts(parts, fragments, fragment->element_count, (int64_t)fragment->node_count + severed->copies,
+                          error));
+    for (int32_t k = 0; k <= severed->count; k++) number[k] = NO_PART;
+    for (int32_t i = 0; i < fragment->element_count; i++) {
+        const int32_t found = fragments->found[shv_state_node(state, elements[i], 0)];
+        if (number[found] == NO_PART) number[found] = parts->count++;
+        parts->element_part[i] = number[found];
+    }
+    for (int32_t i = 0; i < fragment->node_count; i++)
+        parts->nodes[parts->node_count++] = fragments->nodes[fragment->node_begin + i];
+    for (int32_t node = first_copy; parts->node_count < fragment->node_count + severed->copies; node++)
+        if (state->element_fragment[state->corners[state->corner_start[node]] / 4] == fragment->id)
+            parts->nodes[parts->node_count++] = node;
+    for (int32_t i = 0; i < parts->node_count; i++) parts->node_part[i] = number[fragments->found[parts->nodes[i]]];
+    return count_parts(parts, fragments, fragment->element_count, error);
+}
+
+static ShvStatus find_severed_parts(Parts *parts, const ShvFragments *fragments, const ShvState *state,
+                                    const ShvFragment *fragment, const ShvSevered *severed, int32_t first_copy,
+                                    ShvError *error)
+{
+    int32_t *number = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)severed->count + 1, sizeof *number);
+    if (!number) return shv_fail_memory(error, "the components of a fragment", 4 * ((size_t)severed->count + 1));
+    const ShvStatus status = name_parts(parts, fragments, state, fragment, severed, first_copy, number, error);
+    shv_release(number);
+    return status;
 }
 
 static ShvStatus reserve_scratch(ShvFragments *fragments, const ShvState *state, ShvError *error)
@@ -114,7 +167,10 @@ static ShvStatus reserve_scratch(ShvFragments *fragments, const ShvState *state,
     int32_t *label =
         shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->label, (size_t)capacity, sizeof(int32_t));
     if (label) fragments->label = label;
-    if (!root || !label)
+    int32_t *found =
+        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->found, (size_t)capacity, sizeof(int32_t));
+    if (found) fragments->found = found;
+    if (!root || !label || !found)
         return shv_fail_memory(error, "the node labels of fragments", (size_t)capacity * sizeof(int32_t));
     fragments->scratch_capacity = capacity;
     return SHV_OK;
@@ -190,10 +246,7 @@ static void write_lists(ShvFragments *fragments, Parts *parts, int32_t element_b
     int32_t *elements = fragments->elements + element_begin;
     group(elements, count, parts->element_counts, parts->count, parts->element_part, parts->sorted);
     for (int32_t i = 0; i < count; i++) elements[i] = parts->sorted[i];
-    int32_t *part_of_node = parts->sorted;
-    for (int32_t i = 0; i < parts->node_count; i++)
-        part_of_node[i] = fragments->label[find_root(fragments->root, parts->nodes[i])];
-    group(parts->nodes, parts->node_count, parts->node_counts, parts->count, part_of_node,
+    group(parts->nodes, parts->node_count, parts->node_counts, parts->count, parts->node_part,
           fragments->nodes + fragments->node_end);
 }
 
@@ -282,6 +335,7 @@ void shv_fragments_release(ShvFragments *fragments)
     shv_release(fragments->boundary);
     shv_release(fragments->root);
     shv_release(fragments->label);
+    shv_release(fragments->found);
     *fragments = (ShvFragments){0};
 }
 
@@ -296,18 +350,13 @@ static void refresh(ShvFragments *fragments, const Parts *parts, const ShvModel 
     shv_fragment_measure(fragment, fragments, model, state);
 }
 
-static ShvStatus split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t index, Parts *parts,
-                       ShvError *error)
+/* The fragment dies and its parts start. */
+static ShvStatus replace(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t index, Parts *parts,
+                         ShvError *error)
 {
     const int32_t begin = fragments->items[index].element_begin, count = fragments->items[index].element_count;
-    SHV_TRY(reserve_scratch(fragments, state, error));
-    SHV_TRY(find_parts(parts, fragments, state, fragments->elements + begin, count, error));
-    if (parts->count > 1) SHV_TRY(reserve_items(fragments, parts->count, error));
+    SHV_TRY(reserve_items(fragments, parts->count, error));
     SHV_TRY(reserve_nodes(fragments, parts->node_count, error));
-    if (parts->count <= 1) {
-        refresh(fragments, parts, model, state, index);
-        return SHV_OK;
-    }
     ShvFragment like = fragments->items[index];
     like.parent = index;
     like.birth = state->time;
@@ -321,11 +370,63 @@ static ShvStatus split(ShvFragments *fragments, const ShvModel *model, ShvState 
     return SHV_OK;
 }
 
+static ShvStatus split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t index, Parts *parts,
+                       ShvError *error)
+{
+    const int32_t begin = fragments->items[index].element_begin, count = fragments->items[index].element_count;
+    SHV_TRY(reserve_scratch(fragments, state, error));
+    SHV_TRY(find_parts(parts, fragments, state, fragments->elements + begin, count, error));
+    if (parts->count > 1) return replace(fragments, model, state, index, parts, error);
+    SHV_TRY(reserve_nodes(fragments, parts->node_count, error));
+    refresh(fragments, parts, model, state, index);
+    return SHV_OK;
+}
+
 ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
                               int32_t *parts, ShvError *error)
 {
     Parts found = {0};
     const ShvStatus status = split(fragments, model, state, fragment, &found, error);
+    *parts = found.count;
+    release_parts(&found);
+    return status;
+}
+
+/* Nothing has come off: the fragment's list goes on with its copies. Masses of copies sum to their original's, in its
+   place: centre and inertia stay. */
+static ShvStatus extend(ShvFragments *fragments, const ShvState *state, int32_t index, int32_t first_copy,
+                        int32_t copies, ShvError *error)
+{
+    ShvFragment *fragment = &fragments->items[index];
+    const bool last = fragment->node_begin + fragment->node_count == fragments->node_end;
+    SHV_TRY(reserve_nodes(fragments, copies + (last ? 0 : fragment->node_count), error));
+    if (fragment->node_begin + fragment->node_count != fragments->node_end) {
+        for (int32_t i = 0; i < fragment->node_count; i++)
+            fragments->nodes[fragments->node_end + i] = fragments->nodes[fragment->node_begin + i];
+        fragment->node_begin = fragments->node_end;
+        fragments->node_end += fragment->node_count;
+    }
+    for (int32_t node = first_copy; node < state->node_count; node++) {
+        if (state->element_fragment[state->corners[state->corner_start[node]] / 4] != index) continue;
+        fragments->nodes[fragments->node_end++] = node;
+        fragment->node_count++;
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
+                                 int32_t first_copy, int32_t *parts, ShvError *error)
+{
+    ShvSevered severed;
+    Parts found = {0};
+    *parts = 1;
+    SHV_TRY(reserve_scratch(fragments, state, error));
+    SHV_TRY(shv_severed_find(fragments, state, fragment, first_copy, &severed, error));
+    if (severed.count == 0) return extend(fragments, state, fragment, first_copy, severed.copies, error);
+    ShvStatus status =
+        find_severed_parts(&found, fragments, state, &fragments->items[fragment], &severed, first_copy, error);
+    shv_severed_clear(fragments, &severed);
+    if (status == SHV_OK) status = replace(fragments, model, state, fragment, &found, error);
     *parts = found.count;
     release_parts(&found);
     return status;

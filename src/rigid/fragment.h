@@ -27,6 +27,7 @@ typedef struct ShvFragment {
        hand-over, so that L is continuous */
     ShvMat3 inertia;
     double radius;                      /* farthest node from the reference centre, m */
+    ShvVec3 low, high;                  /* box of the nodes about the reference centre, reference axes, m */
     ShvVec3 position;                   /* centre of mass, m */
     ShvQuat orientation;                /* reference axes → world */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
@@ -44,8 +45,9 @@ typedef struct ShvFragment {
     bool companion;
     ShvVec3 contact_force, contact_torque;
     double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
-    bool audited; /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
-    bool dust;    /* in flight for good, meets obstacles alone */
+    bool audited;  /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
+    bool squeezed; /* between obstacles that leave it no room, and that has been told */
+    bool dust;     /* in flight for good, meets obstacles alone */
     /* Its nodes stand deformed, in the pose that it had when it went to rest, and carry that strain energy (J). */
     bool deformed;
     ShvVec3 rest_position;
@@ -69,6 +71,7 @@ typedef struct ShvFragments {
     uint8_t *boundary; /* per reference node: on the surface; NULL where the model has an adjacency */
     /* scratch, per node: only entries of the fragment at work are ever touched */
     int32_t *root, *label;
+    int32_t *found; /* 0 between searches (severed.c) */
     int32_t scratch_capacity;
 } ShvFragments;
 
@@ -83,6 +86,11 @@ void shv_fragments_release(ShvFragments *fragments);
    Relabels state->element_fragment. Costs work in proportion to this fragment only. On failure nothing changed. */
 ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
                               int32_t *parts, ShvError *error);
+
+/* The same where all that has changed since the fragment's lists were made is that the nodes from `first_copy` on were split
+   from it (shv_cohesive_insert). Searches from those nodes only, and no farther than the smaller part goes. */
+ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
+                                 int32_t first_copy, int32_t *parts, ShvError *error);
 
 /* Mass, volume, centre, inertia and radius from the fragment's element and node lists. */
 void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,

@@ -31,6 +31,7 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
     const int32_t *nodes = fragments->nodes + fragment->node_begin;
     sum_elements(fragment, fragments->elements + fragment->element_begin, model, state);
     fragment->reference_centre = lumped_centre(nodes, fragment->node_count, state);
+    ShvVec3 low = {0.0, 0.0, 0.0}, high = {0.0, 0.0, 0.0};
     double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0, farthest = 0.0;
     for (int32_t i = 0; i < fragment->node_count; i++) {
         const double m = state->mass[nodes[i]];
@@ -42,9 +43,13 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
         xz -= m * r.x * r.z;
         xy -= m * r.x * r.y;
         farthest = fmax(farthest, shv_dot(r, r));
+        low = shv_vec3(fmin(low.x, r.x), fmin(low.y, r.y), fmin(low.z, r.z));
+        high = shv_vec3(fmax(high.x, r.x), fmax(high.y, r.y), fmax(high.z, r.z));
     }
     fragment->inertia = (ShvMat3){{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
     fragment->radius = sqrt(farthest);
+    fragment->low = low;
+    fragment->high = high;
 }
 
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment)

@@ -606,7 +606,7 @@ static const ShvKey probe_keys[] = {
      .sentence = "A point of a body at the start, world coordinates: displacement, velocity and stress in its tet."},
     {"nodes", SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .variant = SHV_PROBE_NODES, .table = &probe_nodes_table,
      .sentence = "The mean of displacement and velocity (by mass) and of stress (by volume, tets at the nodes) over "
-                 "nodes; the forces of obstacles, and of supports and imposed velocities, on them."},
+                 "nodes; the forces of obstacles and other bodies, and of supports and imposed velocities, on them."},
     {"obstacle", SHV_KEY_TEXT, .flags = SHV_KEY_VARIANT, .variant = SHV_PROBE_OBSTACLE, .offset = PROBE(obstacle),
      .sentence = "Name of an obstacle: its displacement and velocity, and the force of deforming bodies on it."},
     {"object", SHV_KEY_TEXT, .offset = PROBE(object), .absent = "the first that has the point",

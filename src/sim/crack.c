@@ -53,8 +53,8 @@ static double weight(const ShvCohesive *cohesive, int32_t k)
     return cohesive->area[k] * shv_cohesive_facet_damage(cohesive, k);
 }
 
-/* Normal of the plane that fits the reached facets best: the direction in which their centroids spread least. */
-static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach)
+/* Weighted mean of the reached facets' centroids; NaN where none is damaged. */
+static ShvVec3 centre_of(const ShvHybrid *hybrid, const Reach *reach)
 {
     const ShvCohesive *cohesive = &hybrid->cohesive;
     double sum = 0.0;
@@ -64,7 +64,13 @@ static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach)
         sum += weight(cohesive, k);
         mean = shv_madd(mean, weight(cohesive, k), centroid(&hybrid->model, cohesive->facet[k]));
     }
-    mean = shv_scale(mean, 1.0 / sum);
+    return sum > 0.0 ? shv_scale(mean, 1.0 / sum) : shv_vec3((double)NAN, (double)NAN, (double)NAN);
+}
+
+/* Normal of the plane that fits the reached facets best: the direction in which their centroids spread least. */
+static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach, ShvVec3 mean)
+{
+    const ShvCohesive *cohesive = &hybrid->cohesive;
     ShvMat3 spread_out = {{{0.0}}};
     for (int32_t k = 0; k < cohesive->count; k++) {
         if (!reach->facet[k]) continue;
@@ -73,7 +79,7 @@ static ShvVec3 fitted_normal(const ShvHybrid *hybrid, const Reach *reach)
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) spread_out.m[i][j] += weight(cohesive, k) * v[i] * v[j];
     }
-    if (!(sum > 0.0)) return shv_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!shv_finite3(mean)) return mean;
     double values[3];
     ShvMat3 vectors;
     shv_symmetric_eigen(&spread_out, values, &vectors);
@@ -84,6 +90,7 @@ ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *cr
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
     *crack = (ShvCrackView){.origin = {(double)NAN, (double)NAN, (double)NAN},
+                            .centre = {(double)NAN, (double)NAN, (double)NAN},
                             .normal = {(double)NAN, (double)NAN, (double)NAN}};
     if (!hybrid->model.can_break || hybrid->cohesive.count == 0) return SHV_OK;
     const size_t nodes = (size_t)hybrid->model.mesh.node_count, facets = (size_t)hybrid->cohesive.count;
@@ -94,7 +101,9 @@ ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *cr
         spread(hybrid, &reach);
         for (size_t k = 0; k < facets; k++) crack->facets += reach.facet[k];
         shv_store3(crack->origin, centroid(&hybrid->model, hybrid->cohesive.facet[0]));
-        shv_store3(crack->normal, fitted_normal(hybrid, &reach));
+        const ShvVec3 centre = centre_of(hybrid, &reach);
+        shv_store3(crack->centre, centre);
+        shv_store3(crack->normal, fitted_normal(hybrid, &reach, centre));
     } else {
         status = shv_fail_memory(error, "the first crack", nodes + facets);
     }

@@ -3,6 +3,7 @@
 #define SHV_SIM_INTERNAL_H
 
 #include "hybrid/hybrid.h"
+#include "shiver/plan.h"
 #include "shiver/simulation.h"
 
 /* Views handed out, filled anew for every frame. */
@@ -30,6 +31,9 @@ struct ShvSimulation {
 
 /* Refuses what would steer a run wrongly (scene_check.c). */
 ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error);
+
+/* The list of parts, with the bytes of each (SHV_PART_COUNT of them), and their sum (plan.c). */
+void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan);
 
 /* Intervals of the animation grid in the scene's duration, the last one perhaps shorter; what is left over by rounding alone
    makes none of its own. */

@@ -20,54 +20,47 @@ static const char *why_no_fracture(const ShvHybrid *hybrid)
     return "no material is breakable with a finite strength";
 }
 
-static void list_parts(const ShvHybrid *hybrid, ShvPlan *plan)
+static const char *why_flight(const ShvHybrid *hybrid)
 {
-    const ShvMemory *memory = hybrid->memory;
+    switch (hybrid->scene->rigid.engine) {
+    case SHV_RIGID_PBD:
+        return "fragments; nodes that bars keep rigid";
+    case SHV_RIGID_BULLET:
+        return hybrid->mutual ? "fragments, convex pieces, contacts between them" : "fragments in free flight";
+    case SHV_RIGID_ANALYTIC:
+        break;
+    }
+    return "fragments, nodes of their surfaces against obstacles";
+}
+
+static const char *why_contact(const ShvHybrid *hybrid)
+{
+    const bool obstacles = hybrid->obstacles.count > 0, conditions = hybrid->scene->condition_count > 0;
+    if (hybrid->mutual) return "in fracture mode, nodes against obstacles, surfaces against each other; conditions";
+    if (obstacles)
+        return conditions ? "nodes may meet obstacles in fracture mode; conditions"
+                          : "nodes may meet obstacles in fracture mode";
+    return conditions ? "nodes of supports, velocities or tractions" : "nothing to touch";
+}
+
+static void list_fracture(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
+{
     const bool breaks = hybrid->model.can_break;
     const bool principal = breaks && hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL;
     const char *because = breaks ? "a material can break" : why_no_fracture(hybrid);
-    add_part(plan, "reference mesh", true, shv_memory_bytes(memory, SHV_PART_MESH), "always");
-    add_part(plan, "solver state", true, shv_memory_bytes(memory, SHV_PART_STATE), "nodes and elements of all objects");
-    add_part(plan, "adjacency", breaks, shv_memory_bytes(memory, SHV_PART_ADJACENCY), because);
-    add_part(plan, "stress", breaks, shv_memory_bytes(memory, SHV_PART_STRESS), because);
+    add_part(plan, "adjacency", breaks, bytes[SHV_PART_ADJACENCY], because);
+    add_part(plan, "stress", breaks, bytes[SHV_PART_STRESS], because);
     add_part(plan, "nodal stress", principal, 0,
-             principal ? "principal criterion; grows at the first check"
+             principal ? "principal criterion; its bytes are among those of stress"
                        : "only the principal criterion averages at nodes");
-    add_part(plan, "cohesive facets", breaks, shv_memory_bytes(memory, SHV_PART_COHESIVE), because);
-    add_part(plan, "obstacles", hybrid->obstacles.count > 0, shv_memory_bytes(memory, SHV_PART_SHAPE),
-             hybrid->obstacles.count > 0 ? "the scene has obstacles" : "the scene has none");
-    add_part(plan, "node contact", hybrid->obstacles.count > 0, shv_memory_bytes(memory, SHV_PART_CONTACT),
-             hybrid->obstacles.count > 0 ? "nodes may meet obstacles in fracture mode" : "nothing to touch");
-    add_part(plan, "conditions", hybrid->scene->condition_count > 0, 0,
-             hybrid->scene->condition_count > 0 ? "supports, velocities or tractions" : "the scene has none");
-    add_part(plan, "rigid flight", true, shv_memory_bytes(memory, SHV_PART_RIGID), "analytic backend, fragments");
-    add_part(plan, "run file", true, shv_memory_bytes(memory, SHV_PART_RECORD), "buffers, once the run starts");
+    add_part(plan, "cohesive facets", breaks, bytes[SHV_PART_COHESIVE], because);
 }
 
-/* Bars are listed, and nodes relaxed, for the first time in the first step: what that will take, tried on bars that are put
-   away again. */
-static ShvStatus find_bars_to_come(const ShvHybrid *hybrid, size_t *bytes, ShvError *error)
-{
-    /* Bytes of a node's record in the relaxation, which keeps room for half as many again. */
-    static const size_t relaxed_node = 205;
-    const size_t users = (hybrid->relaxed ? 1u : 0u) + (hybrid->scene->rigid.engine == SHV_RIGID_PBD ? 1u : 0u);
-    ShvBars bars;
-    *bytes = 0;
-    if (users == 0) return SHV_OK;
-    SHV_TRY(shv_bars_create(&bars, &hybrid->model, hybrid->scene->pbd.form, error));
-    const size_t before = shv_memory_bytes(hybrid->memory, SHV_PART_BARS);
-    const ShvStatus status = shv_bars_update(&bars, &hybrid->state, NULL, error);
-    const size_t listed = shv_memory_bytes(hybrid->memory, SHV_PART_BARS) - before;
-    shv_bars_release(&bars);
-    *bytes = users * (listed + 3 * (size_t)hybrid->state.node_count / 2 * relaxed_node);
-    return status;
-}
-
-static void list_movers(const ShvHybrid *hybrid, size_t bars_to_come, ShvPlan *plan)
+static void list_movers(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
 {
     const bool pbd = hybrid->scene->rigid.engine == SHV_RIGID_PBD, bars = hybrid->relaxed || pbd;
     const bool asked = hybrid->scene->rigid.engine == SHV_RIGID_BULLET;
-    add_part(plan, "bars", bars, shv_memory_bytes(hybrid->memory, SHV_PART_BARS) + bars_to_come,
+    add_part(plan, "bars", bars, bytes[SHV_PART_BARS],
              pbd    ? "rigid.engine is pbd"
              : bars ? "fracture.stabiliser is bars"
                     : "neither rigid.engine is pbd nor fracture.stabiliser bars");
@@ -75,6 +68,63 @@ static void list_movers(const ShvHybrid *hybrid, size_t bars_to_come, ShvPlan *p
              hybrid->mutual ? "bodies may meet; Bullet's own memory is not counted"
              : asked        ? "nothing can meet anything"
                             : "rigid.engine is not bullet");
+}
+
+void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
+{
+    const bool obstacles = hybrid->obstacles.count > 0, conditions = hybrid->scene->condition_count > 0;
+    plan->part_count = 0;
+    add_part(plan, "reference mesh", true, bytes[SHV_PART_MESH], "always");
+    add_part(plan, "solver state", true, bytes[SHV_PART_STATE], "nodes and elements of all objects");
+    list_fracture(hybrid, bytes, plan);
+    add_part(plan, "obstacles", obstacles, bytes[SHV_PART_SHAPE],
+             obstacles ? "the scene has obstacles" : "the scene has none");
+    add_part(plan, "contact", obstacles || conditions || hybrid->mutual, bytes[SHV_PART_CONTACT], why_contact(hybrid));
+    add_part(plan, "conditions", conditions, 0,
+             conditions ? "supports, velocities or tractions; their bytes are among those of contact"
+                        : "the scene has none");
+    list_movers(hybrid, bytes, plan);
+    add_part(plan, "rigid flight", true, bytes[SHV_PART_RIGID], why_flight(hybrid));
+    add_part(plan, "reports", true, bytes[SHV_PART_RECORD],
+             "views of a frame, events, probes; the run file's own buffers come on top");
+    add_part(plan, "simulation", true, bytes[SHV_PART_GENERAL] + bytes[SHV_PART_SCENE], "always");
+    plan->bytes = 0;
+    for (int32_t i = 0; i < plan->part_count; i++) plan->bytes += plan->parts[i].bytes;
+}
+
+/* Bars are listed, and nodes relaxed, for the first time in the first step: what one user of them will take, tried on bars
+   and a relaxation that are put away again. */
+static ShvStatus try_bars(const ShvHybrid *hybrid, size_t *bytes, ShvError *error)
+{
+    ShvBars bars = {0};
+    ShvRelax relax = {0};
+    SHV_TRY(shv_bars_create(&bars, &hybrid->model, hybrid->scene->pbd.form, error));
+    ShvStatus status = shv_relax_create(&relax, &hybrid->model, &hybrid->obstacles, error);
+    const size_t before = shv_memory_bytes(hybrid->memory, SHV_PART_BARS);
+    if (status == SHV_OK) status = shv_bars_update(&bars, &hybrid->state, NULL, error);
+    if (status == SHV_OK) status = shv_relax_begin(&relax, &hybrid->state, NULL, 0, error);
+    *bytes = shv_memory_bytes(hybrid->memory, SHV_PART_BARS) - before;
+    shv_relax_release(&relax);
+    shv_bars_release(&bars);
+    return status;
+}
+
+static bool something_flies(const ShvHybrid *hybrid)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->fragments.items[i].mode == SHV_MODE_FLIGHT) return true;
+    return false;
+}
+
+static ShvStatus find_bars_to_come(const ShvHybrid *hybrid, size_t *bytes, ShvError *error)
+{
+    const bool flies = hybrid->scene->rigid.engine == SHV_RIGID_PBD && something_flies(hybrid);
+    const size_t users = (hybrid->relaxed ? 1u : 0u) + (flies ? 1u : 0u);
+    *bytes = 0;
+    if (users == 0) return SHV_OK;
+    SHV_TRY(try_bars(hybrid, bytes, error));
+    *bytes *= users;
+    return SHV_OK;
 }
 
 /* One internal force evaluation of everything, the bulk of a step; forces are scratch between steps. */
@@ -151,11 +201,12 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     const ShvSceneDefinition *scene = hybrid->scene;
     if (simulation->started)
         return shv_fail(error, SHV_BAD_INPUT, "a plan is made before the first frame; make it from a new simulation");
-    size_t bars_to_come;
+    size_t bars_to_come, bytes[SHV_PART_COUNT];
     SHV_TRY(find_bars_to_come(hybrid, &bars_to_come, error));
-    *plan = (ShvPlan){.bytes = shv_memory_bytes(hybrid->memory, SHV_PART_COUNT) + bars_to_come};
-    list_parts(hybrid, plan);
-    list_movers(hybrid, bars_to_come, plan);
+    for (int i = 0; i < SHV_PART_COUNT; i++) bytes[i] = shv_memory_bytes(hybrid->memory, (ShvPart)i);
+    bytes[SHV_PART_BARS] += bars_to_come;
+    *plan = (ShvPlan){.bars = bytes[SHV_PART_BARS], .trial = {.first_wake = (double)NAN, .first_crack = (double)NAN}};
+    shv_plan_list(hybrid, bytes, plan);
     plan->seconds_per_step = time_step_cost(hybrid);
     plan->step =
         isnan(scene->fracture.time_step) ? scene->fracture.safety * hybrid->stable_step : scene->fracture.time_step;

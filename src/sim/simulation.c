@@ -155,6 +155,15 @@ static ShvStatus sample_flight(ShvHybrid *hybrid, ShvError *error)
     return shv_probes_fly(&hybrid->probes, &scene, hybrid->awake.count == 0, hybrid->backend->keeps_nodes, error);
 }
 
+static double cohesive_share(ShvHybrid *hybrid)
+{
+    const double step = hybrid->cohesive_energy.spring_step;
+    const bool less = hybrid->least_spring_step == 0.0 || step < hybrid->least_spring_step;
+    if (hybrid->cohesive_energy.inserted > 0 && isfinite(step) && less) hybrid->least_spring_step = step;
+    return hybrid->least_spring_step > 0.0 && hybrid->bulk_step > 0.0 ? hybrid->least_spring_step / hybrid->bulk_step
+                                                                      : (double)NAN;
+}
+
 static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
@@ -202,6 +211,7 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     simulation->frame.audited = hybrid->audited;
     simulation->frame.missed = hybrid->missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
+    simulation->frame.cohesive_share = cohesive_share(hybrid);
     return observed;
 }
 

@@ -55,9 +55,10 @@ static void order_chunks(ShvSolid *solid, const int32_t *colours)
     solid->colour_start[solid->colour_count] = solid->chunk_count;
 }
 
-static ShvStatus fill(ShvSolid *solid, const ShvState *state, uint64_t *met, int32_t *colours, ShvError *error)
+static ShvStatus fill(ShvSolid *solid, const ShvState *state, uint64_t *met, ShvError *error)
 {
-    const size_t chunks = (size_t)solid->chunk_count, size = sizeof *colours;
+    const size_t chunks = (size_t)solid->chunk_count, size = sizeof *solid->chunk_colour;
+    int32_t *colours = solid->chunk_colour;
     if (!met || !colours)
         return shv_fail_memory(error, "the colours of elements",
                                (size_t)state->node_count * sizeof *met + chunks * size);
@@ -78,9 +79,9 @@ ShvStatus shv_solid_colour(ShvSolid *solid, const ShvState *state, ShvError *err
     solid->chunk_batches = batches;
     solid->chunk_count = (solid->batch_count + batches - 1) / batches;
     uint64_t *met = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)state->node_count, sizeof *met);
-    int32_t *colours = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->chunk_count, sizeof *colours);
-    const ShvStatus status = fill(solid, state, met, colours, error);
+    solid->chunk_colour =
+        shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->chunk_count, sizeof *solid->chunk_colour);
+    const ShvStatus status = fill(solid, state, met, error);
     shv_release(met);
-    shv_release(colours);
     return status;
 }

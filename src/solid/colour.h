@@ -4,7 +4,7 @@
 
 #include "solid/solid.h"
 
-/* Fills chunk_count, chunk_batches, colour_count, colour_start and chunk_order; needs batch_count. On failure what was
+/* Fills chunk_count, chunk_batches, colour_count, colour_start, chunk_order and chunk_colour; needs batch_count. On failure what was
    made stays in `solid`, for its release. */
 ShvStatus shv_solid_colour(ShvSolid *solid, const ShvState *state, ShvError *error);
 

@@ -1,12 +1,16 @@
 #include "solid/kernel.h"
 
+static int32_t chunk_end(const ShvSolid *solid, int32_t chunk)
+{
+    const int32_t end = (chunk + 1) * solid->chunk_batches;
+    return end < solid->batch_count ? end : solid->batch_count;
+}
+
 /* One chunk, its batches in order. */
 static void add_chunk(const ShvSolid *solid, ShvState *state, int32_t chunk)
 {
-    const int32_t begin = chunk * solid->chunk_batches;
-    const int32_t end =
-        begin + solid->chunk_batches < solid->batch_count ? begin + solid->chunk_batches : solid->batch_count;
-    for (int32_t batch = begin; batch < end; batch++)
+    const int32_t end = chunk_end(solid, chunk);
+    for (int32_t batch = chunk * solid->chunk_batches; batch < end; batch++)
         if (solid->batch_active[batch]) shv_batch_add_force(solid, state, batch);
 }
 
@@ -18,5 +22,89 @@ void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state)
 #pragma omp for schedule(static)
         for (int32_t i = solid->colour_start[colour]; i < solid->colour_start[colour + 1]; i++)
             add_chunk(solid, state, solid->chunk_order[i]);
+    }
+}
+
+/* ---- and faces ---- */
+
+typedef struct Faces {
+    const double *weight;
+    double floor;
+    uint32_t *bits;
+} Faces;
+
+static bool search_chunk(const ShvSolid *solid, ShvState *state, int32_t chunk, const Faces *faces)
+{
+    const int32_t end = chunk_end(solid, chunk);
+    bool inverted = false;
+    for (int32_t batch = chunk * solid->chunk_batches; batch < end; batch++)
+        if (solid->batch_active[batch] &&
+            shv_batch_add_force_and_find_faces(solid, state, batch, faces->weight, faces->floor, faces->bits))
+            inverted = true;
+    return inverted;
+}
+
+bool shv_solid_add_internal_force_and_find_faces(const ShvSolid *solid, ShvState *state, const double *weight,
+                                                 double floor, uint32_t *faces)
+{
+    const Faces found = {weight, floor, faces};
+    int inverted = 0;
+#pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1) reduction(| : inverted)
+    for (int32_t colour = 0; colour < solid->colour_count; colour++) {
+#pragma omp for schedule(static)
+        for (int32_t i = solid->colour_start[colour]; i < solid->colour_start[colour + 1]; i++)
+            inverted |= search_chunk(solid, state, solid->chunk_order[i], &found);
+    }
+    return inverted != 0;
+}
+
+/* ---- single nodes ---- */
+
+static int32_t colour_of(const ShvSolid *solid, int32_t corner)
+{
+    return solid->chunk_colour[corner / (4 * SHV_LANES) / solid->chunk_batches];
+}
+
+/* Whether the force on one corner of a node is added before that on another: by colour, then in order. */
+static bool comes_before(const ShvSolid *solid, int32_t a, int32_t b)
+{
+    const int32_t first = colour_of(solid, a), second = colour_of(solid, b);
+    return first != second ? first < second : a < b;
+}
+
+/* The corner whose turn is next after `last` (−1: the first); −1 when there is none. Few corners meet at a node. */
+static int32_t next_corner(const ShvSolid *solid, const int32_t *corners, int32_t count, int32_t last)
+{
+    int32_t next = -1;
+    for (int32_t i = 0; i < count; i++) {
+        if (last >= 0 && !comes_before(solid, last, corners[i])) continue;
+        if (next < 0 || comes_before(solid, corners[i], next)) next = corners[i];
+    }
+    return next;
+}
+
+static ShvVec3 corner_force(const ShvSolid *solid, const ShvState *state, int32_t corner)
+{
+    _Alignas(64) double force[4][3][SHV_LANES];
+    ShvWide h[3][3], p[3][3];
+    const int32_t element = corner / 4, batch = element / SHV_LANES, lane = element % SHV_LANES;
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_piola(&elasticity, h, p);
+    shv_batch_corner_forces(solid, batch, p, force);
+    return shv_vec3(force[corner % 4][0][lane], force[corner % 4][1][lane], force[corner % 4][2][lane]);
+}
+
+void shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count)
+{
+#pragma omp parallel for schedule(static) num_threads(solid->model->threads) if (solid->model->threads > 1)
+    for (int32_t k = 0; k < count; k++) {
+        const int32_t *corners = state->corners + state->corner_start[nodes[k]],
+                      corner_count = state->corner_count[nodes[k]];
+        ShvVec3 sum = {0.0, 0.0, 0.0};
+        for (int32_t corner = next_corner(solid, corners, corner_count, -1); corner >= 0;
+             corner = next_corner(solid, corners, corner_count, corner))
+            sum = shv_add(sum, corner_force(solid, state, corner));
+        shv_store3(state->force + 3 * (int64_t)nodes[k], sum);
     }
 }

@@ -193,10 +193,10 @@ static inline ShvWide shv_wide_volume_ratio(ShvWide h[3][3])
     return shv_wide_cofactors(f, cofactors);
 }
 
-/* Adds the forces of a batch, lane after lane: −V P ∇N_b on corner b, the opposite of their sum on corner 0. */
-static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int32_t batch, ShvWide p[3][3])
+/* Forces of a batch: −V P ∇N_b on corner b, the opposite of their sum on corner 0. */
+static inline void shv_batch_corner_forces(const ShvSolid *solid, int32_t batch, ShvWide p[3][3],
+                                           double corner_force[4][3][SHV_LANES])
 {
-    _Alignas(64) double corner_force[4][3][SHV_LANES];
     const ShvWide minus_volume =
         shv_wide_sub(shv_wide_zero(), shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES));
     for (int i = 0; i < 3; i++) {
@@ -212,6 +212,13 @@ static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int
         }
         shv_wide_store(corner_force[0][i], shv_wide_sub(shv_wide_zero(), sum));
     }
+}
+
+/* Adds them lane after lane. */
+static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int32_t batch, ShvWide p[3][3])
+{
+    _Alignas(64) double corner_force[4][3][SHV_LANES];
+    shv_batch_corner_forces(solid, batch, p, corner_force);
     const int32_t *nodes = state->connectivity + (int64_t)batch * (4 * SHV_LANES);
     for (int lane = 0; lane < SHV_LANES; lane++)
         for (int corner = 0; corner < 4; corner++) {
@@ -245,6 +252,72 @@ static inline void shv_batch_cauchy(const ShvSolid *solid, const ShvState *state
         for (int k = 0; k < 3; k++) sum = shv_wide_fma(p[i][k], h[j][k], sum);
         shv_wide_store(stress + c * SHV_LANES, shv_wide_mul(scale, sum));
     }
+}
+
+/* Of each lane, whether the traction on one face may count `floor` or more, from its reference normal G (any length) and
+   P G: with the cofactors C of F, the current normal is C G, and P G is the traction times |C G|. Compression counts for
+   nothing, shear as the weight says. Margins cover round-off; what is squeezed or inside out may count any amount. */
+static inline ShvWideMask shv_wide_face_counts(const ShvWide normal[3], const ShvWide traction[3], ShvWide volume,
+                                               ShvWide weight, ShvWide floor)
+{
+    ShvWide area = shv_wide_mul(normal[0], normal[0]), size = shv_wide_mul(traction[0], traction[0]);
+    ShvWide along = shv_wide_mul(normal[0], traction[0]);
+    for (int i = 1; i < 3; i++) {
+        area = shv_wide_fma(normal[i], normal[i], area);
+        size = shv_wide_fma(traction[i], traction[i], size);
+        along = shv_wide_fma(normal[i], traction[i], along);
+    }
+    const ShvWide compression = shv_wide_min(along, shv_wide_zero());
+    const ShvWide whole = shv_wide_mul(shv_wide_mul(size, area), shv_wide_set1(1.0 + 1e-12));
+    const ShvWide counted = shv_wide_fnma(compression, compression, whole);
+    const ShvWide least = shv_wide_mul(shv_wide_mul(floor, area), shv_wide_mul(floor, area));
+    const ShvWide value = shv_wide_mul(shv_wide_mul(weight, weight), counted);
+    const ShvWideMask regular = shv_wide_less(shv_wide_set1(SHV_SMALLEST_VOLUME_RATIO), volume);
+    return shv_wide_less_equal(shv_wide_select(regular, least, shv_wide_zero()), value);
+}
+
+/* All four faces: bit 8 × face + lane. Face 0 is opposite corner 0, and its normal and traction balance the others'. */
+static inline uint32_t shv_batch_faces(const ShvSolid *solid, int32_t batch, ShvWide h[3][3], ShvWide p[3][3],
+                                       const double *weight, double floor, bool *inverted)
+{
+    ShvWide f[3][3], cofactors[3][3], normal[4][3], traction[4][3];
+    uint32_t bits = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) f[i][j] = i == j ? shv_wide_add(h[i][j], shv_wide_set1(1.0)) : h[i][j];
+    const ShvWide volume = shv_wide_cofactors(f, cofactors), least = shv_wide_set1(floor * (1.0 - 1e-12));
+    for (int i = 0; i < 3; i++) {
+        normal[0][i] = traction[0][i] = shv_wide_zero();
+        for (int b = 0; b < 3; b++) {
+            const ShvWide x = shv_batch_shape_gradient(solid, batch, b, 0);
+            const ShvWide y = shv_batch_shape_gradient(solid, batch, b, 1);
+            const ShvWide z = shv_batch_shape_gradient(solid, batch, b, 2);
+            normal[b + 1][i] =
+                shv_wide_fma(cofactors[i][2], z, shv_wide_fma(cofactors[i][1], y, shv_wide_mul(cofactors[i][0], x)));
+            traction[b + 1][i] = shv_wide_fma(p[i][2], z, shv_wide_fma(p[i][1], y, shv_wide_mul(p[i][0], x)));
+            normal[0][i] = shv_wide_sub(normal[0][i], normal[b + 1][i]);
+            traction[0][i] = shv_wide_sub(traction[0][i], traction[b + 1][i]);
+        }
+    }
+    for (int face = 0; face < 4; face++) {
+        const ShvWide own = shv_wide_load(weight + ((int64_t)batch * 4 + face) * SHV_LANES);
+        bits |= shv_wide_bits(shv_wide_face_counts(normal[face], traction[face], volume, own, least))
+                << (SHV_LANES * face);
+    }
+    *inverted = shv_wide_bits(shv_wide_less(shv_wide_zero(), volume)) != 0xffu;
+    return bits;
+}
+
+static inline bool shv_batch_add_force_and_find_faces(const ShvSolid *solid, ShvState *state, int32_t batch,
+                                                      const double *weight, double floor, uint32_t *faces)
+{
+    ShvWide h[3][3], p[3][3];
+    bool inverted;
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_piola(&elasticity, h, p);
+    shv_batch_scatter(solid, state, batch, p);
+    faces[batch] = shv_batch_faces(solid, batch, h, p, weight, floor, &inverted);
+    return inverted;
 }
 
 #endif

@@ -108,5 +108,6 @@ void shv_solid_release(ShvSolid *solid)
     shv_release(solid->batch_exact);
     shv_release(solid->colour_start);
     shv_release(solid->chunk_order);
+    shv_release(solid->chunk_colour);
     *solid = (ShvSolid){0};
 }

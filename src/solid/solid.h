@@ -2,6 +2,8 @@
 #ifndef SHV_SOLID_SOLID_H
 #define SHV_SOLID_SOLID_H
 
+#include <stdbool.h>
+
 #include "model/state.h"
 
 /* Constants of the reference elements, and the order in which batches are worked through. Chunks of consecutive batches
@@ -19,6 +21,7 @@ typedef struct ShvSolid {
     int32_t colour_count;
     int32_t *colour_start; /* colour_count + 1, into chunk_order */
     int32_t *chunk_order;  /* chunks sorted by colour */
+    int32_t *chunk_colour; /* of each chunk */
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
@@ -29,6 +32,15 @@ void shv_solid_release(ShvSolid *solid);
 
 /* Adds −(internal force) of all active batches to state->force. */
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
+/* The same, and for each active batch the faces that may count `floor` or more: bit SHV_LANES × face + lane, a face as numbered by
+   the corner opposite. What counts is the length of (⟨tension⟩, shear) of the element's Cauchy stress on the face × the face's
+   weight, 1/Pa: weight[(e/8)*32 + face*8 + e%8]. Other batches keep their bits. Returns whether an element's volume is
+   not positive. */
+bool shv_solid_add_internal_force_and_find_faces(const ShvSolid *solid, ShvState *state, const double *weight,
+                                                 double floor, uint32_t *faces);
+/* The internal force of some nodes after they were split, put into state->force: the bits that shv_solid_add_internal_force
+   would add to zero. Needs state->corners. */
+void shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count);
 /* Strain energy of the active batches, J; summed in batch order within fixed blocks, whatever the threads. */
 double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state);
 /* Strain energy of one element, awake or not, J. */
@@ -40,6 +52,9 @@ double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, in
    SHV_SMALLEST_VOLUME_RATIO of its volume, or inverted, gets P Fᵀ over that ratio, so that its stress stays finite.
    Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
 void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress);
+/* Of some batches, each once; the others keep theirs. */
+void shv_solid_stress_of(const ShvSolid *solid, const ShvState *state, const int32_t *batches, int32_t count,
+                         double *stress);
 /* The same of one batch, awake or not: stress[6 × SHV_LANES], aligned to 64 bytes. */
 void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress);
 /* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. Needs state->corners. */

@@ -8,6 +8,14 @@ void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stre
             shv_batch_cauchy(solid, state, batch, stress + (int64_t)batch * (6 * SHV_LANES));
 }
 
+void shv_solid_stress_of(const ShvSolid *solid, const ShvState *state, const int32_t *batches, int32_t count,
+                         double *stress)
+{
+#pragma omp parallel for schedule(static) num_threads(solid->model->threads) if (solid->model->threads > 1)
+    for (int32_t k = 0; k < count; k++)
+        shv_batch_cauchy(solid, state, batches[k], stress + (int64_t)batches[k] * (6 * SHV_LANES));
+}
+
 void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress)
 {
     shv_batch_cauchy(solid, state, batch, stress);

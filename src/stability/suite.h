@@ -21,6 +21,7 @@ enum { SHV_MOST_EXPECTATIONS = 10 };
     X(wakes, 0.0)                                                                                                      \
     X(rests, 0.0)                                                                                                      \
     X(inversions, 0.0) /* events */                                                                                    \
+    X(squeezes, 0.0)   /* events */                                                                                    \
     X(first_wake, NAN) /* s */                                                                                         \
     X(residual, 0.0)   /* largest |residual of the ledger| over its largest energy */                                  \
     X(gain, 0.0)       /* largest rise of kinetic, strain and potential energy above the start, likewise */            \

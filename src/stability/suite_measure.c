@@ -141,6 +141,7 @@ static void watch_events(Watch *watch, const ShvFrameView *frame)
             values[SHV_MEASURE_first_wake] = event->time;
         if (event->kind == SHV_RUN_SLEEP) values[SHV_MEASURE_rests]++;
         if (event->kind == SHV_RUN_INVERSION) values[SHV_MEASURE_inversions]++;
+        if (event->kind == SHV_RUN_SQUEEZE) values[SHV_MEASURE_squeezes]++;
     }
 }
 

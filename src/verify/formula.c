@@ -80,8 +80,8 @@ static ShvStatus operate(Parser *parser, char operation, ShvFormulaValue *a, con
 static const struct {
     const char *name;
     double (*of)(double);
-} functions[] = {{"sqrt", sqrt}, {"abs", fabs}, {"exp", exp},   {"log", log},   {"sin", sin},
-                 {"cos", cos},   {"tan", tan},  {"sinh", sinh}, {"cosh", cosh}, {"asinh", asinh}};
+} functions[] = {{"sqrt", sqrt}, {"abs", fabs},  {"exp", exp},   {"log", log},     {"sin", sin},  {"cos", cos},
+                 {"tan", tan},   {"sinh", sinh}, {"cosh", cosh}, {"asinh", asinh}, {"atan", atan}};
 
 static ShvStatus apply(Parser *parser, double (*of)(double), ShvFormulaValue *value)
 {

@@ -2,7 +2,7 @@
 
    A name is looked up by whoever evaluates; `pi` is known here. Operators and functions of one number act on series value by
    value; two series in one operation must have the same times. Values that are NaN count as not recorded.
-     sqrt abs exp log sin cos tan sinh cosh asinh
+     sqrt abs exp log sin cos tan sinh cosh asinh atan
      min(a, b) max(a, b)            of two numbers
      min max mean rms slope integral (s [, from, to])   slope: least squares, 1/s; integral: trapezia
      window(s, from, to)            the series, as if nothing else had been recorded

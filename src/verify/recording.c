@@ -202,6 +202,7 @@ static const Field end_fields[] = {END(largest_mass),
                                    END(worst_overshoot),
                                    END(wall_seconds),
                                    {"crack_origin", offsetof(ShvRecording, crack.origin), true},
+                                   {"crack_centre", offsetof(ShvRecording, crack.centre), true},
                                    {"crack_normal", offsetof(ShvRecording, crack.normal), true}};
 
 static bool find_end(const ShvRecording *recording, const char *name, ShvFormulaValue *value)

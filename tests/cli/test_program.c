@@ -78,17 +78,57 @@ static void test_check_and_plan(void **state)
                 "\"first_contact\": null");
     assert_true(json_valid(output.out));
     shell_works("$shiver plan tiny.yaml --set fracture.enabled=false", "fracture.enabled is false");
+    shell_works("$shiver plan tiny.yaml", "all of it");
+    shell_works("$shiver plan tiny.yaml --trial 0.001", "run time of the scene");
+    shell_works("$shiver plan tiny.yaml --trial 0 --json", "\"trial_seconds\": 0");
+    assert_true(json_valid(output.out));
+    const char *wrong[] = {"x", "-1", "1s", "", "nan"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char line[128];
+        snprintf(line, sizeof line, "$shiver plan tiny.yaml --trial '%s'", wrong[i]);
+        shell_fails(line, 2, "--trial takes seconds");
+    }
     assert_false(json_valid("{\"a\": nan}") || json_valid("[1,]") || json_valid("{} x") || json_valid(""));
+}
+
+/* What overlaps at the start is named by check, and run says the same; a body without room is in its summary. */
+static void test_overlaps(void **state)
+{
+    (void)state;
+    const char *commands[] = {"check", "run --force --quiet"};
+    char line[256], said[2][512];
+    for (int i = 0; i < 2; i++) {
+        snprintf(line, sizeof line, "$shiver %s tiny.yaml --set objects.bar.position.2=0.0295", commands[i]);
+        assert_int_equal(shell(line), 0);
+        const char *warning = strstr(output.err, "'bar' and the obstacle 'floor' overlap at the start, 0.0005 m deep");
+        assert_non_null(warning);
+        snprintf(said[i], sizeof said[i], "%s", warning);
+    }
+    assert_string_equal(said[0], said[1]);
+    assert_non_null(strstr(said[0], "lets it be"));
+    shell_works("$shiver check tiny.yaml", "stable step");
+    assert_null(strstr(output.err, "overlap"));
+    const char *between = "--set 'obstacles.lid={plane: {normal: [0, 0, -1], offset: -0.0615}}'";
+    snprintf(line, sizeof line, "$shiver run --force tiny.yaml %s", between);
+    shell_works(line, "finished");
+    assert_null(strstr(output.out, "no room"));
+    snprintf(line, sizeof line,
+             "$shiver run --force tiny.yaml %s --set obstacles.lid.plane.offset=-0.0585 "
+             "--set materials.chalk.breakable=false --set objects.bar.position.2=0.03 --set objects.bar.velocity.2=0",
+             between);
+    shell_works(line, "fragment 0 of 'bar' between 'floor' and 'lid'");
+    shell_works("$shiver export csv tiny.h5 --force", "");
+    shell_works("cat tiny_events.csv", "squeeze");
 }
 
 /* A plan of a slow and finely stepped fall takes no time itself. */
 static void test_plan_of_a_long_fall(void **state)
 {
     (void)state;
-    shell_works(
-        "timeout 5 $shiver plan tiny.yaml --set rigid.time_step=1e-9 --set duration=1000 --set 'gravity=[0, 0, 0]' "
-        "--set objects.bar.position.2=0.2 --set objects.bar.velocity.2=1",
-        "no contact");
+    shell_works("timeout 5 $shiver plan tiny.yaml --trial 0 --set rigid.time_step=1e-9 --set duration=1000 --set "
+                "'gravity=[0, 0, 0]' "
+                "--set objects.bar.position.2=0.2 --set objects.bar.velocity.2=1",
+                "no contact");
 }
 
 static void test_overrides(void **state)
@@ -342,15 +382,16 @@ static void test_materials(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_usage),           cmocka_unit_test(test_wrong_words),
-        cmocka_unit_test(test_check_and_plan),  cmocka_unit_test(test_plan_of_a_long_fall),
-        cmocka_unit_test(test_overrides),       cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_run_and_info),    cmocka_unit_test(test_default_name),
-        cmocka_unit_test(test_existing_output), cmocka_unit_test(test_unwritable),
-        cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_interruption),
-        cmocka_unit_test(test_export),          cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_scenes),          cmocka_unit_test(test_probes),
-        cmocka_unit_test(test_verify),          cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_usage),          cmocka_unit_test(test_wrong_words),
+        cmocka_unit_test(test_check_and_plan), cmocka_unit_test(test_plan_of_a_long_fall),
+        cmocka_unit_test(test_overlaps),       cmocka_unit_test(test_overrides),
+        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_run_and_info),
+        cmocka_unit_test(test_default_name),   cmocka_unit_test(test_existing_output),
+        cmocka_unit_test(test_unwritable),     cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_interruption),   cmocka_unit_test(test_export),
+        cmocka_unit_test(test_mesh),           cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_probes),         cmocka_unit_test(test_verify),
+        cmocka_unit_test(test_materials),
     };
     return cmocka_run_group_tests(tests, enter, shell_leave);
 }

@@ -3,6 +3,7 @@
 #include "cohesive/fixture.h"
 
 #include "base/random.h"
+#include "cohesive/turn.h"
 
 typedef struct Step {
     double last, step, friction;
@@ -101,8 +102,9 @@ static void a_plane_crack_takes_its_energy(void **state)
                 f.state.displacement[n] = 0.5 * step * f.state.velocity[n];
             for (int k = 0; k < 100; k++) {
                 step_once(&f, (Step){step, step, 0.0, false}, &ledger);
-                /* all pairs alike, and later nearly so: one sweep settles it, the second finds nothing to do */
-                if (k == 0) assert_true(f.cohesive.sweeps <= 2 * (int64_t)f.cohesive.cluster_count);
+                /* all pairs alike, and later nearly so: one sweep settles it, the second finds nothing to do, nor does
+                   the one after couples have been answered */
+                if (k == 0) assert_true(f.cohesive.sweeps <= 3 * (int64_t)f.cohesive.cluster_count);
                 zero_force(&f);
             }
             const ShvCohesiveEnergy energy = shv_cohesive_energy(&f.cohesive, &f.state);
@@ -116,8 +118,7 @@ static void a_plane_crack_takes_its_energy(void **state)
             check_near(energy.opened_energy, 8.0 * area, 1e-12 * 8.0 * area);
             momenta(&f, &p, &l, &scale);
             check_near(shv_norm(p), 0.0, 1e-13 * scale);
-            /* the force of a pair stands off by its opening, once each step */
-            check_near(shv_norm(shv_sub(l, spin)), 0.0, final_opening * scale * 5.0 * fmax(shares[i], 1.0));
+            check_near(shv_norm(shv_sub(l, spin)), 0.0, 1e-13 * scale * 0.012);
             fixture_release(&f);
         }
 }
@@ -243,7 +244,7 @@ static Outcome explode(int32_t threads, ShvCohesiveLaw law)
     return outcome;
 }
 
-/* Momentum is kept to round-off, angular momentum but for forces × openings; energy does not grow beyond the square of the
+/* Momentum and angular momentum are kept to round-off; energy does not grow beyond the square of the
    sweeps' tolerance; the number of threads changes no bit. */
 static void everything_breaks_without_gaining_energy(void **state)
 {
@@ -253,8 +254,18 @@ static void everything_breaks_without_gaining_energy(void **state)
                       three = explode(3, law ? SHV_CAMACHO_ORTIZ : SHV_PPR);
         assert_true(one.hash == three.hash);
         assert_true(one.growth < 1e-6);
-        assert_true(one.spin < 1e-5);
+        assert_true(one.spin < 1e-12);
     }
+}
+
+/* Of opening, seen by one who turns with the facet. */
+static ShvVec3 rate_of(const Fixture *f, int32_t p)
+{
+    const ShvCohesivePoint *point = &f->cohesive.points[p];
+    const ShvVec3 turn = shv_turn_rate(&f->cohesive.turns[p / 3], &f->cohesive.points[p - p % 3], &f->state);
+    const ShvVec3 rate = shv_sub(shv_load3(f->state.velocity + 3 * (int64_t)point->second),
+                                 shv_load3(f->state.velocity + 3 * (int64_t)point->first));
+    return shv_sub(rate, shv_cross(turn, point->opening));
 }
 
 /* What a cluster stores, and what the tractions do if nodes keep their velocities, J. */
@@ -264,9 +275,7 @@ static double cluster_budget(const Fixture *f, int32_t cluster, double step, dou
     *size = 0.0;
     for (int32_t i = f->cohesive.cluster[cluster]; i < f->cohesive.cluster[cluster + 1]; i++) {
         const ShvCohesivePoint *point = &f->cohesive.points[f->cohesive.active[i]];
-        const ShvVec3 rate = shv_sub(shv_load3(f->state.velocity + 3 * (int64_t)point->second),
-                                     shv_load3(f->state.velocity + 3 * (int64_t)point->first));
-        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, rate);
+        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, rate_of(f, f->cohesive.active[i]));
         const double work = shv_dot(point->pull, shv_sub(to, point->from));
         sum += point->stored + work;
         *size += point->stored + fabs(work);
@@ -300,6 +309,7 @@ static void unsettled_clusters_never_give_energy(void **state)
         const double step = 1e-7, speeds[] = {0.1, 1.0, 10.0}, speed = speeds[kind / 2];
         for (int32_t i = 0; i < f.state.node_count; i++) f.state.mass[i] *= 1e-3 + shv_random_uniform(3, (uint64_t)i);
         f.state.last_step = step;
+        ShvLedger ledger = {0};
         double allowed = 0.0, size;
         for (uint64_t k = 0; k < 40; k++) {
             shv_cohesive_begin(&f.cohesive, &f.state, NULL);
@@ -317,10 +327,48 @@ static void unsettled_clusters_never_give_energy(void **state)
             allowed = 0.0;
             for (int32_t c = 0; c < f.cohesive.cluster_count; c++)
                 allowed += fmax(cluster_budget(&f, c, step, &size), 0.0);
+            shv_cohesive_book(&f.cohesive, &f.state, step, &ledger);
             for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
                 f.state.displacement[i] += step * f.state.velocity[i];
             zero_force(&f);
         }
+        fixture_release(&f);
+    }
+}
+
+/* A crack held shut: in every step nodes are thrown about as round-off throws them, after the pull too, as supports and contact
+   do. No opening comes near the one with which the law starts (1e-8 of the final one), so that no corner may wear: what its
+   tractions exchange is noise, whose sign says nothing. */
+static void corners_held_shut_do_not_wear(void **state)
+{
+    (void)state;
+    enum { STEPS = 50 };
+    const double step = 1e-7, speed = 1e-12, start = 1e-8 * 2.0 * 8.0 / 40e6;
+    assert_true(2.0 * STEPS * speed * step < 0.01 * start);
+    for (int law = 0; law < 2; law++) {
+        Fixture f;
+        fixture_define(&f, 0.012, 0.006, 0.006, 0.003);
+        f.material.law = law ? SHV_CAMACHO_ORTIZ : SHV_PPR;
+        fixture_build_cubes(&f, 4, 2, 2);
+        fixture_start(&f);
+        insert_plane(&f);
+        f.state.last_step = step;
+        for (uint64_t k = 0; k < STEPS; k++) {
+            shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+            disturb(&f, speed, 2 * k);
+            shv_cohesive_pull(&f.cohesive, &f.state, step, step);
+            disturb(&f, speed, 2 * k + 1);
+            for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
+                f.state.displacement[i] += step * f.state.velocity[i];
+            zero_force(&f);
+        }
+        shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+        for (int32_t i = 0; i < 3 * f.cohesive.count; i++) {
+            const double strength = f.cohesive.law[i / 3].strength[SHV_NORMAL];
+            check_near(f.cohesive.peak[i], strength, 1e-7 * strength);
+        }
+        assert_int_equal(f.cohesive.active_count, f.cohesive.pair_count);
+        assert_true(shv_cohesive_energy(&f.cohesive, &f.state).dissipated < 1e-7 * 8.0 * 0.006 * 0.006);
         fixture_release(&f);
     }
 }
@@ -379,6 +427,7 @@ int main(void)
         cmocka_unit_test(acceleration_is_continuous),
         cmocka_unit_test(everything_breaks_without_gaining_energy),
         cmocka_unit_test(unsettled_clusters_never_give_energy),
+        cmocka_unit_test(corners_held_shut_do_not_wear),
         cmocka_unit_test(turned_bodies_open_alike),
         cmocka_unit_test(resolution_step_is_a_tenth_of_what_is_left),
     };

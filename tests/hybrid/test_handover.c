@@ -479,6 +479,62 @@ static void contact_between_fragments_is_the_scenes(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* The second of two balls goes along with the first, which is awake, and contacts in flight push it. */
+static ShvFragment *start_beside(ShvHybrid *hybrid, Stage *stage)
+{
+    stage_ball(stage, SHV_RIGID_BULLET);
+    stage->objects[1] = stage->objects[0];
+    stage->objects[1].name = "other";
+    stage->objects[1].placement.position[0] = 0.15;
+    stage->scene.object_count = 2;
+    for (int k = 0; k < 3; k++) stage->scene.gravity[k] = 0.0;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_hybrid_create(hybrid, NULL, &stage->scene, NULL, &error), error);
+    wake(hybrid, 0);
+    check_ok(shv_awake_refresh(hybrid, &error), error);
+    check_ok(shv_companions_add(hybrid, 1, &error), error);
+    ShvFragment *other = &hybrid->fragments.items[1];
+    other->contact_force = shv_vec3(3.0, -2.0, 1.0);
+    other->contact_torque = shv_vec3(0.02, 0.03, -0.01);
+    hybrid->state.last_step = 2e-5;
+    hybrid->interval_end = hybrid->state.time + 1e-3;
+    return other;
+}
+
+/* What contacts give in half a step of 2e-5 s, no more and no less, and it is booked. */
+static void check_last_half_step(const ShvHybrid *hybrid, const ShvFragment *other)
+{
+    double momentum[3], angular[3];
+    shv_audit_rigid(other, momentum, angular);
+    const ShvVec3 given = shv_vec3(3e-5, -2e-5, 1e-5), turned = shv_vec3(2e-7, 3e-7, -1e-7);
+    const ShvVec3 spin = shv_sub(shv_load3(angular), shv_cross(other->position, shv_load3(momentum)));
+    const double kinetic = shv_fragment_kinetic(other);
+    check_near(shv_norm(shv_sub(shv_load3(momentum), given)), 0.0, 1e-14 * shv_norm(given));
+    check_near(shv_norm(shv_sub(spin, turned)), 0.0, 1e-13 * shv_norm(turned));
+    check_near(hybrid->ledger.booked[SHV_WORK_CONTACT], kinetic, 1e-13 * kinetic);
+}
+
+/* At the end of an interval a companion has got its impulses but for the last half step's: it takes those along when the last
+   awake one goes to rest, and has them already when a load wakes it as the next interval begins. */
+static void companions_leave_with_what_they_are_owed(void **unused)
+{
+    (void)unused;
+    for (int wakes = 0; wakes < 2; wakes++) {
+        Stage stage;
+        ShvHybrid hybrid;
+        const ShvFragment *other = start_beside(&hybrid, &stage);
+        if (wakes) {
+            shv_companions_settle(&hybrid, 0.5 * hybrid.state.last_step);
+            shv_companions_remove(&hybrid, 1);
+        } else {
+            rest_all(&hybrid);
+        }
+        assert_int_equal(hybrid.companions.count, 0);
+        check_last_half_step(&hybrid, other);
+        shv_hybrid_release(&hybrid);
+    }
+}
+
 /* Events of the time line move what can move. */
 static void events_leave_binned_dust_alone(void **unused)
 {
@@ -506,6 +562,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_fragments_keep_mass_and_momentum),
+        cmocka_unit_test(companions_leave_with_what_they_are_owed),
         cmocka_unit_test(an_undeformed_fragment_keeps_its_pose),
         cmocka_unit_test(deformation_goes_on_or_is_dropped),
         cmocka_unit_test(kept_strain_counts_once),

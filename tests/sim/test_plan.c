@@ -129,6 +129,102 @@ static void test_unbreakable(void **state)
     }
 }
 
+/* A trial to the end knows the run, takes its course, and lists what it held before the first crack, part by part. */
+static void test_trial(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    ShvSimulation *simulation = stage_start(&stage);
+    ShvPlan plan;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    const size_t before = plan.bytes;
+    check_ok(shv_simulation_try(simulation, 600.0, &plan, &error), error);
+    assert_true(shv_simulation_finished(simulation));
+    assert_true(shv_simulation_hash(simulation) == stage_hash(&stage));
+    const ShvTrial *trial = &plan.trial;
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    assert_true(trial->finished && trial->time == stage.scene.duration);
+    assert_true(trial->processor > 0.0 && trial->seconds > 0.0);
+    assert_true(trial->low == trial->processor && trial->predicted == trial->low && trial->high == trial->low);
+    assert_true(trial->first_wake > 0.0 && trial->first_crack >= trial->first_wake);
+    assert_true(trial->first_crack < stage.scene.duration);
+    assert_true(trial->awake > 0.0 && trial->awake <= stage.scene.duration);
+    assert_int_equal(trial->steps, frame->steps);
+    assert_int_equal(trial->inserted, frame->inserted);
+    assert_int_equal(trial->fragments, frame->alive_count);
+    size_t sum = 0;
+    for (int32_t i = 0; i < plan.part_count; i++) sum += plan.parts[i].bytes;
+    assert_true(sum == plan.bytes && plan.bytes > before);
+    shv_simulation_destroy(simulation);
+}
+
+/* One that ends early leaves the simulation where it can go on, and bounds its guess. */
+static void test_short_trial(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make_breaking_bar(&stage);
+    ShvSimulation *simulation = stage_start(&stage);
+    ShvPlan plan;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    check_ok(shv_simulation_try(simulation, 0.0, &plan, &error), error);
+    assert_true(plan.trial.seconds == 0.0 && shv_simulation_moment(simulation).time == 0.0);
+    for (int i = 0; i < 4; i++) {
+        check_ok(shv_simulation_try(simulation, 1e-3, &plan, &error), error);
+        const ShvTrial *trial = &plan.trial;
+        assert_true(trial->time == shv_simulation_moment(simulation).time);
+        assert_true(trial->processor <= trial->low && trial->low <= trial->predicted);
+        assert_true(trial->predicted <= trial->high && isfinite(trial->high));
+    }
+    stage_finish(simulation);
+    shv_simulation_destroy(simulation);
+}
+
+static bool stop_at_once(void *data)
+{
+    ++*(int *)data;
+    return true;
+}
+
+/* The simulation's own stop is asked, and obeyed. */
+static void test_interrupted_trial(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_falling_cube(&stage);
+    int asked = 0;
+    ShvSimulationOptions options = shv_simulation_options_default();
+    options.stop = stop_at_once;
+    options.stop_data = &asked;
+    ShvSimulation *simulation = NULL;
+    ShvPlan plan;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_create(&simulation, &stage.scene, &options, &error), error);
+    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    check_fails(shv_simulation_try(simulation, 10.0, &plan, &error), SHV_INTERRUPTED, error, "stopped");
+    assert_int_equal(asked, 1);
+    shv_simulation_destroy(simulation);
+}
+
+/* The reason of a part is that of the engine at work. */
+static void test_reasons(void **state)
+{
+    (void)state;
+    static const ShvRigidEngine engines[] = {SHV_RIGID_ANALYTIC, SHV_RIGID_PBD, SHV_RIGID_BULLET};
+    static const char *const words[] = {"against obstacles", "bars keep rigid", "convex pieces"};
+    for (int i = 0; i < 3; i++) {
+        Stage stage;
+        make_falling_cube(&stage);
+        stage.scene.duration = 0.1;
+        stage.scene.rigid.engine = engines[i];
+        const ShvPlan plan = plan_of(&stage);
+        assert_non_null(strstr(part_of(&plan, "rigid flight")->reason, words[i]));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -136,6 +232,10 @@ int main(void)
         cmocka_unit_test(test_step_scales),
         cmocka_unit_test(test_plan),
         cmocka_unit_test(test_unbreakable),
+        cmocka_unit_test(test_trial),
+        cmocka_unit_test(test_short_trial),
+        cmocka_unit_test(test_interrupted_trial),
+        cmocka_unit_test(test_reasons),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

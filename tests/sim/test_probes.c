@@ -119,6 +119,53 @@ static void test_flight(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* Two blocks in fracture mode, one thrown at the other and aslant, so that they rub: at every moment the force on one is that
+   on the other the other way round, and what the first loses is the impulse of those forces. */
+static void test_bodies_push_each_other(void **state)
+{
+    (void)state;
+    Watched watched = {.stage.scene.probe_count = 0};
+    stage_make(&watched.stage);
+    const char *const names[] = {"thrown", "struck"};
+    for (int i = 0; i < 2; i++) {
+        stage_box(&watched.stage, names[i], (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.0)->placement.position[0] =
+            0.0203 * i;
+        stage_support(&watched.stage, i ? "pull" : "push", names[i])->kind =
+            SHV_CONDITION_TRACTION; /* of 0 Pa: awake */
+        watch(&watched, names[i], SHV_PROBE_NODES)->object = names[i];
+    }
+    watched.stage.objects[0].placement.velocity[0] = 1.0;
+    watched.stage.objects[0].placement.velocity[2] = 0.3;
+    watched.stage.material.breakable = false;
+    watched.stage.scene.gravity[2] = 0.0;
+    watched.stage.scene.duration = 0.002;
+    watched.stage.scene.output.rate = 20.0; /* one interval: steps of one length */
+    ShvSimulation *simulation = stage_start(&watched.stage);
+    const double mass = 0.02 * 0.02 * 0.02 * watched.stage.material.density;
+    double pushed = 0.0, rubbed = 0.0;
+    int checked = 0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int64_t i = 0; i < frame->probe_row_count; i++) {
+            const ShvProbeSample *row = frame->probe_samples + 2 * i;
+            if (i == 0 || isnan(row[0].contact[0]) || isnan(row[-2].contact[0])) continue;
+            pushed = fmin(pushed, row[0].contact[0]);
+            rubbed = fmin(rubbed, row[0].contact[2]);
+            for (int axis = 0; axis < 3; axis++) {
+                const double force = 0.5 * (row[-2].contact[axis] + row[0].contact[axis]);
+                const double step = frame->probe_times[i] - frame->probe_times[i - 1];
+                check_near(row[1].contact[axis], -row[0].contact[axis], 1e-9);
+                check_near(row[0].velocity[axis], row[-2].velocity[axis] + step * force / mass, 1e-11);
+            }
+            checked++;
+        }
+    }
+    assert_true(checked > 30);
+    assert_true(pushed < -1.0);
+    assert_true(rubbed < -0.1);
+    shv_simulation_destroy(simulation);
+}
+
 /* A point at a corner of an unbroken block moves as the node that is there, and a point between nodes as their line. */
 static void test_point_is_interpolated(void **state)
 {
@@ -269,6 +316,7 @@ int main(void)
                                        cmocka_unit_test(test_forces_move_the_body),
                                        cmocka_unit_test(test_forces_with_bars),
                                        cmocka_unit_test(test_flight),
+                                       cmocka_unit_test(test_bodies_push_each_other),
                                        cmocka_unit_test(test_point_is_interpolated),
                                        cmocka_unit_test(test_reaction_is_the_weight),
                                        cmocka_unit_test(test_interval),

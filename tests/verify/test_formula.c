@@ -57,6 +57,7 @@ static void test_arithmetic(void **state)
                  {"sqrt(abs(-16))", 4.0},
                  {"max(2, 3) - min(2, 3)", 1.0},
                  {"asinh(sinh(0.7))", 0.7},
+                 {"tan(atan(0.7))", 0.7},
                  {"log(exp(2)) + cos(0) + sin(0) + tan(0) + cosh(0)", 4.0},
                  {"4 * pi", 12.566370614359172}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)

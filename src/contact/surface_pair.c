@@ -1,0 +1,252 @@
+/* Nodes that may soon meet a facet. */
+#include "contact/surface_candidates.h"
+
+#include "contact/candidates.h"
+
+/* ---- one candidate ---- */
+
+static ShvStatus watch(ShvSurfaceContact *contact, int32_t slot, ShvError *error)
+{
+    if (contact->list.nodes[slot].watch >= 0) return SHV_OK;
+    void *block = contact->watched;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->watched_capacity, contact->watched_count,
+                                sizeof(int32_t), error));
+    contact->watched = block;
+    contact->list.nodes[slot].watch = contact->watched_count;
+    contact->watched[contact->watched_count++] = slot;
+    return SHV_OK;
+}
+
+static ShvStatus reserve_candidate(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, ShvError *error)
+{
+    if (list->count < list->capacity) return SHV_OK;
+    int32_t room = list->capacity;
+    void *block = list->due;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &room, list->count, sizeof(double), error));
+    list->due = block;
+    room = list->capacity;
+    block = list->movers;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &room, list->count, sizeof(uint8_t), error));
+    list->movers = block;
+    block = list->items;
+    SHV_TRY(
+        shv_candidates_grow(contact->memory, &block, &list->capacity, list->count, sizeof(ShvSurfaceCandidate), error));
+    list->items = block;
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list,
+                                       const ShvSurfaceCandidate *candidate, double due, uint8_t movers,
+                                       ShvError *error)
+{
+    SHV_TRY(reserve_candidate(contact, list, error));
+    list->items[list->count] = *candidate;
+    list->due[list->count] = due;
+    list->movers[list->count++] = movers;
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                      const ShvSurfaceCandidate *candidate, ShvError *error)
+{
+    if (!shv_bodies_companion(bodies, candidate->fragments[0])) SHV_TRY(watch(contact, candidate->slot, error));
+    if (candidate->element < 0 || shv_bodies_companion(bodies, candidate->fragments[1])) return SHV_OK;
+    const int32_t *slots = contact->list.facets[candidate->facet].slots;
+    for (int k = 0; k < 3; k++) SHV_TRY(watch(contact, slots[k], error));
+    return SHV_OK;
+}
+
+static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                               const ShvSurfaceCandidate *candidate, int other, double distance, ShvError *error)
+{
+    const int own = contact->list.nodes[candidate->slot].pace;
+    const bool rigid = candidate->element >= 0 && shv_bodies_companion(bodies, candidate->fragments[0]) &&
+                       shv_bodies_companion(bodies, candidate->fragments[1]);
+    SHV_TRY(shv_surface_candidate_append(contact, &contact->candidates[rigid], candidate,
+                                         contact->path[own] + contact->path[other] + distance,
+                                         (uint8_t)(own * SHV_SURFACE_MOVERS + other), error));
+    return shv_surface_candidate_watch(contact, bodies, candidate, error);
+}
+
+/* ---- a facet and a node ---- */
+
+/* A facet that looks for nodes. */
+typedef struct Seeker {
+    const ShvSurfaceFacet *facet;
+    ShvFacetPlane plane;
+    ShvVec3 places[4];
+    int32_t nodes[4], origins[4]; /* of its tet */
+    int32_t across[4];            /* nodes of the tet on the other side of the facet, −1: none */
+    bool alone;                   /* it cannot meet its own fragment */
+} Seeker;
+
+static void look_across(const ShvSurfaceContact *contact, const ShvState *state, Seeker *seeker)
+{
+    const ShvAdjacency *adjacency = &contact->model->adjacency;
+    for (int k = 0; k < 4; k++) seeker->across[k] = -1;
+    if (!contact->model->can_break) return;
+    const int64_t facet = adjacency->element_facets[4 * (int64_t)seeker->facet->element + seeker->facet->face];
+    if (facet >= adjacency->interior_count) return;
+    const int32_t *elements = adjacency->facet_elements + 2 * facet;
+    const int32_t other = elements[elements[0] == seeker->facet->element];
+    for (int k = 0; k < 4; k++) seeker->across[k] = shv_state_node(state, other, k);
+}
+
+/* False for one without area, which meets nothing. */
+static bool make_seeker(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet,
+                        Seeker *seeker)
+{
+    ShvVec3 corners[3];
+    seeker->facet = facet;
+    seeker->alone = !contact->fragments[facet->fragment].cracked || contact->fragments[facet->fragment].rigid;
+    for (int k = 0; k < 4; k++) {
+        seeker->nodes[k] = shv_state_node(bodies->state, facet->element, k);
+        seeker->origins[k] = bodies->state->origin[seeker->nodes[k]];
+        seeker->places[k] = shv_bodies_position(bodies, seeker->nodes[k], facet->fragment);
+    }
+    for (int k = 0; k < 3; k++) corners[k] = seeker->places[shv_face_corners[facet->face][k]];
+    look_across(contact, bodies->state, seeker);
+    return shv_facet_plane_make(corners, &seeker->plane);
+}
+
+/* Whether a node has anything to do with a facet's tet; `mate`: a corner that is another copy of the same node of the mesh.
+   Neighbours meet across the facet between them. Those that touch at a node only have nothing to do with each other
+   until they are out of place. */
+static bool concerns(const ShvSurfaceContact *contact, const ShvState *state, const Seeker *seeker, int32_t node,
+                     ShvVec3 x, int32_t *mate)
+{
+    *mate = -1;
+    for (int k = 0; k < 4; k++) {
+        if (seeker->nodes[k] == node) return false;
+        if (seeker->origins[k] != state->origin[node]) continue;
+        const ShvVec3 apart = shv_sub(x, seeker->places[k]);
+        bool in_place = shv_dot(apart, apart) < 0.25 * contact->allowance[0] * contact->allowance[0];
+        for (int i = 0; i < 4; i++) in_place = in_place && seeker->across[i] != node;
+        if (in_place) return false;
+        *mate = seeker->nodes[k];
+    }
+    return true;
+}
+
+static ShvStatus pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
+                           int32_t slot, double reach, ShvError *error)
+{
+    const ShvSurfaceFacet *facet = seeker->facet;
+    const ShvSurfaceNode *node = &contact->list.nodes[slot];
+    if (seeker->alone && node->fragment == facet->fragment) return SHV_OK;
+    const ShvVec3 x = contact->built_time == bodies->state->time
+                          ? node->from
+                          : shv_bodies_position(bodies, node->node, node->fragment);
+    int32_t mate;
+    if (!concerns(contact, bodies->state, seeker, node->node, x, &mate)) return SHV_OK;
+    const double distance = shv_facet_plane_distance(&seeker->plane, x);
+    if (distance > reach) return SHV_OK;
+    const ShvSurfaceCandidate candidate = {.node = node->node,
+                                           .element = facet->element,
+                                           .face = facet->face,
+                                           .fragments = {node->fragment, facet->fragment},
+                                           .slot = slot,
+                                           .facet = (int32_t)(facet - contact->list.facets),
+                                           .mate = mate};
+    return add_candidate(contact, bodies, &candidate, facet->pace, distance, error);
+}
+
+/* Nodes of the grid that are so many times the reach of both sides away. Those that have strayed are not where it has them. */
+static ShvStatus pair_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
+                            double times, ShvError *error)
+{
+    const ShvSurfaceFacet *facet = seeker->facet;
+    ShvNodeGrid *grid = &contact->grid;
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
+        const double reach = times * shv_surface_reach(contact, facet, pace);
+        SHV_TRY(
+            shv_node_grid_find(grid, pace, shv_surface_cube(facet, reach), shv_box_grown(facet->box, reach), error));
+        for (int32_t k = 0; k < grid->found_count; k++)
+            if (!contact->list.nodes[grid->found[k]].stray)
+                SHV_TRY(pair_node(contact, bodies, seeker, grid->found[k], reach, error));
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                 const ShvSurfaceFacet *facet, ShvError *error)
+{
+    Seeker seeker;
+    if (!shv_surface_in_region(contact, facet) || !make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
+    return pair_nodes(contact, bodies, &seeker, 1.0, error);
+}
+
+static ShvStatus pair_slot(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
+                           int32_t slot, ShvError *error)
+{
+    const double reach = 2.0 * shv_surface_reach(contact, seeker->facet, contact->list.nodes[slot].pace);
+    return pair_node(contact, bodies, seeker, slot, reach, error);
+}
+
+/* Nodes stand in the grid where they were when it was filled, and may go as far again, on the other side of that; later ones
+   are not in it. */
+ShvStatus shv_surface_pair_late_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                      const ShvSurfaceFacet *facet, ShvError *error)
+{
+    Seeker seeker;
+    if (!make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
+    SHV_TRY(pair_nodes(contact, bodies, &seeker, 2.0, error));
+    for (int32_t k = 0; k < contact->strays.count; k++)
+        SHV_TRY(pair_slot(contact, bodies, &seeker, contact->strays.items[k], error));
+    for (int32_t slot = contact->grid_nodes; slot < contact->list.node_count; slot++)
+        SHV_TRY(pair_slot(contact, bodies, &seeker, slot, error));
+    return SHV_OK;
+}
+
+static ShvStatus pair_with(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot, int32_t place,
+                           ShvError *error)
+{
+    const ShvSurfaceFacet *facet = &contact->list.facets[place];
+    const ShvSurfaceNode *node = &contact->list.nodes[slot];
+    const double reach = 2.0 * shv_surface_reach(contact, facet, node->pace);
+    const ShvBox box = shv_box_grown(facet->box, reach);
+    Seeker seeker;
+    if (facet->strays || !shv_box_holds(&box, node->from) || !make_seeker(contact, bodies, facet, &seeker))
+        return SHV_OK;
+    return pair_node(contact, bodies, &seeker, slot, reach, error);
+}
+
+ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot,
+                                     int32_t facets, ShvError *error)
+{
+    const ShvSurfaceNode *node = &contact->list.nodes[slot];
+    ShvNodeGrid *grid = &contact->facet_grid;
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
+        const double reach = contact->half[pace] + 2.0 * (contact->allowance[pace] + contact->allowance[node->pace]);
+        SHV_TRY(shv_node_grid_find(grid, pace, reach, shv_box_grown((ShvBox){node->from, node->from}, reach), error));
+        for (int32_t k = 0; k < grid->found_count; k++)
+            if (!contact->list.facets[grid->found[k]].stray)
+                SHV_TRY(pair_with(contact, bodies, slot, grid->found[k], error));
+    }
+    for (int32_t k = 0; k < contact->stray_facets.count; k++)
+        SHV_TRY(pair_with(contact, bodies, slot, contact->stray_facets.items[k], error));
+    for (int32_t place = contact->grid_facets; place < facets; place++)
+        SHV_TRY(pair_with(contact, bodies, slot, place, error));
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                    ShvError *error)
+{
+    for (int32_t slot = 0; slot < contact->list.node_count; slot++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[slot];
+        if (!shv_bodies_companion(bodies, node->fragment)) continue;
+        const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+        const double reach = contact->allowance[node->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+        const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, reach);
+        if (at.gap >= reach) continue;
+        const ShvSurfaceCandidate candidate = {.node = node->node,
+                                               .element = -1 - obstacle,
+                                               .fragments = {node->fragment, -1 - obstacle},
+                                               .slot = slot,
+                                               .facet = -1,
+                                               .mate = -1};
+        SHV_TRY(add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, fmax(at.gap, 0.0), error));
+    }
+    return SHV_OK;
+}

@@ -1,0 +1,99 @@
+/* Nodes that leave the way that candidates were chosen for, where the rest does not: what was hit, for a start. */
+#include "contact/candidates.h"
+#include "contact/surface_candidates.h"
+
+/* Of all nodes: more at once, or more since candidates were chosen, and choosing all anew costs less. */
+static const double most_at_once = 0.06, most_in_all = 0.25;
+
+/* Marks the nodes that stray just now; their number. */
+static int32_t mark_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity)
+{
+    int32_t count = 0;
+    for (int32_t k = 0; k < contact->list.node_count; k++) {
+        ShvSurfaceNode *node = &contact->list.nodes[k];
+        node->strays = !shv_bodies_companion(bodies, node->fragment) &&
+                       shv_surface_pace_steps(contact, bodies, node, step, gravity, 1) == 0;
+        count += node->strays;
+    }
+    return count;
+}
+
+static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceStrays *strays, int32_t place, ShvError *error)
+{
+    void *block = strays->items;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &strays->capacity, strays->count, sizeof(int32_t), error));
+    strays->items = block;
+    strays->items[strays->count++] = place;
+    return SHV_OK;
+}
+
+/* From where they are now. */
+static ShvStatus move_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+{
+    for (int32_t k = 0; k < contact->list.node_count; k++) {
+        ShvSurfaceNode *node = &contact->list.nodes[k];
+        if (!node->strays) continue;
+        shv_surface_pace_node(contact, bodies, node, step);
+        if (!node->stray && k < contact->grid_nodes) SHV_TRY(append(contact, &contact->strays, k, error));
+        node->stray = true;
+    }
+    return SHV_OK;
+}
+
+static ShvStatus move_facets(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    const ShvSurfaceNode *nodes = contact->list.nodes;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        ShvSurfaceFacet *facet = &contact->list.facets[k];
+        facet->strays = nodes[facet->slots[0]].strays || nodes[facet->slots[1]].strays || nodes[facet->slots[2]].strays;
+        if (!facet->strays) continue;
+        shv_surface_facet_measure(bodies, facet);
+        shv_surface_pace_facet(contact, bodies, facet);
+        if (!facet->stray && k < contact->grid_facets) SHV_TRY(append(contact, &contact->stray_facets, k, error));
+        facet->stray = true;
+    }
+    return SHV_OK;
+}
+
+static void drop_candidates(ShvSurfaceContact *contact)
+{
+    ShvSurfaceCandidates *list = &contact->candidates[0];
+    int32_t kept = 0;
+    for (int32_t k = 0; k < list->count; k++) {
+        const ShvSurfaceCandidate *candidate = &list->items[k];
+        if (contact->list.nodes[candidate->slot].strays ||
+            (candidate->facet >= 0 && contact->list.facets[candidate->facet].strays))
+            continue;
+        list->items[kept] = *candidate;
+        list->due[kept] = list->due[k];
+        list->movers[kept++] = list->movers[k];
+    }
+    list->count = kept;
+}
+
+/* A facet that strays looks for all nodes, a node that strays for all other facets. */
+static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    ShvSurfaceList *list = &contact->list;
+    for (int32_t k = 0; k < list->facet_count; k++)
+        if (list->facets[k].strays) SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
+    for (int32_t k = 0; k < list->node_count; k++)
+        if (list->nodes[k].strays) SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, list->facet_count, error));
+    for (int32_t k = 0; k < list->facet_count; k++) list->facets[k].strays = false;
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_follow_strays(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                    double gravity, bool *many, ShvError *error)
+{
+    const double last = bodies->state->last_step > 0.0 ? bodies->state->last_step : step;
+    const int32_t count = mark_nodes(contact, bodies, last, gravity), all = contact->list.node_count;
+    *many = count > most_at_once * all || count + contact->strays.count > most_in_all * all;
+    if (*many) return SHV_OK;
+    SHV_TRY(move_nodes(contact, bodies, last, error));
+    SHV_TRY(move_facets(contact, bodies, error));
+    drop_candidates(contact);
+    SHV_TRY(pair_anew(contact, bodies, error));
+    contact->rest = 1;
+    return SHV_OK;
+}
