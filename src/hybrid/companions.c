@@ -281,19 +281,32 @@ ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error)
 
 /* ---- the step ---- */
 
+/* Half of the work of contacts in flight over a kick, with the velocities as they are, J. */
+static double half_work(const ShvHybrid *hybrid)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < hybrid->companions.count; i++)
+        sum += power(&hybrid->companions.items[i], &hybrid->fragments.items[hybrid->companions.fragments[i]]);
+    return 0.5 * hybrid->companions.kick * sum;
+}
+
 void shv_companions_kick(ShvHybrid *hybrid, double kick)
 {
+    hybrid->companions.kick = kick;
+    hybrid->companions.work_before = half_work(hybrid);
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
         ShvCompanion *companion = &hybrid->companions.items[i];
         const ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[i]];
         const ShvVec3 pull = shv_madd(shv_load3(hybrid->gravity), 1.0 / companion->mass, fragment->contact_force);
-        const double before = power(companion, fragment);
         companion->velocity = shv_madd(companion->velocity, kick, pull);
         companion->angular_velocity = shv_madd(companion->angular_velocity, kick,
                                                shv_apply(&companion->inverse_inertia, fragment->contact_torque));
-        shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * kick * before,
-                        0.5 * kick * power(companion, fragment));
     }
+}
+
+void shv_companions_book(ShvHybrid *hybrid)
+{
+    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, hybrid->companions.work_before, half_work(hybrid));
 }
 
 void shv_companions_drift(ShvHybrid *hybrid, double step)

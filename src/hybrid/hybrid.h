@@ -61,7 +61,8 @@ typedef struct ShvCompanions {
     double *masses;             /* per fragment, kg */
     uint8_t *wanted;            /* per fragment: it goes along */
     int32_t count, room;
-    double since; /* s: when the sums of impulses began */
+    double since;             /* s: when the sums of impulses began */
+    double kick, work_before; /* s, J: of the step under way; half the work of contacts in flight, before the kick */
 } ShvCompanions;
 
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
@@ -215,7 +216,9 @@ ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *erro
 void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
 /* Nothing is awake any more: all go back to flight, with what their contacts in flight still owe them for the interval. */
 ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error);
+/* `book`: the work of their contacts in flight, once all impulses of the step have acted on them too. */
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
+void shv_companions_book(ShvHybrid *hybrid);
 /* The forces of what flies alone, for a time, s: where an interval begins velocities of n − 1/2 have had half a step less of
    the last interval's, and half a step less, from then on, of the next one's. */
 void shv_companions_push(ShvHybrid *hybrid, double time);
