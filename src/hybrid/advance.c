@@ -112,7 +112,12 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
     if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
-    while (next_wake_time(hybrid) <= now) SHV_TRY(shv_hybrid_wake(hybrid, &hybrid->wakes[hybrid->wake_next++], error));
+    while (next_wake_time(hybrid) <= now) {
+        const ShvRigidContact *wake = &hybrid->wakes[hybrid->wake_next++];
+        /* A companion may have been woken by another touch before. */
+        if (hybrid->fragments.items[wake->fragment].mode == SHV_MODE_FLIGHT)
+            SHV_TRY(shv_hybrid_wake(hybrid, wake, error));
+    }
     return shv_awake_refresh(hybrid, error);
 }
 
