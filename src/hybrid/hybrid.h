@@ -114,7 +114,7 @@ typedef struct ShvHybrid {
     double stable_step;     /* s: smallest exact element step of the whole model */
     int32_t stable_element; /* that sets it */
     double bulk_step;       /* s: stable step of the awake batches */
-    double step;            /* s: last step taken */
+    double step;            /* s: last step taken by something awake */
     ShvCheckClock clock;
     ShvVec3 contact_impulse;                          /* N s: by obstacles on nodes so far */
     double contact_time, first_contact, last_contact; /* s: of the steps with such impulses; with contact_steps > 0 */

@@ -178,6 +178,6 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     state->time += step;
     state->last_step = step;
     state->step++;
-    hybrid->step = step;
+    if (hybrid->awake.count > 0) hybrid->step = step;
     return shv_companions_judge(hybrid, error);
 }
