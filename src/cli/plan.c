@@ -162,13 +162,12 @@ const ShvCommand shv_command_plan = {
         "What cracks costs more, how much depends on how much breaks. So the scene is tried: it runs in memory for\n"
         "a while (--trial), to the end if that comes first. The bytes are then those held at the last moment before\n"
         "the first crack, and the run time of the scene follows from what the trial took: all of it where it got to\n"
-        "the end; else its last steps are carried on until what is awake rests, getting dearer as they did for as "
-        "long\n"
-        "again as it has been awake. Bodies that carry too much vibration to rest stay for the longest time that the\n"
-        "quiet rule grants, others for the geometric mean of that and the shortest. Low bound: no step gets dearer,\n"
-        "and all rests once waves have crossed it twice. High bound: steps get dearer until the end, and all stays\n"
-        "awake for the longest time. What wakes later is in none of them, nor is the writing of the run file. Where\n"
-        "cracks still spread at the end of the trial the run may take several times as long; give it a longer one.",
+        "the end; else awake time goes on to cost what it did on the whole, until what is awake rests. Bodies that\n"
+        "carry too much vibration to rest stay for the longest time that the quiet rule grants, others for the\n"
+        "geometric mean of that and the shortest. Low bound: no step gets dearer, and all rests once waves have\n"
+        "crossed it twice. High bound: steps get dearer until the end, and all stays awake for the longest time.\n"
+        "What wakes later is in none of them, nor is the writing of the run file. Where cracks still spread at the\n"
+        "end of the trial the run may take several times as long; give it a longer one.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

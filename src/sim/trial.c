@@ -138,13 +138,6 @@ static void time_to_rest(const ShvHybrid *hybrid, double *least, double *most)
     *most = fmin(latest, hybrid->scene->duration) - hybrid->state.time;
 }
 
-/* Cost of `time` more awake seconds when the rate goes on growing for the first `growing` of them. */
-static double cost_of(double rate, double growth, double growing, double time)
-{
-    const double dearer = fmin(growing, time);
-    return rate * time + growth * dearer * (time - 0.5 * dearer);
-}
-
 /* What flies beside the awake, once it has broken, costs more than what flew before. */
 static double rate_of_pieces(const Watch *watch, double flight_rate)
 {
@@ -152,7 +145,8 @@ static double rate_of_pieces(const Watch *watch, double flight_rate)
     return watch->trial.awake > 0.0 ? fmax(flight_rate, beside / watch->trial.awake) : flight_rate;
 }
 
-/* Of the time for which cracks go on spreading nothing is known but how long they have done so: as long again is a fair guess. */
+/* Steps are dearest while cracks spread, and cheaper again when pieces part and rest: what they cost on the whole until now is the
+   guess for what is to come, and the growth of late the upper bound. */
 static ShvStatus predict_awake(Watch *watch, double flight_rate, ShvError *error)
 {
     ShvHybrid *hybrid = watch->hybrid;
@@ -161,12 +155,13 @@ static ShvStatus predict_awake(Watch *watch, double flight_rate, ShvError *error
     time_to_rest(hybrid, &least, &most);
     SHV_TRY(shv_hybrid_expect_rest(hybrid, hybrid->scene->duration, &expected, error));
     double rate = rate_of(watch, &growth);
-    if (isnan(rate)) rate = trial->awake > 0.0 ? (trial->processor - watch->flight) / trial->awake : 0.0;
+    const double mean = trial->awake > 0.0 ? (trial->processor - watch->flight) / trial->awake : 0.0;
+    if (isnan(rate)) rate = mean;
     const double left = hybrid->scene->duration - hybrid->state.time, pieces = rate_of_pieces(watch, flight_rate);
-    const double so_far = trial->awake - watch->samples[0].awake;
-    trial->predicted = trial->processor + cost_of(rate, growth, so_far, expected) + pieces * (left - expected);
-    trial->low = fmin(trial->predicted, trial->processor + rate * least + flight_rate * (left - least));
-    trial->high = fmax(trial->predicted, trial->processor + cost_of(rate, growth, most, most) + pieces * (left - most));
+    trial->predicted = trial->processor + mean * expected + pieces * (left - expected);
+    trial->low = fmin(trial->predicted, trial->processor + fmin(rate, mean) * least + flight_rate * (left - least));
+    trial->high =
+        fmax(trial->predicted, trial->processor + (rate + 0.5 * growth * most) * most + pieces * (left - most));
     return SHV_OK;
 }
 
