@@ -34,25 +34,20 @@ static ShvStatus reserve_starts(ShvNodeGrid *grid, int64_t entries, ShvError *er
     for (grid->start_bits = 6; ((int64_t)1 << grid->start_bits) < entries;) grid->start_bits++;
     const size_t starts = ((size_t)1 << grid->start_bits) + 1;
     if ((size_t)grid->start_capacity >= starts) return SHV_OK;
-    int32_t *grown = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->starts, starts, sizeof *grown);
-    if (!grown) return shv_fail_memory(error, "contact of surfaces", starts * sizeof *grown);
-    grid->starts = grown;
+    SHV_RESIZE(grid->memory, SHV_PART_CONTACT, grid->starts, starts, "contact of surfaces",
+               starts * sizeof *grid->starts, error);
     grid->start_capacity = (int32_t)starts;
     return SHV_OK;
 }
 
 static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
 {
-    const size_t count = (size_t)(entries + entries / 4);
-    if (entries > INT32_MAX / 4) return shv_fail_memory(error, "contact of surfaces", count * sizeof(ShvGridEntry));
+    const size_t count = (size_t)(entries + entries / 4), bytes = count * sizeof(ShvGridEntry);
+    if (entries > INT32_MAX / 4) return shv_fail_memory(error, "contact of surfaces", bytes);
     SHV_TRY(reserve_starts(grid, entries, error));
     if (grid->capacity >= entries) return SHV_OK;
-    ShvGridEntry *list = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->entries, count, sizeof *list);
-    if (!list) return shv_fail_memory(error, "contact of surfaces", count * sizeof *list);
-    grid->entries = list;
-    list = shv_reallocate(grid->memory, SHV_PART_CONTACT, grid->sorted, count, sizeof *list);
-    if (!list) return shv_fail_memory(error, "contact of surfaces", count * sizeof *list);
-    grid->sorted = list;
+    SHV_RESIZE(grid->memory, SHV_PART_CONTACT, grid->entries, count, "contact of surfaces", bytes, error);
+    SHV_RESIZE(grid->memory, SHV_PART_CONTACT, grid->sorted, count, "contact of surfaces", bytes, error);
     grid->capacity = (int32_t)count;
     return SHV_OK;
 }

@@ -129,16 +129,23 @@ static void test_unbreakable(void **state)
     }
 }
 
+static ShvSimulation *plan_breaking_bar(Stage *stage, ShvPlan *plan)
+{
+    ShvError error = {SHV_OK, ""};
+    stage_make_breaking_bar(stage);
+    ShvSimulation *simulation = stage_start(stage);
+    check_ok(shv_simulation_plan(simulation, plan, &error), error);
+    return simulation;
+}
+
 /* A trial to the end knows the run, takes its course, and lists what it held before the first crack, part by part. */
 static void test_trial(void **state)
 {
     (void)state;
     Stage stage;
-    stage_make_breaking_bar(&stage);
-    ShvSimulation *simulation = stage_start(&stage);
     ShvPlan plan;
     ShvError error = {SHV_OK, ""};
-    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    ShvSimulation *simulation = plan_breaking_bar(&stage, &plan);
     const size_t before = plan.bytes;
     check_ok(shv_simulation_try(simulation, 600.0, &plan, &error), error);
     assert_true(shv_simulation_finished(simulation));
@@ -165,11 +172,9 @@ static void test_short_trial(void **state)
 {
     (void)state;
     Stage stage;
-    stage_make_breaking_bar(&stage);
-    ShvSimulation *simulation = stage_start(&stage);
     ShvPlan plan;
     ShvError error = {SHV_OK, ""};
-    check_ok(shv_simulation_plan(simulation, &plan, &error), error);
+    ShvSimulation *simulation = plan_breaking_bar(&stage, &plan);
     check_ok(shv_simulation_try(simulation, 0.0, &plan, &error), error);
     assert_true(plan.trial.seconds == 0.0 && shv_simulation_moment(simulation).time == 0.0);
     for (int i = 0; i < 4; i++) {
