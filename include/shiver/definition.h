@@ -345,6 +345,12 @@ typedef struct ShvReferenceDefinition {
     const char *on;   /* obstacle, a plane: bounce, slide, roll; else NULL */
 } ShvReferenceDefinition;
 
+/* Objects that stand in each other or in obstacles at the start, by more than a millionth of the smaller one's size. */
+typedef enum ShvOverlapPolicy {
+    SHV_OVERLAPS_REFUSE, /* no simulation is made; the message says what overlaps and what parts it */
+    SHV_OVERLAPS_KEEP    /* the run goes on as shv_simulation_overlap_course says */
+} ShvOverlapPolicy;
+
 typedef struct ShvSceneDefinition {
     uint32_t cookie;
     const char *name;
@@ -360,6 +366,7 @@ typedef struct ShvSceneDefinition {
     int32_t event_count;
     const ShvProbeDefinition *probes;
     int32_t probe_count;
+    ShvOverlapPolicy overlaps; /* refuse */
     double gravity[3];
     ShvRigidDefinition rigid;
     ShvPbdDefinition pbd;

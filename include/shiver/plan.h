@@ -45,13 +45,17 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
 typedef struct ShvOverlap {
     const char *first, *second; /* an object, and another or an obstacle */
     bool obstacle;
-    double
-        depth; /* m: how far the deepest point tried lies inside: corners of both, and middles of edges that pass through */
+    /* m: how far the deepest point tried lies inside: corners and middles of triangles of both, middles of edges that pass
+       through, and, where none of these is inside, centroids of tets */
+    double depth;
     double point[3]; /* m, world */
+    /* Moved by `parting` (m; three digits, rounded up) the mover, one of the two objects, is out of the other. */
+    const char *mover;
+    double parting[3];
 } ShvOverlap;
 
-/* Overlaps deeper than a millionth of the smaller of the two, of a simulation that has not started. *count is how many there
-   are, of which `room` are stored. */
+/* Overlaps deeper than a millionth of the smaller of the two, of a simulation that has not started; only a scene that keeps
+   overlaps can have some. *count is how many there are, of which the `room` deepest are stored, deepest first. */
 ShvStatus shv_simulation_overlaps(const ShvSimulation *simulation, ShvOverlap *overlaps, int32_t room, int32_t *count,
                                   ShvError *error);
 /* What the run does about it. */

@@ -219,7 +219,8 @@ typedef struct ShvSimulationOptions {
 } ShvSimulationOptions;
 ShvSimulationOptions shv_simulation_options_default(void);
 
-/* On failure *simulation is NULL and everything is released. */
+/* On failure *simulation is NULL and everything is released. Objects that overlap at the start are bad input, unless the scene's
+   `overlaps` keeps them. */
 ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefinition *scene,
                                 const ShvSimulationOptions *options, ShvError *error);
 void shv_simulation_destroy(ShvSimulation *simulation);

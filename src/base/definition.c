@@ -94,6 +94,7 @@ static ShvFractureDefinition fracture_default(void)
 ShvSceneDefinition shv_scene_default(void)
 {
     return (ShvSceneDefinition){.cookie = SHV_DEFINITION_COOKIE,
+                                .overlaps = SHV_OVERLAPS_REFUSE,
                                 .gravity = {0.0, 0.0, -9.81},
                                 .rigid = rigid_default(),
                                 .pbd = {.stiffness = 1.0, .iterations = 4, .damping = 1.0},

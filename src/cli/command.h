@@ -48,7 +48,7 @@ ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
 typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
-/* Warns on stderr of what overlaps at the start, with what the run does about it. */
+/* Warns on stderr of what overlaps at the start in a scene that keeps it, with what the run does about it. */
 ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error);
 /* One line on the strength and energy of a breakable material in effect, and whether its mesh resolves the cohesive zone. */
 void shv_cli_print_cohesion(const ShvMaterialView *material);

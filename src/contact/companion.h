@@ -13,6 +13,7 @@ typedef struct ShvCompanion {
     ShvQuat orientation;                /* reference axes → world, at time n */
     double radius;                      /* farthest node from the centre, m */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
+    bool alone;                         /* it meets obstacles, and no other body */
 } ShvCompanion;
 
 static inline ShvVec3 shv_companion_point(const ShvCompanion *companion, ShvVec3 reference)

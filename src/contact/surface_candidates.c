@@ -53,8 +53,9 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         contact->list.nodes[k].watch = -1;
-        contact->list.nodes[k].stray = false;
+        contact->list.nodes[k].stray = contact->list.nodes[k].anew = false;
     }
+    contact->anew = false;
     if (changed)
         SHV_TRY(shv_surface_list_gather(&contact->list, bodies, error));
     else {
@@ -98,7 +99,7 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     const bool outdated = !lost && shv_surface_pace_count(contact, bodies, gravity);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     SHV_TRY(add_late(contact, bodies, step, error));
-    if (contact->rest > 0) return SHV_OK;
+    if (contact->rest > 0 && !contact->anew) return SHV_OK;
     bool many;
     SHV_TRY(shv_surface_follow_strays(contact, bodies, step, gravity, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;

@@ -66,6 +66,7 @@ typedef struct ShvSurfaceFragment {
     uint8_t pace; /* of all a companion's nodes */
     bool rigid;   /* it was a companion */
     bool cracked; /* it was cracked, or comes from such: its own surfaces are candidates of one another */
+    bool opened;  /* they are to be from now on */
 } ShvSurfaceFragment;
 
 /* Places, in a list, of those in its grid that have strayed since. */
@@ -84,6 +85,7 @@ struct ShvSurfaceContact {
     bool stale; /* the lists must be made anew */
     bool woken; /* companions woke */
     bool idle;  /* nothing can meet */
+    bool anew;  /* nodes are */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;

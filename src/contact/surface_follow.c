@@ -2,30 +2,46 @@
    nothing else. */
 #include "contact/surface_candidates.h"
 
-/* ---- whether they can ---- */
+/* ---- bodies that crack ---- */
 
 /* Whether a body that had no cracks, or was rigid, has some now: its own surfaces are not candidates of one another. */
-static bool first_crack(const ShvSurfaceContact *contact, int32_t fragment)
+static void note_crack(ShvSurfaceContact *contact, int32_t fragment)
 {
-    if (fragment >= contact->known_fragments) return false;
-    const ShvSurfaceFragment *before = &contact->fragments[fragment];
-    return !before->cracked || before->rigid;
+    if (fragment >= contact->known_fragments) return;
+    ShvSurfaceFragment *before = &contact->fragments[fragment];
+    before->opened |= !before->cracked || before->rigid;
 }
 
 /* Before the list has followed. */
-static bool splits_whole_body(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+static void note_cracks(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const int32_t *fragment = bodies->state->element_fragment;
     for (int32_t k = 0; k < contact->list.facet_count && contact->known_fragments != bodies->fragment_count; k++) {
         const ShvSurfaceFacet *facet = &contact->list.facets[k];
-        if (fragment[facet->element] != facet->fragment && first_crack(contact, facet->fragment)) return true;
+        if (fragment[facet->element] != facet->fragment) note_crack(contact, facet->fragment);
     }
     for (int32_t i = contact->known_cohesive; i < bodies->cohesive->count; i++) {
         const int32_t *sides = contact->model->adjacency.facet_elements + 2 * (int64_t)bodies->cohesive->facet[i];
-        if (first_crack(contact, fragment[sides[0]]) || first_crack(contact, fragment[sides[1]])) return true;
+        note_crack(contact, fragment[sides[0]]);
+        note_crack(contact, fragment[sides[1]]);
     }
-    return false;
 }
+
+/* Their nodes look for all that they may meet anew, under the fragments' names so far. */
+static void open_bodies(ShvSurfaceContact *contact)
+{
+    bool any = false;
+    for (int32_t i = 0; i < contact->known_fragments; i++) any |= contact->fragments[i].opened;
+    for (int32_t k = 0; k < contact->list.node_count && any; k++)
+        contact->list.nodes[k].anew |= contact->fragments[contact->list.nodes[k].fragment].opened;
+    for (int32_t i = 0; i < contact->known_fragments && any; i++) {
+        contact->fragments[i].cracked |= contact->fragments[i].opened;
+        contact->fragments[i].opened = false;
+    }
+    contact->anew |= any;
+}
+
+/* ---- companions that woke ---- */
 
 /* Both faces of an open crack belong to it: they may meet once it deforms. */
 static bool opens_inside(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet)
@@ -42,19 +58,13 @@ static bool has_woken(const ShvSurfaceContact *contact, const ShvSurfaceBodies *
     return contact->fragments[fragment].rigid && !shv_bodies_companion(bodies, fragment);
 }
 
-/* Companions that have gone to sleep elsewhere, or that woke with a crack of their own. */
-static bool cannot_wake(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+/* Companions that have gone to sleep elsewhere. */
+static bool any_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     for (int32_t i = 0; i < contact->known_fragments; i++)
         if (has_woken(contact, bodies, i) && !bodies->awake[i]) return true;
-    for (int32_t k = 0; k < contact->list.facet_count; k++) {
-        const ShvSurfaceFacet *facet = &contact->list.facets[k];
-        if (has_woken(contact, bodies, facet->fragment) && opens_inside(contact, bodies, facet)) return true;
-    }
     return false;
 }
-
-/* ---- companions that woke ---- */
 
 /* Whether a candidate stays where it is: node_contact.h sees to obstacles now, and what deforms goes to the first list. */
 static bool keeps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
@@ -83,6 +93,11 @@ static ShvStatus wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
             }
         }
         list->count = kept;
+    }
+    for (int32_t k = 0; k < contact->list.facet_count; k++) {
+        const ShvSurfaceFacet *facet = &contact->list.facets[k];
+        if (has_woken(contact, bodies, facet->fragment) && opens_inside(contact, bodies, facet))
+            contact->fragments[facet->fragment].opened = true;
     }
     for (int32_t i = 0; i < contact->known_fragments; i++)
         if (has_woken(contact, bodies, i)) contact->fragments[i].rigid = contact->fragments[i].cracked = false;
@@ -157,9 +172,10 @@ ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     const bool inserted = bodies->cohesive && (contact->known_fragments != bodies->fragment_count ||
                                                contact->known_nodes != bodies->state->node_count ||
                                                contact->known_cohesive != bodies->cohesive->count);
-    *lost = (!inserted && !contact->woken) || (contact->woken && cannot_wake(contact, bodies)) ||
-            (inserted && splits_whole_body(contact, bodies));
+    *lost = (!inserted && !contact->woken) || (contact->woken && any_left(contact, bodies));
     if (*lost) return SHV_OK;
     if (contact->woken) SHV_TRY(wake(contact, bodies, error));
+    if (inserted) note_cracks(contact, bodies);
+    open_bodies(contact);
     return inserted ? follow_insertions(contact, bodies, error) : SHV_OK;
 }

@@ -146,6 +146,7 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     const int32_t fragment = bodies->state->element_fragment[element];
     if (!shv_bodies_active(bodies, fragment)) return SHV_OK;
     SHV_TRY(add_nodes(list, bodies->state, element, face, error));
+    if (shv_bodies_alone(bodies, fragment)) return SHV_OK;
     void *block = list->facets;
     SHV_TRY(shv_candidates_grow(list->memory, &block, &list->facet_capacity, list->facet_count, sizeof(ShvSurfaceFacet),
                                 error));
@@ -272,6 +273,7 @@ static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvE
     copy->pace = original->pace;
     copy->from = original->from;
     copy->original = original->node;
+    copy->anew = original->anew;
     copy->twin = original->twins;
     original->twins = own;
     return SHV_OK;

@@ -45,6 +45,7 @@ typedef struct ShvSurfaceNode {
     int32_t original; /* of a copy: the node that it was split from in the list */
     uint8_t pace;
     bool stray, strays; /* it has left the way that its place in the grid of all nodes allows for, or is about to */
+    bool anew;          /* its candidates are no longer all, wherever it is */
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
     ShvVec3 from;   /* where it was when its pace was chosen, m */
     ShvVec3 at;     /* where it was when last looked at, m */
@@ -88,6 +89,12 @@ static inline ShvCompanion *shv_bodies_companion(const ShvSurfaceBodies *bodies,
 static inline bool shv_bodies_active(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
     return bodies->awake[fragment] || shv_bodies_companion(bodies, fragment);
+}
+/* Such have nodes in the list, which obstacles are to meet, and no facets. */
+static inline bool shv_bodies_alone(const ShvSurfaceBodies *bodies, int32_t fragment)
+{
+    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
+    return companion && companion->alone;
 }
 static inline ShvVec3 shv_bodies_position(const ShvSurfaceBodies *bodies, int32_t node, int32_t fragment)
 {

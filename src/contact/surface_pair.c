@@ -176,11 +176,14 @@ ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBod
     return pair_nodes(contact, bodies, &seeker, 1.0, error);
 }
 
-static ShvStatus pair_slot(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
-                           int32_t slot, ShvError *error)
+/* Where nodes of each pace must be to be candidates of a facet that is not in the grid's order. */
+static void find_reaches(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet,
+                         double reaches[SHV_SURFACE_PACES], ShvBox boxes[SHV_SURFACE_PACES])
 {
-    const double reach = 2.0 * shv_surface_reach(contact, seeker->facet, contact->list.nodes[slot].pace);
-    return pair_node(contact, bodies, seeker, slot, reach, error);
+    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
+        reaches[pace] = 2.0 * shv_surface_reach(contact, facet, pace);
+        boxes[pace] = shv_box_grown(facet->box, reaches[pace]);
+    }
 }
 
 /* Nodes stand in the grid where they were when it was filled, and may go as far again, on the other side of that; later ones
@@ -189,12 +192,19 @@ ShvStatus shv_surface_pair_late_facet(ShvSurfaceContact *contact, const ShvSurfa
                                       const ShvSurfaceFacet *facet, ShvError *error)
 {
     Seeker seeker;
+    double reaches[SHV_SURFACE_PACES];
+    ShvBox boxes[SHV_SURFACE_PACES];
     if (!make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
     SHV_TRY(pair_nodes(contact, bodies, &seeker, 2.0, error));
-    for (int32_t k = 0; k < contact->strays.count; k++)
-        SHV_TRY(pair_slot(contact, bodies, &seeker, contact->strays.items[k], error));
-    for (int32_t slot = contact->grid_nodes; slot < contact->list.node_count; slot++)
-        SHV_TRY(pair_slot(contact, bodies, &seeker, slot, error));
+    find_reaches(contact, facet, reaches, boxes);
+    const int32_t late = contact->list.node_count - contact->grid_nodes;
+    for (int32_t k = 0; k < contact->strays.count + late; k++) {
+        const int32_t slot =
+            k < contact->strays.count ? contact->strays.items[k] : contact->grid_nodes + k - contact->strays.count;
+        const ShvSurfaceNode *node = &contact->list.nodes[slot];
+        if (shv_box_holds(&boxes[node->pace], node->from))
+            SHV_TRY(pair_node(contact, bodies, &seeker, slot, reaches[node->pace], error));
+    }
     return SHV_OK;
 }
 

@@ -61,6 +61,7 @@ static void find_boxes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodie
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         const ShvSurfaceNode *node = &contact->list.nodes[k];
         const double way = contact->allowance[node->pace];
+        if (shv_bodies_alone(bodies, node->fragment)) continue;
         shv_box_add(&contact->own[node->fragment], shv_sub(node->from, shv_vec3(way, way, way)));
         shv_box_add(&contact->own[node->fragment], shv_add(node->from, shv_vec3(way, way, way)));
     }

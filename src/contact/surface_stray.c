@@ -1,4 +1,5 @@
-/* Nodes that leave the way that candidates were chosen for, where the rest does not: what was hit, for a start. */
+/* Nodes that leave the way that candidates were chosen for, where the rest does not, such as what was hit; and those of bodies
+   that crack. */
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
@@ -11,10 +12,12 @@ static int32_t mark_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bo
     int32_t count = 0;
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         ShvSurfaceNode *node = &contact->list.nodes[k];
-        node->strays = !shv_bodies_companion(bodies, node->fragment) &&
-                       shv_surface_pace_steps(contact, bodies, node, step, gravity, 1) == 0;
+        node->strays = node->anew || (!shv_bodies_companion(bodies, node->fragment) &&
+                                      shv_surface_pace_steps(contact, bodies, node, step, gravity, 1) == 0);
+        node->anew = false;
         count += node->strays;
     }
+    contact->anew = false;
     return count;
 }
 

@@ -53,9 +53,10 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_next = 0;
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
+    shv_companions_take_back(hybrid);
     SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
     SHV_TRY(fly(hybrid, error));
-    shv_companions_push(hybrid, -0.5 * hybrid->state.last_step);
+    shv_companions_begin(hybrid);
     return SHV_OK;
 }
 

@@ -19,6 +19,8 @@ ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error)
     GROW(kept)
     GROW(rotations)
     GROW(impulses)
+    GROW(shares)
+    GROW(acting)
     GROW(touches)
     GROW(masses)
     GROW(wanted)
@@ -40,6 +42,8 @@ void shv_companions_release(ShvHybrid *hybrid)
     shv_release(companions->kept);
     shv_release(companions->rotations);
     shv_release(companions->impulses);
+    shv_release(companions->shares);
+    shv_release(companions->acting);
     shv_release(companions->touches);
     shv_release(companions->masses);
     shv_release(companions->wanted);
@@ -76,6 +80,7 @@ ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
     companions->by_fragment[index] = &companions->items[place];
     companions->rotations[place] = shv_free_rotation_make(&fragment->inertia);
     companions->impulses[place] = 0.0;
+    companions->shares[place] = 0.0;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     companions->items[place] =
         (ShvCompanion){.mass = fragment->mass,
@@ -85,7 +90,8 @@ ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
                        .orientation = fragment->orientation,
                        .radius = fragment->radius,
                        .velocity = shv_madd(fragment->velocity, -0.5 * hybrid->state.last_step, gravity),
-                       .angular_velocity = fragment->angular_velocity};
+                       .angular_velocity = fragment->angular_velocity,
+                       .alone = fragment->dust};
     shv_surface_contact_invalidate(&hybrid->surface);
     return SHV_OK;
 }
@@ -105,36 +111,75 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
     companions->items[place] = companions->items[last];
     companions->rotations[place] = companions->rotations[last];
     companions->impulses[place] = companions->impulses[last];
+    companions->shares[place] = companions->shares[last];
     companions->fragments[place] = companions->fragments[last];
     companions->by_fragment[companions->fragments[place]] = &companions->items[place];
 }
 
-/* Of the contacts with what is in flight, W. */
+/* ---- contacts with what is in flight ---- */
+
+/* Their power, W. */
 static double power(const ShvCompanion *companion, const ShvFragment *fragment)
 {
     return shv_dot(fragment->contact_force, companion->velocity) +
            shv_dot(fragment->contact_torque, companion->angular_velocity);
 }
 
-void shv_companions_push(ShvHybrid *hybrid, double time)
+/* What flight found with a companion that is held fast may be the weight of far more than its own: should it slip away, those
+   do not follow. How much of the contacts, over a time, brings it to the power at which they are left behind; 1: all of it
+   does not. */
+static double share_to_leave(const ShvCompanion *companion, const ShvFragment *fragment, double time)
 {
-    ShvCompanions *companions = &hybrid->companions;
-    for (int32_t i = 0; i < companions->count; i++) {
-        ShvCompanion *companion = &companions->items[i];
-        const ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
-        const double before = power(companion, fragment);
-        companion->velocity = shv_madd(companion->velocity, time / companion->mass, fragment->contact_force);
-        companion->angular_velocity = shv_madd(companion->angular_velocity, time,
-                                               shv_apply(&companion->inverse_inertia, fragment->contact_torque));
-        hybrid->ledger.booked[SHV_WORK_CONTACT] += 0.5 * time * (before + power(companion, fragment));
+    const ShvVec3 force = fragment->contact_force, torque = fragment->contact_torque;
+    const double gain =
+        shv_dot(force, force) / companion->mass + shv_dot(torque, shv_apply(&companion->inverse_inertia, torque));
+    const double room = fragment->contact_power - power(companion, fragment);
+    return room < time * gain ? room / (time * gain) : 1.0;
+}
+
+/* The share that acts over a kick: none on what leaves, and more from step to step on what other contacts hold against it. */
+static double choose_share(const ShvHybrid *hybrid, int32_t place, double kick)
+{
+    const double first = 1e-3;
+    const ShvCompanion *companion = &hybrid->companions.items[place];
+    const ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[place]];
+    const double share = share_to_leave(companion, fragment, kick);
+    const bool held = fragment->contact_power - power(companion, fragment) >= 0.5 * fragment->contact_slack;
+    return fmin(1.0, fmax(share, held ? fmax(first, 2.0 * hybrid->companions.shares[place]) : 0.0));
+}
+
+static void give(ShvCompanion *companion, const ShvFragment *fragment, double time)
+{
+    companion->velocity = shv_madd(companion->velocity, time / companion->mass, fragment->contact_force);
+    companion->angular_velocity =
+        shv_madd(companion->angular_velocity, time, shv_apply(&companion->inverse_inertia, fragment->contact_torque));
+}
+
+/* Over a time, with the share of the last step. */
+static void push(ShvHybrid *hybrid, int32_t place, double time)
+{
+    ShvCompanion *companion = &hybrid->companions.items[place];
+    ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[place]];
+    const double before = power(companion, fragment), own = time * hybrid->companions.shares[place];
+    give(companion, fragment, own);
+    fragment->contact_untaken += time - own;
+    hybrid->ledger.booked[SHV_WORK_CONTACT] += 0.5 * own * (before + power(companion, fragment));
+}
+
+void shv_companions_begin(ShvHybrid *hybrid)
+{
+    for (int32_t i = 0; i < hybrid->companions.count; i++) {
+        hybrid->companions.shares[i] = 0.0;
+        hybrid->companions.shares[i] = choose_share(hybrid, i, hybrid->state.last_step);
+        push(hybrid, i, -0.5 * hybrid->state.last_step);
     }
 }
 
 void shv_companions_settle(ShvHybrid *hybrid, double time)
 {
     ShvCompanions *companions = &hybrid->companions;
-    shv_companions_push(hybrid, time);
     for (int32_t i = 0; i < companions->count; i++) {
+        push(hybrid, i, time);
         ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
         fragment->contact_force = fragment->contact_torque = shv_vec3(0.0, 0.0, 0.0);
     }
@@ -147,25 +192,33 @@ static double outstanding(const ShvHybrid *hybrid)
     return hybrid->interval_end - hybrid->state.time + 0.5 * hybrid->state.last_step; /* v is of n − 1/2 */
 }
 
-static void give_rest_of_impulse(ShvHybrid *hybrid, ShvFragment *fragment)
+static void give_rest_of_impulse(ShvHybrid *hybrid, ShvCompanion *companion, ShvFragment *fragment)
 {
     const double left = outstanding(hybrid);
     if (!(left > 0.0)) return;
-    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
-    const ShvMat3 inverse = world_inverse(fragment, &rotation);
+    companion->velocity = fragment->velocity; /* of now */
     const double before = shv_fragment_kinetic(fragment);
-    fragment->velocity = shv_madd(fragment->velocity, left / fragment->mass, fragment->contact_force);
-    fragment->angular_velocity =
-        shv_madd(fragment->angular_velocity, left, shv_apply(&inverse, fragment->contact_torque));
+    const double own = left * fmax(0.0, share_to_leave(companion, fragment, left));
+    give(companion, fragment, own);
+    fragment->contact_untaken += left - own;
+    fragment->velocity = companion->velocity;
+    fragment->angular_velocity = companion->angular_velocity;
     hybrid->ledger.booked[SHV_WORK_CONTACT] += shv_fragment_kinetic(fragment) - before;
+}
+
+void shv_companions_take_back(ShvHybrid *hybrid)
+{
+    if (hybrid->backend->functions->take_back) hybrid->backend->functions->take_back(hybrid->backend);
 }
 
 void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
 {
     for (int32_t place = 0; place < hybrid->companions.count; place++)
         if (hybrid->companions.fragments[place] == index) {
+            ShvCompanion companion = hybrid->companions.items[place];
             let_go(hybrid, place);
-            give_rest_of_impulse(hybrid, &hybrid->fragments.items[index]);
+            give_rest_of_impulse(hybrid, &companion, &hybrid->fragments.items[index]);
+            shv_companions_take_back(hybrid);
             break;
         }
     shv_surface_contact_wake(&hybrid->surface);
@@ -174,8 +227,8 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
 void shv_companions_restart(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
-    shv_companions_push(hybrid, half);
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
+        push(hybrid, i, half);
         ShvCompanion *companion = &hybrid->companions.items[i];
         companion->velocity = shv_madd(companion->velocity, half, shv_load3(hybrid->gravity));
     }
@@ -286,21 +339,20 @@ static double half_work(const ShvHybrid *hybrid)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < hybrid->companions.count; i++)
-        sum += power(&hybrid->companions.items[i], &hybrid->fragments.items[hybrid->companions.fragments[i]]);
+        sum += hybrid->companions.acting[i] *
+               power(&hybrid->companions.items[i], &hybrid->fragments.items[hybrid->companions.fragments[i]]);
     return 0.5 * hybrid->companions.kick * sum;
 }
 
 void shv_companions_kick(ShvHybrid *hybrid, double kick)
 {
     hybrid->companions.kick = kick;
+    for (int32_t i = 0; i < hybrid->companions.count; i++) hybrid->companions.acting[i] = choose_share(hybrid, i, kick);
     hybrid->companions.work_before = half_work(hybrid);
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
         ShvCompanion *companion = &hybrid->companions.items[i];
-        const ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[i]];
-        const ShvVec3 pull = shv_madd(shv_load3(hybrid->gravity), 1.0 / companion->mass, fragment->contact_force);
-        companion->velocity = shv_madd(companion->velocity, kick, pull);
-        companion->angular_velocity = shv_madd(companion->angular_velocity, kick,
-                                               shv_apply(&companion->inverse_inertia, fragment->contact_torque));
+        companion->velocity = shv_madd(companion->velocity, kick, shv_load3(hybrid->gravity));
+        give(companion, &hybrid->fragments.items[hybrid->companions.fragments[i]], hybrid->companions.acting[i] * kick);
     }
 }
 
@@ -316,6 +368,8 @@ void shv_companions_drift(ShvHybrid *hybrid, double step)
         ShvCompanion *companion = &companions->items[i];
         ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
         const ShvFreeRotation *rotation = &companions->rotations[i];
+        companions->shares[i] = companions->acting[i];
+        fragment->contact_untaken += (1.0 - companions->acting[i]) * companions->kick;
         const ShvVec3 momentum =
             shv_free_rotation_momentum(rotation, companion->orientation, companion->angular_velocity);
         companion->position = shv_madd(companion->position, step, companion->velocity);

@@ -55,6 +55,7 @@ typedef struct ShvCompanions {
     ShvCompanion *items, *kept; /* kept: while a ghost step is made */
     ShvFreeRotation *rotations;
     double *impulses;           /* N·s: Σ of magnitudes since the interval began */
+    double *shares, *acting;    /* of the contacts in flight: that acted in the last step, and in the one under way */
     int32_t *fragments;         /* index of each */
     ShvCompanion **by_fragment; /* NULL where none */
     ShvFragmentTouch *touches;  /* per fragment, of the step */
@@ -219,11 +220,13 @@ ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error);
 /* `book`: the work of their contacts in flight, once all impulses of the step have acted on them too. */
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
 void shv_companions_book(ShvHybrid *hybrid);
-/* The forces of what flies alone, for a time, s: where an interval begins velocities of n − 1/2 have had half a step less of
-   the last interval's, and half a step less, from then on, of the next one's. */
-void shv_companions_push(ShvHybrid *hybrid, double time);
-/* Likewise, the last of them: whoever wakes or leaves from now on is owed nothing more. */
+/* The forces of what flies alone: where an interval begins velocities of n − 1/2 have had half a step less of the last
+   interval's (`settle`, s: from then on whoever wakes or leaves is owed nothing more), and half a step less, from then on, of
+   the next one's (`begin`). */
 void shv_companions_settle(ShvHybrid *hybrid, double time);
+void shv_companions_begin(ShvHybrid *hybrid);
+/* What they have not taken so far goes back to what flies alone. */
+void shv_companions_take_back(ShvHybrid *hybrid);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);

@@ -243,8 +243,12 @@ static ShvStatus add_obstacles(ShvBullet *bullet, ShvError *error)
 
 ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error)
 {
-    static const ShvRigidFunctions functions = {
-        .name = "bullet", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+    static const ShvRigidFunctions functions = {.name = "bullet",
+                                                .add = add,
+                                                .remove = take_out,
+                                                .advance = advance,
+                                                .take_back = shv_bullet_take_back,
+                                                .destroy = destroy};
     *backend = NULL;
     ShvBullet *bullet = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *bullet);
     if (!bullet) return shv_fail_memory(error, "the rigid backend", sizeof *bullet);

@@ -36,7 +36,10 @@ typedef struct ShvBulletFlyer {
     bool gone;    /* has left; its shapes are released */
     bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
     ShvVec3 last_velocity, last_angular_momentum; /* at the start of the last step */
-    ShvVec3 passed, passed_angular; /* N s, N m s about its centre: from fragments in flight in that step */
+    ShvVec3 passed, passed_angular;   /* N s, N m s about its centre: from fragments in flight in that step */
+    double passed_work, passed_slack; /* J: most that those do on it before they are left behind; beyond what it saw */
+    double passed_speed;              /* m/s: at which it met the fastest companion */
+    ShvVec3 returned, returned_angular; /* N s, N m s: of what it gave companions, not taken by them */
 
     /* of the present step */
     bool dust;                  /* fragments: meets obstacles alone */

@@ -24,6 +24,7 @@ typedef struct ShvBulletMeeting {
     bool touching;         /* now: a gap within the slop */
     bool struck;           /* meets at its own time of impact */
     double allowance;      /* m: overlap that is let be */
+    int passes;            /* 1, 2: its impulses act on the first, the second as a companion; 0: on none */
     double slop;           /* m: a smaller gap is a touch */
     double reach;          /* m: bound of their relative motion in the step */
     double impact;         /* s since the step's start; −1: no fast impact */
@@ -88,6 +89,8 @@ bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b);
 bool shv_bullet_flyer_holds(const ShvBulletFlyer *flyer);
 /* Companions' shares of the impulses. */
 void shv_bullet_companions_take(ShvBullet *bullet);
+/* backend.h: what they have not taken of them. */
+void shv_bullet_take_back(ShvRigidBackend *backend);
 
 /* Whether it may move in this step. */
 bool shv_bullet_is_active(const ShvBulletFlyer *flyer);

@@ -41,9 +41,12 @@ typedef struct ShvFragment {
     double impact;       /* m/s: severity of the impact that woke it last, 0 once a facet has been inserted since */
     double borne_impact; /* m/s: largest severity that inserted none */
     /* It stays rigid, but whoever advances the awake moves it in their steps; its contacts with what is in flight then act as
-       this mean force and torque about the centre over the backend's step (N, N m; zero otherwise). */
+       this mean force and torque about the centre over the backend's step (N, N m; zero otherwise). What touches it follows it no
+       faster than that they do the work `contact_power`, W; more than it has seen in flight by `contact_slack`. For the time
+       `contact_untaken`, s, in all, they have not acted. */
     bool companion;
     ShvVec3 contact_force, contact_torque;
+    double contact_power, contact_slack, contact_untaken;
     double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
     bool audited;  /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
     bool squeezed; /* between obstacles that leave it no room, and that has been told */

@@ -32,7 +32,8 @@ _Static_assert(sizeof(ShvKinematics) == sizeof(int) && sizeof(ShvCohesiveLaw) ==
                    sizeof(ShvEventKind) == sizeof(int) && sizeof(ShvProbeKind) == sizeof(int) &&
                    sizeof(ShvBarForm) == sizeof(int) && sizeof(ShvMeshPattern) == sizeof(int) &&
                    sizeof(ShvReferenceLaw) == sizeof(int) && sizeof(ShvDust) == sizeof(int) &&
-                   sizeof(ShvDeformation) == sizeof(int) && sizeof(ShvUnresolved) == sizeof(int),
+                   sizeof(ShvDeformation) == sizeof(int) && sizeof(ShvUnresolved) == sizeof(int) &&
+                   sizeof(ShvOverlapPolicy) == sizeof(int),
                "an enum has the size of int");
 
 /* ---- pieces that several tables share ----------------------------------------------------------------- */
@@ -720,7 +721,8 @@ static const ShvKey fracture_keys[] = {
      .sentence =
          "What becomes of a body's deformation while it is rigid. `drop`: it goes back to its shape at the start, and "
          "the energy of strain and open cracks is dropped and booked. `keep`: it wakes as deformed as it came to rest. "
-         "With `rigid.engine: pbd` nodes keep their places in any case."},
+         "With `rigid.engine: pbd` nodes fly as they are in any case; with `stabiliser: bars` they wake so, too, "
+         "without it in their shape at the start."},
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
      .sentence = "The run stops when the residual of the energy ledger exceeds this share of the largest energy."},
 };
@@ -814,6 +816,8 @@ static const ShvTable reference_table = {
     .keys = reference_keys,
     .key_count = LENGTH_OF(reference_keys)};
 
+static const ShvChoice overlap_choices[] = {{"refuse", SHV_OVERLAPS_REFUSE}, {"keep", SHV_OVERLAPS_KEEP}, {NULL, 0}};
+
 #define ITEMS(member) offsetof(ShvSceneItem, member)
 static const ShvKey scene_keys[] = {
     {"shiver", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = offsetof(ShvSceneItem, version),
@@ -832,6 +836,12 @@ static const ShvKey scene_keys[] = {
      .sentence = "Objects by name."},
     {"obstacles", SHV_KEY_NAMED, .table = &obstacle_table, .offset = ITEMS(obstacles),
      .sentence = "Obstacles by name."},
+    {"overlaps", SHV_KEY_CHOICE, .choices = overlap_choices, .offset = SCENE(overlaps),
+     .sentence =
+         "What to do when objects stand in each other or in obstacles at the start. `refuse`: nothing runs, and the "
+         "message says which, how deep, and what parts them. `keep`: they start as they are, and `shiver check` and "
+         "`run` warn and say what becomes of it; that depends on `rigid.engine`. Bodies that touch do not overlap: a "
+         "depth below a millionth of the smaller one is rounding."},
     {"supports", SHV_KEY_NAMED, .table = &support_table, .offset = ITEMS(supports), .sentence = "Supports by name."},
     {"imposed_velocities", SHV_KEY_NAMED, .table = &velocity_table, .offset = ITEMS(velocities),
      .sentence = "Imposed velocities by name."},

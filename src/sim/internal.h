@@ -32,6 +32,9 @@ struct ShvSimulation {
 /* Refuses what would steer a run wrongly (scene_check.c). */
 ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error);
 
+/* Refuses a simulation whose objects overlap at the start, unless its scene keeps that (overlap.c). */
+ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error);
+
 /* The list of parts, with the bytes of each (SHV_PART_COUNT of them), and their sum (plan.c). */
 void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan);
 

@@ -1,30 +1,25 @@
-/* Objects that overlap at the start, each other or obstacles, by their true surfaces. */
+/* Objects that overlap at the start, each other or obstacles: which, how deep, what parts them, and what the scene says about it. */
+#include <stdlib.h>
 #include <string.h>
 
-#include "contact/box.h"
+#include "base/text.h"
 #include "mesh/adjacency.h"
-#include "shape/bounding_tree.h"
 #include "sim/internal.h"
+#include "sim/overlap_measure.h"
 
 /* Of the smaller of two sizes: what touches may overlap by rounding. */
 static const double touch_of_size = 1e-6;
 
-/* An object's boundary where it stands at the start; nodes are numbered from its first. */
-typedef struct Body {
-    ShvBox box;
-    double size;        /* m: half its diagonal */
-    ShvSurface surface; /* positions are the mesh's */
-    ShvBoundingTree *tree;
-} Body;
-
 typedef struct Finder {
     const ShvHybrid *hybrid;
-    Body *bodies;
+    ShvStartBody *bodies;
+    ShvStartObstacle *obstacles;
+    int32_t *triangles; /* of all bodies' surfaces; NULL until two bodies come near each other */
     ShvOverlap *overlaps;
     int32_t room, count;
 } Finder;
 
-/* ---- bodies ---- */
+/* ---- surfaces, where something is near ---- */
 
 /* Boundary triangles of each object are put together, in the order of objects. */
 static int32_t object_of(const ShvModel *model, int32_t node)
@@ -40,12 +35,12 @@ static int32_t object_of(const ShvModel *model, int32_t node)
     return low;
 }
 
-static void sort_triangles(Finder *finder, const int32_t *triangles, int32_t count, int32_t *sorted)
+static void sort_triangles(Finder *finder, const int32_t *triangles, int32_t count)
 {
     const ShvModel *model = &finder->hybrid->model;
     for (int32_t i = 0; i < count; i++)
         finder->bodies[object_of(model, triangles[3 * (int64_t)i])].surface.triangle_count++;
-    int32_t *next = sorted;
+    int32_t *next = finder->triangles;
     for (int32_t i = 0; i < model->object_count; i++) {
         ShvSurface *surface = &finder->bodies[i].surface;
         surface->triangles = next;
@@ -60,207 +55,229 @@ static void sort_triangles(Finder *finder, const int32_t *triangles, int32_t cou
     }
 }
 
-static void measure_body(const ShvModel *model, int32_t object, Body *body)
+static ShvStatus need_triangles(Finder *finder, ShvError *error)
 {
-    body->surface.memory = model->memory;
-    body->surface.part = SHV_PART_GENERAL;
-    const ShvObject *own = &model->objects[object];
-    body->surface.positions = model->mesh.positions + 3 * (int64_t)own->node_begin;
-    body->surface.node_count = own->node_end - own->node_begin;
-    body->box = shv_box_empty();
-    for (int32_t i = own->node_begin; i < own->node_end; i++)
-        shv_box_add(&body->box, shv_mesh_position(&model->mesh, i));
-    body->size = 0.5 * shv_norm(shv_sub(body->box.high, body->box.low));
+    if (finder->triangles) return SHV_OK;
+    int32_t *triangles, count;
+    SHV_TRY(shv_mesh_boundary(&finder->hybrid->model.mesh, SHV_PART_GENERAL, &triangles, &count, error));
+    finder->triangles =
+        shv_allocate(finder->hybrid->memory, SHV_PART_GENERAL, 3 * (size_t)count, sizeof *finder->triangles);
+    if (finder->triangles) sort_triangles(finder, triangles, count);
+    shv_release(triangles);
+    return finder->triangles ? SHV_OK : shv_fail_memory(error, "the surfaces of objects", 12 * (size_t)count);
 }
 
-/* ---- depths ---- */
-
-/* Of one body's surface in what `closest` tells the signed distance to. Corners are tried, and edges that pass through between
-   them: at the middle of what is inside. */
-typedef struct Inside {
-    const void *what;
-    double (*gap)(const void *what, ShvVec3 point);
-    bool (*sweep)(const void *what, ShvVec3 from, ShvVec3 to, double *fraction);
-} Inside;
-
-static double gap_to_body(const void *what, ShvVec3 point)
+static ShvStatus need_tree(Finder *finder, ShvStartBody *body, ShvError *error)
 {
-    const Body *body = what;
-    const bool outside = point.x < body->box.low.x || point.y < body->box.low.y || point.z < body->box.low.z ||
-                         point.x > body->box.high.x || point.y > body->box.high.y || point.z > body->box.high.z;
-    return outside ? HUGE_VAL : shv_bounding_tree_closest(body->tree, point, 0.0).gap;
-}
-
-static bool sweep_body(const void *what, ShvVec3 from, ShvVec3 to, double *fraction)
-{
-    const Body *body = what;
-    ShvVec3 normal;
-    return shv_bounding_tree_sweep(body->tree, from, to, fraction, &normal);
-}
-
-static double gap_to_obstacle(const void *what, ShvVec3 point)
-{
-    return shv_obstacle_closest(what, point, 0.0).gap;
-}
-
-static bool sweep_obstacle(const void *what, ShvVec3 from, ShvVec3 to, double *fraction)
-{
-    ShvCrossing crossing;
-    if (!shv_obstacle_sweep(what, from, to, &crossing)) return false;
-    *fraction = crossing.fraction;
-    return true;
-}
-
-static void try_point(const Inside *inside, ShvVec3 point, ShvOverlap *overlap)
-{
-    const double depth = -inside->gap(inside->what, point);
-    if (!(depth > overlap->depth)) return;
-    overlap->depth = depth;
-    shv_store3(overlap->point, point);
-}
-
-static void try_edge(const Inside *inside, ShvVec3 from, ShvVec3 to, ShvOverlap *overlap)
-{
-    double in, out;
-    if (!inside->sweep(inside->what, from, to, &in) || !inside->sweep(inside->what, to, from, &out)) return;
-    const double middle = 0.5 * (in + 1.0 - out);
-    if (in < 1.0 - out) try_point(inside, shv_madd(from, middle, shv_sub(to, from)), overlap);
-}
-
-/* Every edge is that of two triangles: it is tried where its corners rise. */
-static void try_surface(const Inside *inside, const ShvBox *near, const ShvSurface *surface, ShvOverlap *overlap)
-{
-    for (int32_t i = 0; i < surface->triangle_count; i++) {
-        const int32_t *nodes = surface->triangles + 3 * (int64_t)i;
-        ShvBox box = shv_box_empty();
-        ShvVec3 corners[3];
-        for (int k = 0; k < 3; k++) {
-            corners[k] = shv_surface_position(surface, nodes[k]);
-            shv_box_add(&box, corners[k]);
-        }
-        if (near && !shv_box_meets(&box, near)) continue;
-        for (int k = 0; k < 3; k++) {
-            const int next = (k + 1) % 3;
-            try_point(inside, corners[k], overlap);
-            if (nodes[k] < nodes[next]) try_edge(inside, corners[k], corners[next], overlap);
-        }
-    }
-}
-
-/* An obstacle that is inside of a body, or whose corners are. */
-static void try_obstacle_in_body(const ShvObstacle *obstacle, const Body *body, ShvOverlap *overlap)
-{
-    const Inside inside = {body, gap_to_body, sweep_body};
-    if (obstacle->shape == SHV_OBSTACLE_SPHERE) {
-        const double depth = obstacle->radius - gap_to_body(body, obstacle->position);
-        if (depth > overlap->depth) {
-            overlap->depth = depth;
-            shv_store3(overlap->point, obstacle->position);
-        }
-    } else if (obstacle->shape == SHV_OBSTACLE_BOX) {
-        for (int k = 0; k < 8; k++) {
-            const ShvVec3 corner =
-                shv_vec3(k & 1 ? obstacle->half.x : -obstacle->half.x, k & 2 ? obstacle->half.y : -obstacle->half.y,
-                         k & 4 ? obstacle->half.z : -obstacle->half.z);
-            try_point(&inside, shv_add(obstacle->position, shv_rotate(obstacle->orientation, corner)), overlap);
-        }
-    } else if (obstacle->shape == SHV_OBSTACLE_MESH) {
-        for (int32_t i = 0; i < obstacle->surface.node_count; i++)
-            try_point(&inside,
-                      shv_add(obstacle->position,
-                              shv_rotate(obstacle->orientation, shv_surface_position(&obstacle->surface, i))),
-                      overlap);
-    }
-}
-
-/* ---- pairs ---- */
-
-static ShvStatus need_tree(const Finder *finder, Body *body, ShvError *error)
-{
+    SHV_TRY(need_triangles(finder, error));
     if (!body->tree) body->tree = shv_bounding_tree_create(finder->hybrid->memory, &body->surface);
     return body->tree ? SHV_OK : shv_fail_memory(error, "the surface of an object", 0);
 }
 
-static void keep(Finder *finder, const ShvOverlap *overlap, double size)
+/* ---- pairs ---- */
+
+/* Two that are near: the object, and the other object or the obstacle. */
+typedef struct Pair {
+    const ShvStartBody *first, *second;
+    const ShvStartObstacle *obstacle;
+    double allowance; /* m: depth that is rounding */
+} Pair;
+
+static ShvDepth depth_of(const Pair *pair, ShvVec3 shift)
 {
-    if (!(overlap->depth > touch_of_size * size)) return;
-    if (finder->count < finder->room) finder->overlaps[finder->count] = *overlap;
+    return pair->second ? shv_depth_of_objects(pair->first, pair->second, shift, pair->allowance)
+                        : shv_depth_in_obstacle(pair->first, pair->obstacle, shift, pair->allowance);
+}
+
+/* Three digits, so that it is printed as it is; never less than it was, but for rounding. */
+static double away_from_zero(double value, double least)
+{
+    double unit = 1.0;
+    const double size = fabs(value);
+    if (size < least) return 0.0;
+    while (size < 100.0 * unit) unit /= 10.0;
+    while (size >= 1000.0 * unit) unit *= 10.0;
+    return copysign(ceil(size / unit - 1e-6) * unit, value);
+}
+
+static ShvVec3 on_the_way(ShvVec3 way, double length)
+{
+    const double least = 1e-7 * length; /* what is left out counts by its square: 1e-14 of the length */
+    const ShvVec3 v = shv_scale(way, length);
+    return shv_vec3(away_from_zero(v.x, least), away_from_zero(v.y, least), away_from_zero(v.z, least));
+}
+
+static double way_past(const Pair *pair, ShvVec3 way, double depth)
+{
+    return pair->second ? shv_way_past_object(pair->first, pair->second, way)
+                        : shv_way_past_obstacle(pair->first, pair->obstacle, way, depth);
+}
+
+/* By the depth, where that does it; else past the whole of the other, on whichever side is nearer. */
+static ShvVec3 way_out(const Pair *pair, const ShvDepth *deepest)
+{
+    const ShvVec3 way = deepest->way, shortest = on_the_way(way, deepest->depth);
+    if (depth_of(pair, shortest).depth <= pair->allowance) return shortest;
+    const ShvVec3 back = shv_scale(way, -1.0);
+    const double ahead = way_past(pair, way, deepest->depth), behind = way_past(pair, back, deepest->depth);
+    return ahead <= behind ? on_the_way(way, ahead) : on_the_way(back, behind);
+}
+
+/* Of two objects the one that need not go downwards, where something else may be. */
+static void part(const Pair *pair, const ShvDepth *deepest, const double gravity[3], ShvOverlap *overlap)
+{
+    const ShvVec3 way = way_out(pair, deepest);
+    const bool moves_second = pair->second && shv_dot(way, shv_load3(gravity)) >= 0.0;
+    overlap->mover = moves_second ? overlap->second : overlap->first;
+    shv_store3(overlap->parting, moves_second ? shv_sub(shv_vec3(0.0, 0.0, 0.0), way) : way);
+}
+
+/* Deepest first; of equal ones that found first. */
+static void keep(Finder *finder, const ShvOverlap *overlap)
+{
+    const int32_t held = finder->count < finder->room ? finder->count : finder->room;
+    int32_t place = held;
+    while (place > 0 && finder->overlaps[place - 1].depth < overlap->depth) place--;
     finder->count++;
+    if (place == finder->room) return;
+    const int32_t moved = (held < finder->room ? held : finder->room - 1) - place;
+    memmove(finder->overlaps + place + 1, finder->overlaps + place, (size_t)moved * sizeof *overlap);
+    finder->overlaps[place] = *overlap;
+}
+
+static void compare(Finder *finder, const Pair *pair)
+{
+    const ShvDepth deepest = depth_of(pair, shv_vec3(0.0, 0.0, 0.0));
+    if (!(deepest.depth > pair->allowance)) return;
+    ShvOverlap overlap = {.first = pair->first->object->name,
+                          .second =
+                              pair->second ? pair->second->object->name : pair->obstacle->obstacle->definition->name,
+                          .obstacle = !pair->second,
+                          .depth = deepest.depth};
+    shv_store3(overlap.point, deepest.point);
+    part(pair, &deepest, finder->hybrid->gravity, &overlap);
+    keep(finder, &overlap);
 }
 
 static ShvStatus compare_objects(Finder *finder, int32_t i, int32_t k, ShvError *error)
 {
-    Body *a = &finder->bodies[i], *b = &finder->bodies[k];
-    if (!shv_box_meets(&a->box, &b->box)) return SHV_OK;
-    SHV_TRY(need_tree(finder, a, error));
-    SHV_TRY(need_tree(finder, b, error));
-    const ShvObject *objects = finder->hybrid->model.objects;
-    ShvOverlap overlap = {.first = objects[i].name, .second = objects[k].name};
-    const Inside in_a = {a, gap_to_body, sweep_body}, in_b = {b, gap_to_body, sweep_body};
-    try_surface(&in_a, &a->box, &b->surface, &overlap);
-    try_surface(&in_b, &b->box, &a->surface, &overlap);
-    keep(finder, &overlap, fmin(a->size, b->size));
+    ShvStartBody *first = &finder->bodies[i < k ? i : k], *second = &finder->bodies[i < k ? k : i];
+    const double allowance = touch_of_size * fmin(first->size, second->size);
+    if (!(shv_bound_of_objects(first, second) > allowance)) return SHV_OK;
+    SHV_TRY(need_tree(finder, first, error));
+    SHV_TRY(need_tree(finder, second, error));
+    compare(finder, &(Pair){.first = first, .second = second, .allowance = allowance});
     return SHV_OK;
 }
 
-static ShvStatus compare_obstacle(Finder *finder, int32_t i, const ShvObstacle *obstacle, ShvError *error)
+static ShvStatus compare_obstacle(Finder *finder, ShvStartBody *body, const ShvStartObstacle *place, ShvError *error)
 {
-    Body *body = &finder->bodies[i];
-    const ShvVec3 centre = shv_scale(shv_add(body->box.low, body->box.high), 0.5);
-    if (shv_obstacle_closest(obstacle, centre, 2.0 * body->size).gap > body->size) return SHV_OK;
-    ShvOverlap overlap = {
-        .first = finder->hybrid->model.objects[i].name, .second = obstacle->definition->name, .obstacle = true};
-    const Inside inside = {obstacle, gap_to_obstacle, sweep_obstacle};
-    try_surface(&inside, NULL, &body->surface, &overlap);
-    if (obstacle->shape != SHV_OBSTACLE_PLANE) {
-        SHV_TRY(need_tree(finder, body, error));
-        try_obstacle_in_body(obstacle, body, &overlap);
-    }
-    keep(finder, &overlap, fmin(body->size, obstacle->bounding_radius));
+    const double allowance = touch_of_size * fmin(body->size, place->obstacle->bounding_radius);
+    if (!(shv_bound_of_obstacle(body, place) > allowance)) return SHV_OK;
+    if (place->obstacle->shape != SHV_OBSTACLE_PLANE) SHV_TRY(need_tree(finder, body, error));
+    compare(finder, &(Pair){.first = body, .obstacle = place, .allowance = allowance});
     return SHV_OK;
+}
+
+/* ---- all of them ---- */
+
+typedef struct Start {
+    double low; /* m: along x */
+    int32_t body;
+} Start;
+
+static int by_start(const void *a, const void *b)
+{
+    const Start *first = a, *second = b;
+    if (first->low != second->low) return first->low < second->low ? -1 : 1;
+    return first->body < second->body ? -1 : first->body > second->body;
+}
+
+/* Swept along x, so that many bodies far from each other cost little. */
+static ShvStatus compare_all_objects(Finder *finder, ShvError *error)
+{
+    const int32_t count = finder->hybrid->model.object_count;
+    Start *starts = shv_allocate(finder->hybrid->memory, SHV_PART_GENERAL, (size_t)count, sizeof *starts);
+    if (!starts) return shv_fail_memory(error, "the order of objects", (size_t)count * sizeof *starts);
+    for (int32_t i = 0; i < count; i++) starts[i] = (Start){finder->bodies[i].box.low.x, i};
+    qsort(starts, (size_t)count, sizeof *starts, by_start);
+    ShvStatus status = SHV_OK;
+    for (int32_t i = 0; i < count && status == SHV_OK; i++) {
+        const double end = finder->bodies[starts[i].body].box.high.x;
+        for (int32_t k = i + 1; k < count && starts[k].low < end && status == SHV_OK; k++)
+            status = compare_objects(finder, starts[i].body, starts[k].body, error);
+    }
+    shv_release(starts);
+    return status;
 }
 
 static ShvStatus compare_all(Finder *finder, ShvError *error)
 {
     const ShvHybrid *hybrid = finder->hybrid;
-    for (int32_t i = 0; i < hybrid->model.object_count; i++) {
-        for (int32_t k = i + 1; k < hybrid->model.object_count; k++) SHV_TRY(compare_objects(finder, i, k, error));
+    for (int32_t i = 0; i < hybrid->model.object_count; i++) shv_start_body(&finder->bodies[i], &hybrid->model, i);
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        shv_start_obstacle(&finder->obstacles[i], &hybrid->obstacles.items[i]);
+    for (int32_t i = 0; i < hybrid->model.object_count; i++)
         for (int32_t k = 0; k < hybrid->obstacles.count; k++)
-            SHV_TRY(compare_obstacle(finder, i, &hybrid->obstacles.items[k], error));
-    }
-    return SHV_OK;
+            SHV_TRY(compare_obstacle(finder, &finder->bodies[i], &finder->obstacles[k], error));
+    return compare_all_objects(finder, error);
+}
+
+static ShvStatus find(const ShvHybrid *hybrid, ShvOverlap *overlaps, int32_t room, int32_t *count, ShvError *error)
+{
+    const size_t objects = (size_t)hybrid->model.object_count, obstacles = (size_t)hybrid->obstacles.count;
+    Finder finder = {.hybrid = hybrid,
+                     .bodies = shv_allocate(hybrid->memory, SHV_PART_GENERAL, objects, sizeof(ShvStartBody)),
+                     .obstacles = shv_allocate(hybrid->memory, SHV_PART_GENERAL, obstacles, sizeof(ShvStartObstacle)),
+                     .overlaps = overlaps,
+                     .room = room};
+    const ShvStatus status =
+        finder.bodies && finder.obstacles
+            ? compare_all(&finder, error)
+            : shv_fail_memory(error, "where objects and obstacles are", objects * sizeof(ShvStartBody));
+    for (size_t i = 0; finder.bodies && i < objects; i++) shv_bounding_tree_release(finder.bodies[i].tree);
+    shv_release(finder.triangles);
+    shv_release(finder.obstacles);
+    shv_release(finder.bodies);
+    *count = finder.count;
+    return status;
 }
 
 ShvStatus shv_simulation_overlaps(const ShvSimulation *simulation, ShvOverlap *overlaps, int32_t room, int32_t *count,
                                   ShvError *error)
 {
-    const ShvHybrid *hybrid = &simulation->hybrid;
-    const ShvModel *model = &hybrid->model;
-    const size_t objects = (size_t)model->object_count;
     *count = 0;
     if (simulation->started)
         return shv_fail(error, SHV_BAD_INPUT, "overlaps are those of the start; ask a new simulation");
-    int32_t *triangles, boundary;
-    SHV_TRY(shv_mesh_boundary(&model->mesh, SHV_PART_GENERAL, &triangles, &boundary, error));
-    int32_t *sorted = shv_allocate(hybrid->memory, SHV_PART_GENERAL, 3 * (size_t)boundary, sizeof *sorted);
-    Finder finder = {.hybrid = hybrid,
-                     .bodies = shv_allocate(hybrid->memory, SHV_PART_GENERAL, objects, sizeof(Body)),
-                     .overlaps = overlaps,
-                     .room = room};
-    ShvStatus status = SHV_OK;
-    if (sorted && finder.bodies) {
-        sort_triangles(&finder, triangles, boundary, sorted);
-        for (int32_t i = 0; i < model->object_count; i++) measure_body(model, i, &finder.bodies[i]);
-        status = compare_all(&finder, error);
-        for (size_t i = 0; i < objects; i++) shv_bounding_tree_release(finder.bodies[i].tree);
-    } else {
-        status = shv_fail_memory(error, "the surfaces of objects", objects * sizeof(Body));
-    }
-    shv_release(finder.bodies);
-    shv_release(sorted);
-    shv_release(triangles);
-    *count = finder.count;
-    return status;
+    if (simulation->scene->overlaps != SHV_OVERLAPS_KEEP) return SHV_OK; /* or it had not been made */
+    return find(&simulation->hybrid, overlaps, room, count, error);
+}
+
+/* ---- refusal ---- */
+
+static int describe(char *text, size_t size, const ShvOverlap *o)
+{
+    return shv_format(text, size,
+                      "'%s' and the %s '%s' overlap at the start, %.3g m deep at (%.4g, %.4g, %.4g): move '%s' by "
+                      "(%.3g, %.3g, %.3g) m",
+                      o->first, o->obstacle ? "obstacle" : "object", o->second, o->depth, o->point[0], o->point[1],
+                      o->point[2], o->mover, o->parting[0], o->parting[1], o->parting[2]);
+}
+
+ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error)
+{
+    ShvOverlap deepest[3];
+    const int32_t room = (int32_t)(sizeof deepest / sizeof deepest[0]);
+    int32_t count;
+    if (simulation->scene->overlaps == SHV_OVERLAPS_KEEP) return SHV_OK;
+    SHV_TRY(find(&simulation->hybrid, deepest, room, &count, error));
+    if (count == 0) return SHV_OK;
+    char texts[3][384] = {"", "", ""}, more[48] = "";
+    for (int32_t i = 0; i < count && i < room; i++) describe(texts[i], sizeof texts[i], &deepest[i]);
+    if (count > room) shv_format(more, sizeof more, "; and %d more", (int)(count - room));
+    return shv_fail(error, SHV_BAD_INPUT, "%s, or give 'overlaps: keep', and %s%s%s%s%s%s", texts[0],
+                    shv_simulation_overlap_course(simulation, &deepest[0]), count > 1 ? "; also " : "", texts[1],
+                    count > 2 ? "; also " : "", texts[2], more);
 }
 
 /* What each engine does, in one sentence for check and run. */

@@ -54,6 +54,7 @@ ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefini
     made->owns_memory = owns;
     made->scene = scene;
     ShvStatus status = shv_hybrid_create(&made->hybrid, memory, scene, options ? options->folder : NULL, error);
+    if (status == SHV_OK) status = shv_simulation_refuse_overlaps(made, error);
     if (status == SHV_OK) status = create_views(made, error);
     if (status != SHV_OK) {
         shv_simulation_destroy(made);

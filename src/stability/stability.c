@@ -92,8 +92,11 @@ static ShvStatus find_refusal(const ShvSceneDefinition *scene, const ShvProbe *p
 {
     static const double tried[] = {0.999, 1.001};
     bool refused[2];
-    for (int i = 0; i < 2; i++) SHV_TRY(ask_for_refusal(scene, probe, options, tried[i], &refused[i], error));
-    if (!refused[0] && refused[1]) row->refused_above = 1.0;
+    for (int i = 0; i < 2; i++) {
+        SHV_TRY(ask_for_refusal(scene, probe, options, tried[i], &refused[i], error));
+        if (refused[0]) return SHV_BAD_INPUT; /* for another reason than its step; the message says which */
+    }
+    if (refused[1]) row->refused_above = 1.0;
     return SHV_OK;
 }
 

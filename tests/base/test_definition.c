@@ -64,6 +64,7 @@ static void scenes_have_the_documented_defaults(void **state)
     check_near(s.gravity[0], 0.0, 0.0);
     check_near(s.gravity[2], -9.81, 0.0);
     assert_true(isnan(s.duration));
+    assert_int_equal(s.overlaps, SHV_OVERLAPS_REFUSE);
     assert_int_equal(s.threads, 0);
     assert_int_equal(s.seed, 0);
     assert_int_equal(s.rigid.engine, SHV_RIGID_BULLET);

@@ -91,14 +91,42 @@ static void test_check_and_plan(void **state)
     assert_false(json_valid("{\"a\": nan}") || json_valid("[1,]") || json_valid("{} x") || json_valid(""));
 }
 
-/* What overlaps at the start is named by check, and run says the same; a body without room is in its summary. */
+/* What overlaps at the start is refused by everything that runs a scene, before anything is written. */
+static void test_refused_overlaps(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"check",
+                                           "check --json",
+                                           "plan",
+                                           "plan --trial 0 --json",
+                                           "run --output begun.h5 --force",
+                                           "compare --steps 1e-3",
+                                           "stability"};
+    static const char *const low = "--set objects.bar.position.2=0.0295 --set materials.chalk.breakable=false";
+    char line[256];
+    shell_write("begun.h5", "precious");
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        snprintf(line, sizeof line, "$shiver %s tiny.yaml %s", commands[i], low);
+        shell_fails(line, 2, "'bar' and the obstacle 'floor' overlap at the start, 0.0005 m deep");
+        assert_non_null(strstr(output.err, "move 'bar' by (0, 0, 0.0005) m, or give 'overlaps: keep'"));
+        assert_string_equal(output.out, "");
+    }
+    shell_works("cat begun.h5", "precious");
+    shell_works("ls | grep -c begun", "1");
+    shell_write("low.yaml", "shiver_study: 1\nset: {objects.bar.position.2: 0.0295}\n"
+                            "vary: {fracture.safety: [0.5, 0.9]}\nmeasures: [energy]\n");
+    shell_fails("$shiver study tiny.yaml low.yaml", 2, "overlap at the start");
+}
+
+/* Kept overlaps are named by check, and run says the same; a body without room is in its summary. */
 static void test_overlaps(void **state)
 {
     (void)state;
     const char *commands[] = {"check", "run --force --quiet"};
-    char line[256], said[2][512];
+    char line[320], said[2][512];
     for (int i = 0; i < 2; i++) {
-        snprintf(line, sizeof line, "$shiver %s tiny.yaml --set objects.bar.position.2=0.0295", commands[i]);
+        snprintf(line, sizeof line, "$shiver %s tiny.yaml --set overlaps=keep --set objects.bar.position.2=0.0295",
+                 commands[i]);
         assert_int_equal(shell(line), 0);
         const char *warning = strstr(output.err, "'bar' and the obstacle 'floor' overlap at the start, 0.0005 m deep");
         assert_non_null(warning);
@@ -113,7 +141,7 @@ static void test_overlaps(void **state)
     shell_works(line, "finished");
     assert_null(strstr(output.out, "no room"));
     snprintf(line, sizeof line,
-             "$shiver run --force tiny.yaml %s --set obstacles.lid.plane.offset=-0.0585 "
+             "$shiver run --force tiny.yaml %s --set overlaps=keep --set obstacles.lid.plane.offset=-0.0585 "
              "--set materials.chalk.breakable=false --set objects.bar.position.2=0.03 --set objects.bar.velocity.2=0",
              between);
     shell_works(line, "fragment 0 of 'bar' between 'floor' and 'lid'");
@@ -382,15 +410,25 @@ static void test_materials(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_usage),          cmocka_unit_test(test_wrong_words),
-        cmocka_unit_test(test_check_and_plan), cmocka_unit_test(test_plan_of_a_long_fall),
-        cmocka_unit_test(test_overlaps),       cmocka_unit_test(test_overrides),
-        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_run_and_info),
-        cmocka_unit_test(test_default_name),   cmocka_unit_test(test_existing_output),
-        cmocka_unit_test(test_unwritable),     cmocka_unit_test(test_full_disk),
-        cmocka_unit_test(test_interruption),   cmocka_unit_test(test_export),
-        cmocka_unit_test(test_mesh),           cmocka_unit_test(test_scenes),
-        cmocka_unit_test(test_probes),         cmocka_unit_test(test_verify),
+        cmocka_unit_test(test_usage),
+        cmocka_unit_test(test_wrong_words),
+        cmocka_unit_test(test_check_and_plan),
+        cmocka_unit_test(test_plan_of_a_long_fall),
+        cmocka_unit_test(test_refused_overlaps),
+        cmocka_unit_test(test_overlaps),
+        cmocka_unit_test(test_overrides),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_run_and_info),
+        cmocka_unit_test(test_default_name),
+        cmocka_unit_test(test_existing_output),
+        cmocka_unit_test(test_unwritable),
+        cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_interruption),
+        cmocka_unit_test(test_export),
+        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_probes),
+        cmocka_unit_test(test_verify),
         cmocka_unit_test(test_materials),
     };
     return cmocka_run_group_tests(tests, enter, shell_leave);

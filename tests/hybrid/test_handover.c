@@ -244,6 +244,7 @@ static void random_fragments_keep_mass_and_momentum(void **unused)
         for (int kept = 0; kept < 2; kept++)
             goes_both_ways(engine ? SHV_RIGID_BULLET : SHV_RIGID_ANALYTIC,
                            kept ? SHV_DEFORMATION_KEEP : SHV_DEFORMATION_DROP);
+    goes_both_ways(SHV_RIGID_PBD, SHV_DEFORMATION_DROP);
 }
 
 /* An undeformed fragment comes back to its pose: to 1e-12 of its size, its motion to 1e-12 of its speeds. */
@@ -332,6 +333,66 @@ static void deformation_goes_on_or_is_dropped(void **unused)
         check_near(woken.cohesive_recoverable, resting.cohesive_recoverable, 1e-10 * awake.cohesive_recoverable);
         shv_hybrid_release(&hybrid);
     }
+}
+
+/* Nodes fly on their own as they came to rest. Those that bars will not lead in fracture mode go back to the shape at the start
+   when they wake: strain and openings have come to nothing, and what else they had is booked. */
+static void flown_nodes_wake_in_their_shape(void **unused)
+{
+    (void)unused;
+    Stage stage;
+    stage_ball(&stage, SHV_RIGID_PBD);
+    stage.scene.gravity[2] = 0.0;
+    ShvHybrid hybrid;
+    start(&hybrid, &stage, false);
+    const ShvLedgerView awake = look(&hybrid);
+    rest_all(&hybrid);
+    const ShvLedgerView resting = look(&hybrid);
+    check_closed(&awake, &resting);
+    assert_true(resting.cohesive_recoverable > 0.0);
+    wake_all(&hybrid);
+    const ShvLedgerView woken = look(&hybrid);
+    check_closed(&resting, &woken);
+    assert_true(woken.kinetic < resting.kinetic);
+    check_near(woken.strain, 0.0, 1e-10 * awake.strain);
+    check_near(woken.cohesive_recoverable, 0.0, 1e-10 * awake.cohesive_recoverable);
+    shv_hybrid_release(&hybrid);
+}
+
+static double lowest_node(const ShvHybrid *hybrid)
+{
+    double lowest = HUGE_VAL;
+    for (int32_t i = 0; i < hybrid->state.node_count; i++)
+        lowest = fmin(lowest, shv_state_position(&hybrid->state, i).z);
+    return lowest;
+}
+
+static void sink(ShvHybrid *hybrid, double depth)
+{
+    for (int32_t i = 0; i < hybrid->state.node_count; i++) hybrid->state.displacement[3 * i + 2] -= depth;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) hybrid->fragments.items[i].position.z -= depth;
+}
+
+/* In that shape they may stand in an obstacle, out of which bars would throw them in flight: out they go, each fragment as a
+   whole, and the ledger knows. */
+static void flown_nodes_wake_outside_of_obstacles(void **unused)
+{
+    (void)unused;
+    const double floor = 0.06, depth = 5e-4;
+    Stage stage;
+    stage_ball(&stage, SHV_RIGID_PBD);
+    stage_floor(&stage)->plane_offset = floor;
+    ShvHybrid hybrid;
+    start(&hybrid, &stage, false);
+    rest_all(&hybrid);
+    sink(&hybrid, lowest_node(&hybrid) - floor + depth);
+    const ShvLedgerView resting = look(&hybrid);
+    wake_all(&hybrid);
+    check_near(lowest_node(&hybrid), floor, 1e-12);
+    const ShvLedgerView woken = look(&hybrid);
+    assert_true(woken.gravity_potential > resting.gravity_potential);
+    check_near(woken.residual, resting.residual, 1e-12 * resting.largest);
+    shv_hybrid_release(&hybrid);
 }
 
 /* Some fragments awake, some keep their deformation in flight, and batches of elements that hold both: strain counts once. */
@@ -496,6 +557,8 @@ static ShvFragment *start_beside(ShvHybrid *hybrid, Stage *stage)
     ShvFragment *other = &hybrid->fragments.items[1];
     other->contact_force = shv_vec3(3.0, -2.0, 1.0);
     other->contact_torque = shv_vec3(0.02, 0.03, -0.01);
+    other->contact_power = HUGE_VAL;
+    hybrid->companions.shares[0] = 1.0;
     hybrid->state.last_step = 2e-5;
     hybrid->interval_end = hybrid->state.time + 1e-3;
     return other;
@@ -535,6 +598,37 @@ static void companions_leave_with_what_they_are_owed(void **unused)
     }
 }
 
+/* The weight of much more than its own lies on a companion that nothing holds: it leaves at the speed at which that follows, and
+   not at the one to which the whole force would bring it. One that is held has all of it after a few steps. */
+static void what_leaves_is_not_pushed(void **unused)
+{
+    (void)unused;
+    Stage stage;
+    ShvHybrid hybrid;
+    ShvFragment *other = start_beside(&hybrid, &stage);
+    const double follows = 0.01, force = 1e4, step = 2e-5;
+    const ShvVec3 push = shv_vec3(0.0, force, 0.0);
+    other->contact_force = push;
+    other->contact_torque = shv_vec3(0.0, 0.0, 0.0);
+    other->contact_power = other->contact_slack = follows * force;
+    hybrid.companions.shares[0] = 0.0;
+    ShvCompanion *companion = &hybrid.companions.items[0];
+    assert_true(force * step / other->mass > 5.0 * follows);
+    for (int k = 0; k < 40; k++) {
+        shv_companions_kick(&hybrid, step);
+        shv_companions_drift(&hybrid, step);
+        assert_true(companion->velocity.y <= follows * (1.0 + 1e-3));
+    }
+    check_near(companion->velocity.y, follows, 1e-3 * follows);
+    for (int k = 0; k < 40; k++) {
+        companion->velocity = shv_vec3(0.0, 0.0, 0.0);
+        shv_companions_kick(&hybrid, step);
+        shv_companions_drift(&hybrid, step);
+    }
+    check_near(companion->velocity.y, force * step / other->mass, 1e-12);
+    shv_hybrid_release(&hybrid);
+}
+
 /* Events of the time line move what can move. */
 static void events_leave_binned_dust_alone(void **unused)
 {
@@ -563,9 +657,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_fragments_keep_mass_and_momentum),
         cmocka_unit_test(companions_leave_with_what_they_are_owed),
+        cmocka_unit_test(what_leaves_is_not_pushed),
         cmocka_unit_test(an_undeformed_fragment_keeps_its_pose),
         cmocka_unit_test(deformation_goes_on_or_is_dropped),
         cmocka_unit_test(kept_strain_counts_once),
+        cmocka_unit_test(flown_nodes_wake_in_their_shape),
+        cmocka_unit_test(flown_nodes_wake_outside_of_obstacles),
         cmocka_unit_test(binned_dust_stays_in_the_sums),
         cmocka_unit_test(particles_fly_and_meet_obstacles_alone),
         cmocka_unit_test(a_bound_ends_the_run),

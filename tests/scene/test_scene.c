@@ -245,6 +245,7 @@ static void check_rest(const ShvSceneDefinition *scene)
     check_vector(scene->gravity, 0.5, -0.001, -1.62);
     assert_true(scene->seed == UINT64_MAX);
     assert_int_equal(scene->threads, 2);
+    assert_int_equal(scene->overlaps, SHV_OVERLAPS_KEEP);
     same(scene->duration, 1.5);
     assert_int_equal(scene->rigid.engine, SHV_RIGID_PBD);
     same(scene->rigid.time_step, 2e-3);
@@ -437,6 +438,7 @@ static void what_is_left_out_has_its_default(void **state)
     assert_int_equal(scene->rigid.engine, SHV_RIGID_BULLET);
     assert_int_equal(scene->reference.law, SHV_REFERENCE_NONE);
     assert_int_equal(scene->fracture.stabiliser, SHV_STABILISER_NONE);
+    assert_int_equal(scene->overlaps, SHV_OVERLAPS_REFUSE);
     assert_int_equal(scene->obstacle_count, 0);
     assert_int_equal(scene->event_count, 0);
     assert_int_equal(scene->condition_count, 0);

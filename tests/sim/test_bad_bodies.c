@@ -45,6 +45,7 @@ static void test_objects_that_overlap(void **state)
             for (int breaks = 0; breaks < 2; breaks++) {
                 Stage stage;
                 begin(&stage);
+                stage.scene.overlaps = SHV_OVERLAPS_KEEP;
                 stage.material.breakable = breaks;
                 stage_box(&stage, "one", cube, 0.02, falls ? height : 0.01);
                 stage_box(&stage, "other", cube, 0.02, falls ? height : 0.01)->placement.position[0] = shifts[s];
@@ -60,6 +61,7 @@ static void test_obstacle_inside_an_object(void **state)
     for (int i = 0; i < 3; i++) {
         Stage stage;
         begin(&stage);
+        stage.scene.overlaps = SHV_OVERLAPS_KEEP;
         stage_box(&stage, "one", cube, 0.02, height);
         ShvObstacleDefinition *pin = stage_floor(&stage);
         pin->name = "pin";

@@ -99,6 +99,7 @@ static void test_awake(void **state)
     for (int i = 0; i < 2; i++) {
         Stage stage;
         press(&stage, i ? -0.002 : 0.0399, 0.0, keys);
+        stage.scene.overlaps = SHV_OVERLAPS_KEEP;
         stage.objects[0].placement.stretch_rate[0] = 1e-6; /* starts awake */
         stage.scene.duration = 0.002;
         stage.scene.output.rate = 1000.0;

@@ -95,7 +95,8 @@ static void test_finest(void **state)
 
 static void refused(const char *override, const char *part)
 {
-    ShvScene *scene = parse(BOUNCE, &override, 1);
+    const char *const overrides[] = {override, "overlaps=keep"};
+    ShvScene *scene = parse(BOUNCE, overrides, 2);
     ShvComparison *comparison;
     ShvError error;
     const ShvCompareOptions options = analytic_at(1e-2);
