@@ -138,6 +138,7 @@ typedef struct ShvHybrid {
     double least_spring_step;             /* s: of all frames so far; 0: none */
     ShvLedgerView balance;                /* of the last observed moment */
     double start_energy, start_potential; /* J */
+    double least_contact_work;            /* J: of contact, friction and closure together, so far */
     bool balance_started;
     int32_t since_observed; /* steps since the ledger was last looked at */
     double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */

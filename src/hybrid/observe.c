@@ -277,31 +277,50 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
     return 1e-12 * (size + fabs(hybrid->start_energy));
 }
 
-static ShvStatus judge_balance(const ShvHybrid *hybrid, ShvError *error)
+/* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven; a
+   balance cannot tell, since all that they do is booked. */
+static double contact_gain(const ShvHybrid *hybrid)
 {
     const ShvLedgerView *b = &hybrid->balance;
-    const double courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
-    const double bound = hybrid->scene->fracture.energy_bound * b->largest + rounding_of_balance(hybrid);
-    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential))
-        return shv_fail(
-            error, SHV_DIVERGED,
-            "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
-            "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
-            (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid), courant);
-    /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
-    const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
-    const bool defect = !barred && fabs(b->cohesive_defect) > bound;
-    if (fabs(b->residual) <= bound && !defect) return SHV_OK;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
+    return b->contact + b->friction + b->closure - hybrid->least_contact_work;
+}
+
+static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, double bound, ShvError *error)
+{
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    const double courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
     return shv_fail(
         error, SHV_DIVERGED,
         "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
         "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
         "fracture.safety, a finer mesh or a milder impact, or raise the bound",
-        defect ? "the work of cohesive tractions is off the cohesive law" : "the energy balance is off",
-        defect ? b->cohesive_defect : b->residual, bound, (long long)hybrid->state.step, hybrid->state.time, courant,
-        (int)inverted, (int)first);
+        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, courant, (int)inverted, (int)first);
+}
+
+/* `largest`: the largest energy before, J, which nothing that has been gained since is part of. */
+static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError *error)
+{
+    const ShvLedgerView *b = &hybrid->balance;
+    const double rounding = rounding_of_balance(hybrid), share = hybrid->scene->fracture.energy_bound;
+    const double bound = share * b->largest + rounding;
+    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential))
+        return shv_fail(
+            error, SHV_DIVERGED,
+            "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
+            "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
+            (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid),
+            hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0);
+    if (fabs(b->residual) > bound) return off_by(hybrid, "the energy balance is off", b->residual, bound, error);
+    /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
+    const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
+    if (!barred && fabs(b->cohesive_defect) > bound)
+        return off_by(hybrid, "the work of cohesive tractions is off the cohesive law", b->cohesive_defect, bound,
+                      error);
+    const double gain = contact_gain(hybrid), most = share * fmax(largest, b->largest - gain) + rounding;
+    return gain > most ? off_by(hybrid, "contacts have gained energy", gain, most, error) : SHV_OK;
 }
 
 ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
@@ -323,6 +342,8 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);
     close_balance(hybrid, &balance);
+    const double largest = hybrid->balance.largest;
     hybrid->balance = balance;
-    return judge_balance(hybrid, error);
+    hybrid->least_contact_work = fmin(hybrid->least_contact_work, balance.contact + balance.friction + balance.closure);
+    return judge_balance(hybrid, largest, error);
 }

@@ -724,7 +724,9 @@ static const ShvKey fracture_keys[] = {
          "With `rigid.engine: pbd` nodes fly as they are in any case; with `stabiliser: bars` they wake so, too, "
          "without it in their shape at the start."},
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
-     .sentence = "The run stops when the residual of the energy ledger exceeds this share of the largest energy."},
+     .sentence =
+         "The run stops when the residual of the energy ledger exceeds this share of the largest energy, or when "
+         "contacts have given as much, though no obstacle is driven."},
 };
 static const ShvTable fracture_table = {.name = "fracture",
                                         .sentence = "Bodies while they may break.",
