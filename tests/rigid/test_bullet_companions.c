@@ -191,6 +191,42 @@ static void test_brick_on_companion(void **unused)
     }
 }
 
+/* The companion has not taken a quarter of what the brick gave it: the brick gets that back, once, and the work is booked. */
+static void test_untaken_goes_back(void **unused)
+{
+    (void)unused;
+    World world;
+    world_begin(&world);
+    world_box(&world, 0.1, 0.1, 0.1, 0.05)->placement.position[2] = 0.05;
+    ShvObjectDefinition *brick = world_box(&world, 0.06, 0.06, 0.1, 0.1);
+    brick->placement.position[0] = 0.01;
+    brick->placement.position[2] = 0.15;
+    world_floor(&world, 0.5, 0.0);
+    world_build(&world);
+    bullet_fly(&world);
+    for (int i = 0; i < 50; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+    ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
+    companion->companion = true;
+    for (int i = 0; i < 20; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+    const ShvVec3 before = flying->velocity, given = shv_scale(companion->contact_force, step);
+    const double kinetic = shv_fragment_kinetic(flying), booked = world.backend->contact_work;
+    assert_true(given.z < 0.0);
+    companion->contact_untaken = 0.25 * step;
+    world.backend->functions->take_back(world.backend);
+    const ShvVec3 gained = shv_scale(shv_sub(flying->velocity, before), flying->mass);
+    check_near(shv_norm(shv_madd(gained, -0.25, given)), 0.0, 1e-12 * shv_norm(given));
+    check_near(world.backend->contact_work - booked, shv_fragment_kinetic(flying) - kinetic, 1e-12 * kinetic + 1e-18);
+    const ShvVec3 after = flying->velocity;
+    assert_true(companion->contact_untaken == 0.0);
+    world.backend->functions->take_back(world.backend);
+    check_same(flying->velocity, after);
+    /* Between companions that come to each other it could have given anything: what it gets back is bounded. */
+    companion->contact_untaken = 1e6 * step;
+    world.backend->functions->take_back(world.backend);
+    assert_true(shv_norm(shv_sub(flying->velocity, after)) < 4.0 * 9.81 * step);
+    world_end(&world);
+}
+
 /* Both fall: nothing passes between them once the companion has been seen to fall. */
 static void test_falling_together(void **unused)
 {
@@ -250,6 +286,7 @@ int main(void)
         cmocka_unit_test(test_impact),
         cmocka_unit_test(test_neither_floor_nor_companions),
         cmocka_unit_test(test_brick_on_companion),
+        cmocka_unit_test(test_untaken_goes_back),
         cmocka_unit_test(test_falling_together),
         cmocka_unit_test(test_wake),
     };
