@@ -13,6 +13,7 @@
 struct ShvBulletBody {
     int32_t number = 0;
     ShvBulletKind kind = SHV_BULLET_PLANE;
+    ShvBulletLayer layer = SHV_BULLET_BODY;
     btVector3 normal{0, 0, 0}; // plane, scaled offset
     btScalar offset = 0;
     btScalar radius = 0; // about the origin, scaled

@@ -20,8 +20,9 @@ struct ShvBulletWorld {
     explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale) {}
     btScalar scale;
     std::vector<Extent>
-        extents; // of all bodies but planes, by their lower ends on one axis; since the last call for pairs
+        extents; // of all bodies but planes and particles, by their lower ends on one axis; since the last call for pairs
     int axis = 0;
+    std::vector<Extent> particles, obstacles; // but planes
     std::vector<const ShvBulletBody *> planes;
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
@@ -138,6 +139,7 @@ static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, co
                             ShvError *error)
 {
     body->kind = shape->kind;
+    body->layer = shape->layer;
     ShvStatus status = SHV_OK;
     switch (shape->kind) {
     case SHV_BULLET_PLANE:
@@ -279,10 +281,18 @@ static bool boxes_meet(const Extent &a, const Extent &b, int axis)
 static void sort_extents(ShvBulletWorld *world)
 {
     world->extents.clear();
+    world->particles.clear();
+    world->obstacles.clear();
     btVector3 sum(0, 0, 0), squares(0, 0, 0);
     for (const auto &body : world->bodies) {
         if (!body || body->kind == SHV_BULLET_PLANE) continue;
-        world->extents.push_back({body->box_low, body->box_high, body.get()});
+        const Extent extent = {body->box_low, body->box_high, body.get()};
+        if (body->layer == SHV_BULLET_PARTICLE) {
+            world->particles.push_back(extent);
+            continue;
+        }
+        if (body->layer == SHV_BULLET_OBSTACLE) world->obstacles.push_back(extent);
+        world->extents.push_back(extent);
         const btVector3 centre = (body->box_low + body->box_high) / 2;
         sum += centre;
         squares += centre * centre;
@@ -314,6 +324,15 @@ static void sweep(ShvBulletWorld *world)
     }
 }
 
+static void pair_particles(ShvBulletWorld *world)
+{
+    for (const Extent &particle : world->particles)
+        for (const Extent &obstacle : world->obstacles)
+            if (boxes_meet(particle, obstacle, 0) && boxes_meet(particle, obstacle, 1) &&
+                boxes_meet(particle, obstacle, 2) && balls_meet(*particle.body, *obstacle.body, world->scale))
+                add_pair(world, particle.body, obstacle.body);
+}
+
 static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)
 {
     const btVector3 centre = (body.box_low + body.box_high) / 2, half = (body.box_high - body.box_low) / 2;
@@ -326,6 +345,7 @@ ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pa
         world->pairs.clear();
         sort_extents(world);
         sweep(world);
+        pair_particles(world);
         for (const auto &body : world->bodies) {
             if (!body || !body->body) continue;
             for (const ShvBulletBody *plane : world->planes)

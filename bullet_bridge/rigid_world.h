@@ -23,8 +23,16 @@ typedef enum ShvBulletKind {
     SHV_BULLET_TRIANGLES /* closed surface, outside where the corners run counter-clockwise; only for bodies without mass */
 } ShvBulletKind;
 
+/* Who is paired with whom. */
+typedef enum ShvBulletLayer {
+    SHV_BULLET_BODY,     /* with bodies and obstacles */
+    SHV_BULLET_OBSTACLE, /* with all */
+    SHV_BULLET_PARTICLE  /* with obstacles alone: as many as there are, they cost nothing to one another */
+} ShvBulletLayer;
+
 typedef struct ShvBulletShape {
     ShvBulletKind kind;
+    ShvBulletLayer layer;
     double normal[3], offset;  /* plane */
     double radius;             /* sphere, m */
     int32_t hull_count;        /* hulls */

@@ -13,6 +13,7 @@ static ShvStatus piece_shape(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, cons
         shv_store3(vertices + 3 * (int64_t)i,
                    shv_apply_transposed(&flyer->rotation.axes, shv_load3(pieces->vertices + 3 * (int64_t)i)));
     const ShvBulletShape shape = {.kind = SHV_BULLET_HULLS,
+                                  .layer = flyer->dust ? SHV_BULLET_PARTICLE : SHV_BULLET_BODY,
                                   .hull_count = pieces->count,
                                   .hull_begin = pieces->vertex_begin,
                                   .vertices = vertices};
@@ -55,7 +56,8 @@ static const double box_corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1},
 static ShvStatus obstacle_shape(const ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvObstacle *obstacle,
                                 double *vertices, ShvError *error)
 {
-    ShvBulletShape shape = {.vertices = vertices, .offset = obstacle->offset, .radius = obstacle->radius};
+    ShvBulletShape shape = {
+        .layer = SHV_BULLET_OBSTACLE, .vertices = vertices, .offset = obstacle->offset, .radius = obstacle->radius};
     shv_store3(shape.normal, obstacle->normal);
     int32_t begin[2] = {0, 8};
     shape.hull_begin = begin;

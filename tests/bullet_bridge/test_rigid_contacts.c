@@ -51,6 +51,35 @@ static void make(Body *body, ShvBulletWorld *world, int32_t number, ShvVec3 posi
     shv_bullet_world_place(world, number, body->convex.position, body->convex.rotation);
 }
 
+/* All in one place: particles meet obstacles, planes among them, and neither bodies nor one another. */
+static void test_layers(void **unused)
+{
+    (void)unused;
+    static const ShvBulletLayer layers[] = {SHV_BULLET_BODY, SHV_BULLET_PARTICLE, SHV_BULLET_OBSTACLE,
+                                            SHV_BULLET_PARTICLE, SHV_BULLET_BODY};
+    enum { COUNT = 5, PLANE = 5 };
+    static const ShvBulletPair expected[] = {{0, 2}, {0, 4}, {0, 5}, {1, 2}, {1, 5}, {2, 3}, {2, 4}, {3, 5}, {4, 5}};
+    const double moment[3] = {1.0, 1.0, 1.0}, none[3] = {0.0, 0.0, 0.0}, axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    ShvBulletWorld *world;
+    ShvError error;
+    check_ok(shv_bullet_world_create(&world, 1.0, &error), error);
+    for (int32_t i = 0; i < COUNT; i++) {
+        const ShvBulletShape ball = {.kind = SHV_BULLET_SPHERE, .layer = layers[i], .radius = 0.5};
+        const double inverse_mass = layers[i] == SHV_BULLET_OBSTACLE ? 0.0 : 1.0;
+        check_ok(shv_bullet_world_add(world, i, &ball, inverse_mass, moment, &error), error);
+        shv_bullet_world_place(world, i, none, axes);
+        check_ok(shv_bullet_world_reach(world, i, none, 0.0, 0.0, &error), error);
+    }
+    const ShvBulletShape plane = {.kind = SHV_BULLET_PLANE, .layer = SHV_BULLET_OBSTACLE, .normal = {0.0, 0.0, 1.0}};
+    check_ok(shv_bullet_world_add(world, PLANE, &plane, 0.0, none, &error), error);
+    const ShvBulletPair *pairs;
+    int32_t count;
+    check_ok(shv_bullet_world_pairs(world, &pairs, &count, &error), error);
+    assert_int_equal(count, sizeof expected / sizeof *expected);
+    assert_memory_equal(pairs, expected, sizeof expected);
+    shv_bullet_world_destroy(world);
+}
+
 /* The direction of contact is that of the nearest points of cores that are smaller by 0.005 of their radii, and gaps along any
    direction are at most the true one: the least gap found is at most so much below it. (Interior points move the radius' centre,
    hence twice.) Contacts of faces may be 1e-3 of the smaller radius off. */
@@ -93,6 +122,6 @@ static void test_gaps(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_gaps)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_layers), cmocka_unit_test(test_gaps)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
