@@ -218,7 +218,7 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
             ShvCompanion companion = hybrid->companions.items[place];
             let_go(hybrid, place);
             give_rest_of_impulse(hybrid, &companion, &hybrid->fragments.items[index]);
-            shv_companions_take_back(hybrid);
+            if (hybrid->fragments.items[index].contact_untaken != 0.0) shv_companions_take_back(hybrid);
             break;
         }
     shv_surface_contact_wake(&hybrid->surface);
