@@ -287,6 +287,17 @@ static double contact_gain(const ShvHybrid *hybrid)
     return b->contact + b->friction + b->closure - hybrid->least_contact_work;
 }
 
+/* What it takes to lift every body by its radius, J: contacts may lift out what starts or wakes inside something else. */
+static double lift_of_bodies(const ShvHybrid *hybrid)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_DEAD) sum += fragment->mass * fragment->radius;
+    }
+    return sum * shv_norm(shv_load3(hybrid->gravity));
+}
+
 static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, double bound, ShvError *error)
 {
     int32_t first = -1;
@@ -319,7 +330,8 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError
     if (!barred && fabs(b->cohesive_defect) > bound)
         return off_by(hybrid, "the work of cohesive tractions is off the cohesive law", b->cohesive_defect, bound,
                       error);
-    const double gain = contact_gain(hybrid), most = share * fmax(largest, b->largest - gain) + rounding;
+    const double gain = contact_gain(hybrid);
+    const double most = share * fmax(largest, b->largest - gain) + lift_of_bodies(hybrid) + rounding;
     return gain > most ? off_by(hybrid, "contacts have gained energy", gain, most, error) : SHV_OK;
 }
 

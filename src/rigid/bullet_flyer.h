@@ -51,6 +51,7 @@ typedef struct ShvBulletFlyer {
     bool leaves;                /* wakes */
     bool thrown;                /* by its impact, off its foreseen way */
     bool stopped;               /* its impact did not throw it back */
+    bool meets;                 /* closes on something that it touches, faster than bodies at rest do */
     bool held;                  /* pushed by contacts other than its impact */
     bool solved;                /* has contacts in the solver */
     bool bumped;                /* its island's velocities do not change evenly over the step */

@@ -151,6 +151,7 @@ static void set_contact(ShvBullet *bullet, const ShvBulletMeeting *meeting, cons
         contact->target = thrown_back(bullet, meeting, -speed, acceleration, restitution);
     } else {
         hold(bullet, meeting, contact, gap, speed);
+        if (-speed > 2.0 * bullet->rest) bullet->flyers[meeting->a].meets = bullet->flyers[meeting->b].meets = true;
         if (!meeting->struck) warm(bullet, meeting, last, contact);
     }
 }
@@ -184,13 +185,21 @@ static void enter(ShvBullet *bullet, ShvBulletFlyer *flyer)
     if (flyer->solved) shv_bullet_flyer_place(flyer, bullet->bullet, flyer->position, flyer->solver_orientation);
 }
 
+/* A companion that something lies on may be held, one that comes to something gives way by its own mass: two that were
+   held as they came to each other would squeeze what is between them at will. */
+static double give_of(const ShvBulletFlyer *flyer)
+{
+    const bool held = flyer->companion && flyer->impact_time < 0.0 && !flyer->meets;
+    return held ? fmax(least_give, flyer->fall) : 1.0;
+}
+
 static void gather_motions(ShvBullet *bullet, const int32_t *members, int32_t count)
 {
     for (int32_t i = 0; i < count; i++) {
         const ShvBulletFlyer *flyer = &bullet->flyers[members[i]];
         ShvBulletMotion *motion = &bullet->motions[i];
         motion->body = flyer->number;
-        motion->give = flyer->companion && flyer->impact_time < 0.0 ? fmax(least_give, flyer->fall) : 1.0;
+        motion->give = give_of(flyer);
         shv_store3(motion->velocity, flyer->new_velocity);
         shv_store3(motion->spin, flyer->new_spin);
     }

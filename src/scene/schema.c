@@ -726,7 +726,7 @@ static const ShvKey fracture_keys[] = {
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
      .sentence =
          "The run stops when the residual of the energy ledger exceeds this share of the largest energy, or when "
-         "contacts have given as much, though no obstacle is driven."},
+         "contacts have given as much and what lifts all bodies by their radius, though no obstacle is driven."},
 };
 static const ShvTable fracture_table = {.name = "fracture",
                                         .sentence = "Bodies while they may break.",

@@ -524,8 +524,8 @@ static void a_bound_ends_the_run(void **unused)
     }
 }
 
-/* A ball has fallen 0.1 m and contacts have stopped it: of the energy that they took they may give back 0.04, and not 0.06,
-   though the balance closes; where an obstacle is driven they may. */
+/* A ball has fallen 1 m and contacts have stopped it: of the energy that they took they may give back 0.05, and as much as lifts it by
+   its radius of 0.04 m, though the balance closes; where an obstacle is driven they may give all. */
 static void contacts_gain_no_energy(void **unused)
 {
     (void)unused;
@@ -540,9 +540,9 @@ static void contacts_gain_no_energy(void **unused)
         if (driven) hybrid.obstacles.items[0].motion = SHV_OBSTACLE_SCRIPTED;
         look(&hybrid);
         ShvFragment *ball = &hybrid.fragments.items[0];
-        const double height = 0.1, energy = ball->mass * 9.81 * height;
+        const double height = 1.0, energy = ball->mass * 9.81 * height;
         ball->position.z -= height;
-        const double left[] = {1.0, 0.0, 0.04, 0.06};
+        const double left[] = {1.0, 0.0, 0.085, 0.095};
         for (int i = 0; i < 4; i++) {
             ball->velocity = shv_vec3(0.0, 0.0, sqrt(2.0 * 9.81 * height * left[i]));
             hybrid.ledger.booked[SHV_WORK_CONTACT] = (left[i] - 1.0) * energy;
