@@ -277,11 +277,12 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
     return 1e-12 * (size + fabs(hybrid->start_energy));
 }
 
-/* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven; a
-   balance cannot tell, since all that they do is booked. */
+/* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven or overlaps are
+   the scene's; a balance cannot tell, since all that they do is booked. */
 static double contact_gain(const ShvHybrid *hybrid)
 {
     const ShvLedgerView *b = &hybrid->balance;
+    if (hybrid->scene->overlaps == SHV_OVERLAPS_KEEP) return 0.0;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
     return b->contact + b->friction + b->closure - hybrid->least_contact_work;
