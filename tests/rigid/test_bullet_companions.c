@@ -151,20 +151,26 @@ static void test_neither_floor_nor_companions(void **unused)
     world_end(&world);
 }
 
+/* A brick, a little off the middle, on a box on the floor. */
+static void brick_on_box(World *world, double width)
+{
+    world_begin(world);
+    world_box(world, 0.1, 0.1, 0.1, 0.05)->placement.position[2] = 0.05;
+    ShvObjectDefinition *brick = world_box(world, width, width, 0.1, 0.1);
+    brick->placement.position[0] = 0.01;
+    brick->placement.position[2] = 0.15;
+    world_floor(world, 0.5, 0.0);
+    world_build(world);
+    bullet_fly(world);
+}
+
 /* A brick on a box on the floor: the box becomes a companion, the floor holds it (here: the caller leaves it as it is). */
 static void test_brick_on_companion(void **unused)
 {
     (void)unused;
     for (int large = 0; large < 2; large++) {
         World world;
-        world_begin(&world);
-        world_box(&world, 0.1, 0.1, 0.1, 0.05)->placement.position[2] = 0.05;
-        ShvObjectDefinition *brick = world_box(&world, large ? 0.4 : 0.06, large ? 0.4 : 0.06, 0.1, 0.1);
-        brick->placement.position[0] = 0.01;
-        brick->placement.position[2] = 0.15;
-        world_floor(&world, 0.5, 0.0);
-        world_build(&world);
-        bullet_fly(&world);
+        brick_on_box(&world, large ? 0.4 : 0.06);
         for (int i = 0; i < 200; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
         ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
         const double weight = 9.81 * flying->mass;
@@ -196,14 +202,7 @@ static void test_untaken_goes_back(void **unused)
 {
     (void)unused;
     World world;
-    world_begin(&world);
-    world_box(&world, 0.1, 0.1, 0.1, 0.05)->placement.position[2] = 0.05;
-    ShvObjectDefinition *brick = world_box(&world, 0.06, 0.06, 0.1, 0.1);
-    brick->placement.position[0] = 0.01;
-    brick->placement.position[2] = 0.15;
-    world_floor(&world, 0.5, 0.0);
-    world_build(&world);
-    bullet_fly(&world);
+    brick_on_box(&world, 0.06);
     for (int i = 0; i < 50; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
     ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
     companion->companion = true;
