@@ -150,6 +150,12 @@ typedef struct ShvHybrid {
     void *stop_data;
 } ShvHybrid;
 
+/* The last step taken over the stable one of what is awake; 0 before anything was. */
+static inline double shv_hybrid_courant(const ShvHybrid *hybrid)
+{
+    return hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
+}
+
 /* Builds everything the scene needs and nothing else. `hybrid` must not move afterwards. On failure it owns nothing. */
 ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
                             ShvError *error);

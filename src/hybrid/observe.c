@@ -303,13 +303,13 @@ static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, 
 {
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
-    const double courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
     return shv_fail(
         error, SHV_DIVERGED,
         "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
         "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
         "fracture.safety, a finer mesh or a milder impact, or raise the bound",
-        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, courant, (int)inverted, (int)first);
+        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), (int)inverted,
+        (int)first);
 }
 
 /* `largest`: the largest energy before, J, which nothing that has been gained since is part of. */
@@ -324,7 +324,7 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError
             "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
             "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
             (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid),
-            hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0);
+            shv_hybrid_courant(hybrid));
     if (fabs(b->residual) > bound) return off_by(hybrid, "the energy balance is off", b->residual, bound, error);
     /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
     const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;

@@ -71,8 +71,7 @@ static void bound_work(const ShvBullet *bullet, ShvVec3 impulse, ShvVec3 relativ
 static void pass(const ShvBullet *bullet, const ShvBulletContact *contact, ShvBulletFlyer *a, ShvBulletFlyer *b)
 {
     if (a->fragment < 0 || b->fragment < 0) return;
-    const ShvVec3 impulse =
-        shv_madd(shv_load3(contact->friction_impulse), contact->normal_impulse, shv_load3(contact->normal));
+    const ShvVec3 impulse = shv_bullet_impulse(contact);
     const ShvVec3 opposite = shv_scale(impulse, -1.0);
     const ShvVec3 arm_a = shv_load3(contact->arm_first), arm_b = shv_load3(contact->arm_second);
     const ShvVec3 relative = shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin);
@@ -121,8 +120,7 @@ static void add_untaken(ShvBullet *bullet, const ShvBulletMeeting *meeting)
     ShvBulletFlyer *giver = &bullet->flyers[place];
     for (int32_t k = 0; k < meeting->contact_count; k++) {
         const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-        const ShvVec3 impulse =
-            shv_madd(shv_load3(contact->friction_impulse), contact->normal_impulse, shv_load3(contact->normal));
+        const ShvVec3 impulse = shv_bullet_impulse(contact);
         const ShvVec3 back = shv_scale(impulse, first ? share : -share);
         const ShvVec3 arm = shv_load3(first ? contact->arm_second : contact->arm_first);
         giver->returned = shv_add(giver->returned, back);

@@ -50,8 +50,7 @@ static void find_holds(ShvBullet *bullet)
         double sum = 0.0;
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            const ShvVec3 impulse =
-                shv_madd(shv_load3(contact->friction_impulse), contact->normal_impulse, shv_load3(contact->normal));
+            const ShvVec3 impulse = shv_bullet_impulse(contact);
             sum += shv_norm(impulse);
         }
         ShvBulletFlyer *pair[2] = {&bullet->flyers[meeting->a], &bullet->flyers[meeting->b]};

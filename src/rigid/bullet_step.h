@@ -75,6 +75,11 @@ static inline int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
     return number < bullet->place_count ? bullet->places[number] - 1 : -1;
 }
 
+/* What a contact gives its first body, N s; the second gets the opposite. */
+static inline ShvVec3 shv_bullet_impulse(const ShvBulletContact *contact)
+{
+    return shv_madd(shv_load3(contact->friction_impulse), contact->normal_impulse, shv_load3(contact->normal));
+}
 /* Velocity of the first against the second at a contact, for velocities and spins of the two. */
 ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
                             ShvVec3 spin_b);

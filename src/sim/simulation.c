@@ -192,7 +192,7 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
         .ledger = hybrid->balance,
         .steps = hybrid->state.step,
         .step = hybrid->step,
-        .courant = hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0,
+        .courant = shv_hybrid_courant(hybrid),
         .costs = simulation->views.costs,
         .cost_count = SHV_COST_COUNT,
         .bytes = simulation->views.bytes,
