@@ -285,6 +285,12 @@ typedef enum ShvActivation {
     SHV_ACTIVATION_STRENGTH  /* the law starts at the strength (plain extrinsic law, jumps) */
 } ShvActivation;
 
+/* What joins tets to a fragment. */
+typedef enum ShvConnectivity {
+    SHV_CONNECTIVITY_BONDS, /* intact facets, and cohesive ones of whose normal strength more than a hundredth is left */
+    SHV_CONNECTIVITY_NODES  /* shared nodes: a crack cuts as soon as it is inserted, whatever it still carries */
+} ShvConnectivity;
+
 typedef enum ShvDeformation {
     SHV_DEFORMATION_DROP, /* a fragment that leaves fracture mode is as it was made; strain energy is dropped, and booked */
     SHV_DEFORMATION_KEEP /* it wakes as deformed as it came to rest: strain and open cracks go on where they were */
@@ -303,6 +309,7 @@ typedef struct ShvFractureDefinition {
     double
         regularisation; /* ε of PPR: slip below ε × final slip meets only part of the shear traction, whose direction it
                                  fixes; costs 2ε/3 of the work of separation in pure opening; 0.005 */
+    ShvConnectivity connectivity;
     int32_t quiet_checks;       /* checks without insertion that end fracture mode when no contact is closing; 20 */
     double longest;             /* s: a fragment leaves fracture mode this long after its last insertion; 0: automatic,
                                  20 transits of the slowest bending wave */

@@ -10,7 +10,7 @@ extern "C" {
 
 /* 2, optional: /probes (name, time, samples), which files have whose scene has probes.
    2: /events tell mass, reason, scales, cohesive and dropped energies and hulls of every mode switch. */
-#define SHV_RUN_FILE_FORMAT 2
+#define SHV_RUN_FILE_FORMAT 3
 
 typedef struct ShvRecord ShvRecord;
 
@@ -61,7 +61,8 @@ typedef struct ShvProgressView {
     int64_t steps;          /* of fracture mode so far */
     double step, courant;   /* s: last step of fracture mode; its ratio to the stable step */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */
-    int32_t alive, inserted, opened;
+    int32_t alive, inserted, failed;
+    int32_t pieces[3]; /* as in ShvFrameView */
 } ShvProgressView;
 
 /* Opens for reading; a file that is being written (its writer holds a lock), truncated or not of this kind is refused with a
@@ -103,6 +104,8 @@ ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t
 /* Reference mesh; element_fragment: which fragment owned the tet at the last frame. Any pointer may be NULL. */
 ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
                             int32_t *element_fragment, ShvError *error);
+/* Of a frame with `nodes`: whether each tet is held across each of its facets (4 per element, as of shv_simulation_bonds). */
+ShvStatus shv_run_file_bonds(ShvRunFile *file, int64_t frame, uint8_t *bonds, ShvError *error);
 /* Corner positions (12 per element), facet damage (4 per element) and owner of each element at a frame recorded with `nodes`;
    SHV_UNSUPPORTED without. Any pointer may be NULL. */
 ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,

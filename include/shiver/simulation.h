@@ -56,7 +56,7 @@ typedef struct ShvLedgerView {
     double cohesive;          /* by cohesive tractions on the nodes */
     double cohesive_released; /* recoverable energy of cohesive zones that was let go at mode switches */
     double cohesive_defect;
-    double opened_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over opened facets */
+    double failed_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over failed facets */
     double momentum[3], angular_momentum[3];                 /* kg m/s; kg m²/s about the origin */
     double residual, largest; /* largest: the largest single energy so far, the residual's scale */
 } ShvLedgerView;
@@ -154,9 +154,12 @@ typedef struct ShvFrameView {
     const ShvProbeSample *probe_samples; /* probe_row_count × probe_count */
     int64_t probe_row_count;
     ShvLedgerView ledger;
-    int64_t steps;            /* of fracture mode so far */
-    double step, courant;     /* s: last step of fracture mode; its ratio to the stable step */
-    int32_t inserted, opened; /* cohesive facets */
+    int64_t steps;        /* of fracture mode so far */
+    double step, courant; /* s: last step of fracture mode; its ratio to the stable step */
+    /* Three numbers that are not one another: facets made cohesive, those of them that bond no more, and (alive_count) fragments.
+       `pieces`: how many fragments there would be if a facet held down to 1, 10 and 50 % of its normal strength; far apart, they
+       say that it depends on the limit what a fragment is. */
+    int32_t inserted, failed, pieces[3];
     int32_t audited,
         missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */
@@ -239,6 +242,9 @@ void shv_simulation_corner_positions(const ShvSimulation *simulation, double *co
 /* Fragment index of every element, and damage 0…1 of every interior facet of it (4 per element: opposite corner 0…3; 0 on
    the boundary); either pointer may be NULL. */
 void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage);
+/* Whether a tet is held across each of its facets (4 per element, likewise): 1 where the facet is intact or bonds, 0 where its
+   bond has failed and on the boundary. */
+void shv_simulation_bonds(const ShvSimulation *simulation, uint8_t *bonds);
 /* Where it stands between frames; may be asked from `stop`. */
 typedef struct ShvMomentView {
     double time;

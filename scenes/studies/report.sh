@@ -161,7 +161,7 @@ How to read it. Bars add a stiffness of about ρ (h/Δt)²/2 that belongs to no 
 much of the stiffness is theirs, `bars_taken` and `bars_given` what they did to the energy. An error of fragments or dissipated energy
 near 1 means that a body stayed whole that should have broken, and its low run time is that of a body with few cracks. An error
 far above 1 means that it broke where it should not have. A small error of one measure beside a large one of another is chance. An
-error close to the scatter means that the setting cannot be told from another member of the ensemble. Where `opened_overlap` of
+error close to the scatter means that the setting cannot be told from another member of the ensemble. Where `failed_overlap` of
 explicit runs is as large as its scatter and that of `dissipated` is small, chance decides which facets break, and not how much breaks.
 END
 }

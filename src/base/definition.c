@@ -86,6 +86,7 @@ static ShvFractureDefinition fracture_default(void)
                                    .criterion = SHV_CRITERION_TRACTION,
                                    .activation = SHV_ACTIVATION_TRACTION,
                                    .regularisation = 0.005,
+                                   .connectivity = SHV_CONNECTIVITY_BONDS,
                                    .quiet_checks = 20,
                                    .longest = 0.0,
                                    .energy_bound = 0.05};

@@ -23,7 +23,7 @@
     NUMBER(cohesive)                                                                                                   \
     NUMBER(cohesive_released)                                                                                          \
     NUMBER(cohesive_defect)                                                                                            \
-    NUMBER(opened_area)                                                                                                \
+    NUMBER(failed_area)                                                                                                \
     NUMBER(inserted_area)                                                                                              \
     NUMBER(fracture_energy_area)                                                                                       \
     VECTOR(momentum)                                                                                                   \

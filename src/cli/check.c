@@ -22,6 +22,15 @@ static void warn_mesh(const ShvPreflight *p)
                p->cohesive_zone, p->cohesive_zone / p->mean_edge);
 }
 
+static void warn_bonds(const ShvPreflight *p)
+{
+    if (!p->never_parts) return;
+    printf("  warning: a facet fails only when it is open by %.3g m, more than its edge of %.3g m: its bonds hold for all\n"
+           "           that happens, and nothing comes apart. Give a smaller fracture_energy or a larger cohesive_strength,\n"
+           "           or 'fracture: {connectivity: nodes}', under which a crack cuts as soon as it is inserted\n",
+           p->final_opening, p->mean_edge);
+}
+
 static void warn_step(const ShvPreflight *p)
 {
     if (!p->breakable) return;
@@ -61,6 +70,7 @@ static void print_object(const ShvPreflight *p)
                p->overshoot_each_step);
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
+    warn_bonds(p);
     warn_step(p);
 }
 

@@ -51,6 +51,8 @@ int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
 /* Warns on stderr of what overlaps at the start in a scene that keeps it, with what the run does about it. */
 ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error);
 /* One line on the strength and energy of a breakable material in effect, and whether its mesh resolves the cohesive zone. */
+/* How many pieces there are under other limits for what still bonds (ShvFrameView). */
+void shv_cli_print_pieces(const int32_t pieces[3]);
 void shv_cli_print_cohesion(const ShvMaterialView *material);
 /* The same as JSON members, without braces. */
 void shv_cli_print_cohesion_json(const ShvMaterialView *material);

@@ -49,7 +49,15 @@ static ShvMaterialList materials_of(const ShvRunFile *file)
     return (ShvMaterialList){file, shv_run_file_material_count(file), material_of};
 }
 
-static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger)
+static void print_progress(const ShvProgressView *progress)
+{
+    printf("  last frame: %d fragments, %d facets inserted, %d failed\n", (int)progress->alive, (int)progress->inserted,
+           (int)progress->failed);
+    if (progress->inserted > 0) shv_cli_print_pieces(progress->pieces);
+}
+
+static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger,
+                       const ShvProgressView *progress)
 {
     printf("{\"scene\": ");
     shv_cli_print_json_text(info->scene_name);
@@ -74,6 +82,9 @@ static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const
     shv_cli_print_json_number(ledger->residual);
     printf(", \"largest_energy\": ");
     shv_cli_print_json_number(ledger->largest);
+    printf(", \"alive\": %d, \"inserted\": %d, \"failed\": %d, \"pieces_at_1_10_50_percent\": [%d, %d, %d]",
+           (int)progress->alive, (int)progress->inserted, (int)progress->failed, (int)progress->pieces[0],
+           (int)progress->pieces[1], (int)progress->pieces[2]);
     shv_cli_print_materials_json(materials_of(file));
     printf("}\n");
 }
@@ -86,17 +97,20 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         return SHV_OK;
     }
     ShvLedgerView ledger = {.residual = (double)NAN, .largest = (double)NAN};
+    ShvProgressView progress = {0};
     if (info->frame_count > 0) {
-        const ShvStatus status = shv_run_file_ledger(file, info->frame_count - 1, &ledger, error);
+        ShvStatus status = shv_run_file_ledger(file, info->frame_count - 1, &ledger, error);
+        if (status == SHV_OK) status = shv_run_file_progress(file, info->frame_count - 1, &progress, error);
         if (status != SHV_OK) return status;
     }
     if (arguments->values[JSON]) {
-        print_json(file, info, &ledger);
+        print_json(file, info, &ledger, &progress);
         return SHV_OK;
     }
     print_head(file);
     shv_cli_print_materials(materials_of(file));
     if (info->frame_count > 0) print_ledger(&ledger);
+    if (info->frame_count > 0) print_progress(&progress);
     if (!arguments->values[FRAGMENTS]) return SHV_OK;
     ShvFragmentView *fragments = calloc((size_t)info->fragment_count + 1, sizeof *fragments);
     if (!fragments) return shv_fail(error, SHV_NO_MEMORY, "out of memory for %d fragments", (int)info->fragment_count);

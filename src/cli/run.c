@@ -98,9 +98,10 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            frame->time, wall, path);
-    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d opened, %.4g m² opened\n",
-           (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->opened,
-           ledger->opened_area);
+    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d failed, %.4g m² failed\n",
+           (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->failed,
+           ledger->failed_area);
+    if (frame->inserted > 0) shv_cli_print_pieces(frame->pieces);
     printf("  %lld steps of fracture mode, last of %.3g s, Courant number %.3g\n", (long long)frame->steps, frame->step,
            frame->courant);
     if (frame->cohesive_share > 0.0)
@@ -118,7 +119,7 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
         printf("  bars did %.1f %% of the work that bars and elastic forces did together; largest edge strain %.3g\n",
                100.0 * frame->bar_work_share, frame->edge_strain);
     if (frame->inserted > 0)
-        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; opened area × G: "
+        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; failed area × G: "
                "%.4g J\n",
                -ledger->cohesive,
                ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
@@ -203,7 +204,7 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"courant", history->courant},
                    {"cohesive_share", frame->cohesive_share},
                    {"worst_overshoot", frame->worst_overshoot},
-                   {"opened_area", ledger->opened_area},
+                   {"failed_area", ledger->failed_area},
                    {"inserted_area", ledger->inserted_area},
                    {"kinetic", ledger->kinetic},
                    {"strain", ledger->strain},
@@ -228,13 +229,15 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"crack_angle", crack_angle(&history->crack)}};
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
-    printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, "
+    printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"failed\": %d, "
+           "\"pieces_at_1_10_50_percent\": [%d, %d, %d], "
            "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d, \"squeezes\": %d",
            status == SHV_OK            ? "finished"
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
-           (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened,
-           (long long)frame->steps, (int)frame->audited, (int)frame->missed, (int)history->squeezes);
+           (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->failed,
+           (int)frame->pieces[0], (int)frame->pieces[1], (int)frame->pieces[2], (long long)frame->steps,
+           (int)frame->audited, (int)frame->missed, (int)history->squeezes);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);

@@ -49,6 +49,12 @@ ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error
     return SHV_OK;
 }
 
+void shv_cli_print_pieces(const int32_t pieces[3])
+{
+    printf("  pieces if a facet bonds down to 1, 10, 50 %% of its strength: %d, %d, %d\n", (int)pieces[0],
+           (int)pieces[1], (int)pieces[2]);
+}
+
 void shv_cli_print_cohesion(const ShvMaterialView *m)
 {
     if (!m->breakable) return;

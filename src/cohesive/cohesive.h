@@ -89,10 +89,13 @@ typedef struct ShvCohesive {
     ShvCohesiveSides *sides;
     double *area; /* m², reference */
     ShvLaw *law;
-    ShvHistory *history;    /* 3 per facet */
-    ShvOpening *opening;    /* 3 per facet: at the last half step */
-    double *peak;           /* 3 per facet: largest traction still to come, Pa */
-    uint8_t *phase;         /* ShvCohesivePhase */
+    ShvHistory *history; /* 3 per facet */
+    ShvOpening *opening; /* 3 per facet: at the last half step */
+    double *peak;        /* 3 per facet: largest traction still to come, Pa */
+    uint8_t *phase;      /* ShvCohesivePhase */
+    uint8_t *bonded;     /* it joins its two tets (bond.c) */
+    int32_t *failed;     /* facets whose bonds failed at the last look, increasing */
+    int32_t failed_count;
     double worst_overshoot; /* largest criterion / strength met at an insertion */
     /* the present step */
     int32_t live_count;       /* not separated: */
@@ -198,13 +201,13 @@ typedef struct ShvCohesiveEnergy {
     double recoverable,
         dissipated; /* J, at the present openings: histories are kept at half steps, and `dissipated` may
                                           fall back by a step's share when an opening turns round */
-    double inserted_area, opened_area; /* m²; opened: damage ≥ 0.99 */
-    double opened_energy;              /* ΣG·A over opened facets, J */
+    double inserted_area, failed_area; /* m²; failed: bonds no more */
+    double failed_energy;              /* ΣG·A over failed facets, J */
     /* s: at which central difference with the law's springs as forces would be stable, were it not for the pull: 2/ω with
        ω² ≤ max 2 Σ k A/3 / m over the nodes that active points of the present step share, k secant stiffness; infinite
        without any */
     double spring_step;
-    int32_t inserted, opened;
+    int32_t inserted, failed;
 } ShvCohesiveEnergy;
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state);
 /* Recoverable energy of all facets of a fragment, those to others included, J: what is lost when it becomes rigid. */
@@ -212,6 +215,40 @@ double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *
 /* A fragment is about to become rigid: histories of its facets move to the present openings, and those to other fragments let
    go for good, since nothing could hold a flying fragment to them. */
 void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t fragment);
+
+/* ---- bonds (bond.c) ----
+   A facet joins its two tets as long as it is intact, or the normal strength that is left at any of its points exceeds a
+   hundredth of that at the start: what is left in shear acts as a traction, and holds nothing together. A corner whose nodes
+   are not split has lost nothing. A facet with a corner that is open beyond ten final openings and a twentieth of its edge is
+   torn whole, so that nothing hangs on one corner; what its other points had stored is released. */
+
+/* Share of the initial normal strength below which a point joins nothing. What is left of the energy there is 1e-4 of G for a
+   linear law. */
+#define SHV_BOND_SHARE 0.01
+
+/* Facets of the list of live ones between awake fragments (per fragment index, NULL: all) that have lost their bond since the
+   last look go to cohesive->failed; once a step, after shv_cohesive_begin. */
+void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger);
+/* Whether some bond inside these elements fails by the present moment, half a step after the last look. */
+bool shv_cohesive_is_failing(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements,
+                             int32_t count);
+/* Largest residual normal strength of a cohesive facet's points as a share of that at the start, 0…1; 0 once torn. */
+double shv_cohesive_residual(const ShvCohesive *cohesive, int32_t cohesive_facet);
+/* What the cohesive facets of a fragment have dissipated so far, J; those to others count half. */
+double shv_cohesive_dissipated(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
+/* Widest opening of the cohesive facets inside a fragment, in edges of the facet (of an equilateral triangle of its area). */
+double shv_cohesive_widest(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements, int32_t count);
+/* Whether the two tets of a facet of the adjacency are joined across it. */
+static inline bool shv_cohesive_joins(const ShvCohesive *cohesive, int32_t facet)
+{
+    if (facet >= cohesive->model->adjacency.interior_count) return false;
+    const int32_t index = cohesive->facet_cohesive[facet];
+    return index < 0 || cohesive->bonded[index];
+}
+
+/* History and opening of a point at the present moment, reached from the last half step. */
+ShvHistory shv_cohesive_present(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet, int corner,
+                                ShvOpening *now);
 /* Mean damage of its three points. */
 double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_facet);
 

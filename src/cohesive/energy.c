@@ -7,15 +7,23 @@ typedef struct PointEnergy {
     double recoverable, dissipated; /* J/m² */
 } PointEnergy;
 
-/* At the present opening, reached from the last half step. */
-static PointEnergy point_energy(const ShvCohesive *cohesive, const ShvState *state, const ShvCohesiveFrame *frame,
-                                int32_t index, int corner)
+ShvHistory shv_cohesive_present(const ShvCohesive *cohesive, const ShvState *state, int32_t index, int corner,
+                                ShvOpening *now)
 {
     const int64_t k = 3 * (int64_t)index + corner;
+    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
+    const ShvVec3 opening = shv_cohesive_opening(state, frame.first[corner], frame.second[corner]);
+    const ShvOpening before = cohesive->opening[k];
+    *now = shv_cohesive_components(opening, frame.normal);
+    return shv_law_advance(&cohesive->law[index], cohesive->history[k], before, *now);
+}
+
+/* At the present opening. */
+static PointEnergy point_energy(const ShvCohesive *cohesive, const ShvState *state, int32_t index, int corner)
+{
+    ShvOpening now;
     const ShvLaw *law = &cohesive->law[index];
-    const ShvVec3 opening = shv_cohesive_opening(state, frame->first[corner], frame->second[corner]);
-    const ShvOpening now = shv_cohesive_components(opening, frame->normal);
-    const ShvHistory history = shv_law_advance(law, cohesive->history[k], cohesive->opening[k], now);
+    const ShvHistory history = shv_cohesive_present(cohesive, state, index, corner, &now);
     return (PointEnergy){shv_law_recoverable(law, history, now.normal, now.shear), history.dissipated};
 }
 
@@ -28,9 +36,8 @@ static PointEnergy facet_energy(const ShvCohesive *cohesive, const ShvState *sta
             sum.dissipated += weight * cohesive->history[k].dissipated;
         return sum;
     }
-    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
     for (int corner = 0; corner < 3; corner++) {
-        const PointEnergy point = point_energy(cohesive, state, &frame, index, corner);
+        const PointEnergy point = point_energy(cohesive, state, index, corner);
         sum.recoverable += weight * point.recoverable;
         sum.dissipated += weight * point.dissipated;
     }
@@ -88,10 +95,10 @@ ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvStat
         energy.recoverable += facet.recoverable;
         energy.dissipated += facet.dissipated;
         energy.inserted_area += cohesive->area[i];
-        if (shv_cohesive_facet_damage(cohesive, i) < 0.99) continue;
-        energy.opened++;
-        energy.opened_area += cohesive->area[i];
-        energy.opened_energy += cohesive->area[i] * cohesive->law[i].energy[SHV_NORMAL];
+        if (cohesive->bonded[i]) continue;
+        energy.failed++;
+        energy.failed_area += cohesive->area[i];
+        energy.failed_energy += cohesive->area[i] * cohesive->law[i].energy[SHV_NORMAL];
     }
     return energy;
 }
@@ -115,13 +122,9 @@ double shv_cohesive_recoverable_of(const ShvCohesive *cohesive, const ShvState *
 /* Moves the histories of a facet to the present openings, as if the last step had ended here. */
 static void settle_facet(ShvCohesive *cohesive, const ShvState *state, int32_t index)
 {
-    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
     for (int corner = 0; corner < 3; corner++) {
         const int64_t k = 3 * (int64_t)index + corner;
-        const ShvVec3 opening = shv_cohesive_opening(state, frame.first[corner], frame.second[corner]);
-        const ShvOpening now = shv_cohesive_components(opening, frame.normal);
-        cohesive->history[k] = shv_law_advance(&cohesive->law[index], cohesive->history[k], cohesive->opening[k], now);
-        cohesive->opening[k] = now;
+        cohesive->history[k] = shv_cohesive_present(cohesive, state, index, corner, &cohesive->opening[k]);
     }
 }
 

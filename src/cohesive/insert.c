@@ -109,6 +109,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
+    cohesive->bonded[index] = true;
     cohesive->live[cohesive->live_count++] = index;
 }
 

@@ -161,6 +161,17 @@ ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening fro
     return advance_shear(law, opened, end, from.shear, to.shear);
 }
 
+double shv_law_residual(const ShvLaw *law, ShvHistory history)
+{
+    const double strength = law->strength[SHV_NORMAL];
+    return strength > 0.0 ? shv_law_normal_branch(law, history, 0.0).peak / strength : 0.0;
+}
+
+ShvHistory shv_law_tear(const ShvLaw *law, ShvHistory history)
+{
+    return shv_law_grow(law, history, law->final_opening[SHV_NORMAL], law->final_opening[SHV_SHEAR]);
+}
+
 double shv_law_damage(const ShvLaw *law, ShvHistory history)
 {
     return law->kind == SHV_CAMACHO_ORTIZ ? shv_camacho_ortiz_damage(law, history) : shv_ppr_damage(law, history);

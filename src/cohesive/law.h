@@ -92,6 +92,11 @@ ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, do
 ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
 /* Energy per area that comes back by unloading from an opening, J/m². */
 double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear);
+/* Share of the normal strength that is left at zero slip, 0…1: what still joins the two sides. Unlike damage it falls with the
+   largest slip at any ratio of the energies; 0 for a law without strength or energy. */
+double shv_law_residual(const ShvLaw *law, ShvHistory history);
+/* History of a point that can carry nothing any more, whatever it was; nothing is dissipated. */
+ShvHistory shv_law_tear(const ShvLaw *law, ShvHistory history);
 /* Share of the work of separation that is gone for good, 0…1; exactly 1 when no traction is left. */
 double shv_law_damage(const ShvLaw *law, ShvHistory history);
 

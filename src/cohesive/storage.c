@@ -13,6 +13,8 @@
     X(ShvOpening, opening, 3)                                                                                          \
     X(double, peak, 3)                                                                                                 \
     X(uint8_t, phase, 1)                                                                                               \
+    X(uint8_t, bonded, 1)                                                                                              \
+    X(int32_t, failed, 1)                                                                                              \
     X(int32_t, live, 1)                                                                                                \
     X(ShvCohesivePoint, points, 3)                                                                                     \
     X(ShvFacetTurn, turns, 1)                                                                                          \

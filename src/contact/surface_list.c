@@ -238,7 +238,7 @@ static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 {
     const uint8_t phase = bodies->cohesive->phase[crack->index];
     if (phase == SHV_COHESIVE_SEPARATED) return add_sides(list, bodies, crack->index, error);
-    if (phase == SHV_COHESIVE_CARRYING || crack->open) return SHV_OK;
+    if ((phase == SHV_COHESIVE_CARRYING && bodies->cohesive->bonded[crack->index]) || crack->open) return SHV_OK;
     SHV_TRY(open_crack(list, bodies, crack->index, error));
     crack->open = true;
     return SHV_OK;

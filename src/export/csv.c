@@ -103,7 +103,7 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
         stream,
         "frame,time [s],kinetic [J],strain [J],gravity_potential [J],cohesive_recoverable [J],fracture_dissipation [J],"
         "contact [J],friction [J],closure [J],constraint [J],traction [J],bars [J],damping [J],handover [J],event [J],"
-        "cohesive [J],cohesive_released [J],cohesive_defect [J],opened_area [m2],inserted_area "
+        "cohesive [J],cohesive_released [J],cohesive_defect [J],failed_area [m2],inserted_area "
         "[m2],fracture_energy_area [J],momentum.x [kg m/s],"
         "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
         "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
@@ -129,7 +129,7 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
                                  row.cohesive,
                                  row.cohesive_released,
                                  row.cohesive_defect,
-                                 row.opened_area,
+                                 row.failed_area,
                                  row.inserted_area,
                                  row.fracture_energy_area};
         shv_print(stream, "%lld", (long long)frame);

@@ -75,32 +75,49 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
 }
 
 /* Components of one awake fragment; its children carry on with its record. */
-static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, int32_t first_copy, ShvError *error)
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvParting *parting, ShvError *error)
 {
     int32_t parts = 0;
-    const int32_t first_child = hybrid->fragments.count;
-    SHV_TRY(
-        shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, first_copy, &parts, error));
+    SHV_TRY(shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, parting, &parts, error));
     if (parts < 2) return SHV_OK;
-    for (int32_t i = first_child; i < hybrid->fragments.count; i++) {
-        ShvFragment *child = &hybrid->fragments.items[i];
-        child->strength = shv_cohesive_weakest(&hybrid->cohesive, hybrid->fragments.elements + child->element_begin,
-                                               child->element_count);
-    }
     const ShvEventView event = {
         .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
     return shv_hybrid_log(hybrid, &event, error);
 }
 
-/* What has come apart is labelled at once, so that the present count of fragments does not depend on who looks when: only
-   fragments in which facets have just been inserted. Their nodes, copies included, are listed anew. */
-static ShvStatus relabel(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
+/* What has come apart is labelled at once, so that the present count of fragments does not depend on who looks when. Nodes of
+   fragments in which facets have just been inserted, copies included, are listed anew. */
+static ShvStatus relabel_cracked(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
 {
     const int32_t count = hybrid->fragments.count;
+    const ShvParting parting = {.first_copy = first_copy};
     for (int32_t i = 0; i < count; i++)
         if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion == hybrid->state.time)
-            SHV_TRY(relabel_fragment(hybrid, i, first_copy, error));
+            SHV_TRY(relabel_fragment(hybrid, i, &parting, error));
     return shv_awake_follow(hybrid, error);
+}
+
+ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
+{
+    if (!hybrid->fragments.bonds) return SHV_OK;
+    const double start = shv_now();
+    ShvCohesive *cohesive = &hybrid->cohesive;
+    shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->ledger);
+    const int32_t before = hybrid->fragments.count;
+    const ShvParting parting = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
+    for (int32_t i = 0; i < cohesive->failed_count; i++) {
+        const int32_t *elements = cohesive->sides[cohesive->failed[i]].elements;
+        const int32_t *fragment = hybrid->state.element_fragment;
+        /* one search a fragment: those after it find its parts apart already, or whole */
+        if (fragment[elements[0]] != fragment[elements[1]]) continue;
+        if (fragment[elements[0]] >= before) continue;
+        ShvFragment *whole = &hybrid->fragments.items[fragment[elements[0]]];
+        if (whole->searched == hybrid->state.step + 1) continue;
+        whole->searched = hybrid->state.step + 1;
+        SHV_TRY(relabel_fragment(hybrid, fragment[elements[0]], &parting, error));
+    }
+    shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
+    return hybrid->fragments.count > before ? shv_awake_follow(hybrid, error) : SHV_OK;
 }
 
 /* Internal forces of split nodes are shared among their copies. */
@@ -130,7 +147,7 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
     SHV_TRY(note_insertions(hybrid, count, error));
     const int32_t first_copy = hybrid->state.node_count - duplicated;
     if (duplicated > 0 && hybrid->forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
-    if (duplicated > 0) SHV_TRY(relabel(hybrid, first_copy, error));
+    if (duplicated > 0) SHV_TRY(relabel_cracked(hybrid, first_copy, error));
     shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     return SHV_OK;
 }

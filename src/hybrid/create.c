@@ -88,6 +88,8 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(shv_node_contact_create(&hybrid->contact, hybrid->memory, &hybrid->obstacles, error));
     SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
+    if (hybrid->model.can_break && scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS)
+        hybrid->fragments.bonds = &hybrid->cohesive;
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
     if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
     SHV_TRY(create_backend(hybrid, &world, error));

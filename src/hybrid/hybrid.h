@@ -197,6 +197,11 @@ void shv_audit_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, doubl
 double shv_audit_strain(const ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_audit_cohesive(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *error);
+/* waking_contact.c: a fragment wakes by a contact; the touches of a step; whether that contact has carried its impulse, or has
+   been open for a transit of the bar wave, s. */
+void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
+void shv_waking_contact_follow(ShvHybrid *hybrid);
+bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
 /* rest.c; and between which moments an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
    it). */
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
@@ -253,6 +258,8 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
 double shv_hybrid_edge_strain(const ShvHybrid *hybrid);
 /* check.c: stress, criterion, insertion, when due; what has come apart is labelled at once. */
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
+/* Fragments come apart where their last bonds have failed; once a step, when its forces have been found. */
+ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error);
 /* The clock of a body that has just woken. */
 void shv_check_clock_start(ShvCheckClock *clock);
 /* time_line.c: scene events that are due. */

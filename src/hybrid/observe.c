@@ -220,8 +220,8 @@ static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
     balance->cohesive_recoverable = energy.recoverable;
     balance->fracture_dissipation = energy.dissipated;
     balance->inserted_area = energy.inserted_area;
-    balance->opened_area = energy.opened_area;
-    balance->fracture_energy_area = energy.opened_energy;
+    balance->failed_area = energy.failed_area;
+    balance->fracture_energy_area = energy.failed_energy;
 }
 
 static double given_work(const ShvLedgerView *b)

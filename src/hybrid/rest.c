@@ -5,6 +5,14 @@
 
 #include <string.h>
 
+#include "rigid/residual_strength.h"
+
+/* Damage that grows is activity when it takes more than this share of the energy with which the body woke in two transits of the
+   bar wave. */
+static const double growth_share = 1e-3;
+/* Cracks open wider than this share of an edge are not closed again by going to rest. */
+static const double widest_closed = 0.01;
+
 /* How long vibration needs: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate
    of the shortest extent (half the period of its free fundamental, f = 1.03 c₀ h/L²). */
 static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
@@ -17,9 +25,38 @@ static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, 
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
-/* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave,
-   and what a rigid body cannot carry (which bounds its stress) is small against the energy it woke with; or when the
-   longest window is over. */
+/* Whether damage has grown little since it was looked at last, two transits of the bar wave ago or earlier. */
+static bool damage_rests(const ShvHybrid *hybrid, const ShvFragment *fragment, double bar)
+{
+    if (!fragment->cracked || !hybrid->fragments.bonds) return true;
+    if (!(hybrid->state.time - fragment->growth_time >= 2.0 * bar)) return false;
+    const double sum = shv_cohesive_dissipated(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
+                                               fragment->element_count);
+    return sum - fragment->growth_sum <= growth_share * fragment->wake_energy * fragment->mass;
+}
+
+/* Looks at the damage of fragments in which something has been inserted since the last look, or which were kept from rest by
+   damage that grew: from now on they are to be quiet. */
+static void look_at_damage(ShvHybrid *hybrid)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->fragments.bonds; i++) {
+        ShvFragment *fragment = &hybrid->fragments.items[i];
+        double bar, bending;
+        if (fragment->mode != SHV_MODE_FRACTURE || !fragment->cracked) continue;
+        transit_times(hybrid, fragment, &bar, &bending);
+        const bool old = hybrid->state.time - fragment->growth_time >= 2.0 * bar;
+        if (fragment->last_insertion <= fragment->growth_time && (!old || damage_rests(hybrid, fragment, bar)))
+            continue;
+        if (fragment->last_insertion > hybrid->state.time) continue;
+        fragment->growth_time = hybrid->state.time;
+        fragment->growth_sum = shv_cohesive_dissipated(
+            &hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
+    }
+}
+
+/* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave, no
+   damage grows, the contact that woke it is over, and what a rigid body cannot carry (which bounds its stress) is small
+   against the energy it woke with; or when the longest window is over. */
 static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment *fragment, double carried)
 {
     double bar, bending;
@@ -31,8 +68,9 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
+    if (age < 2.0 * bar || !shv_waking_contact_is_over(hybrid, fragment, bar)) return SHV_REASON_NONE;
     const bool little = carried <= 0.05 * fragment->wake_energy * fragment->mass;
-    return age >= 2.0 * bar && little ? SHV_REASON_QUIET : SHV_REASON_NONE;
+    return little && damage_rests(hybrid, fragment, bar) ? SHV_REASON_QUIET : SHV_REASON_NONE;
 }
 
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
@@ -93,8 +131,13 @@ static Taker taker_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
     const bool dust = is_dust(hybrid, fragment);
     if (dust && hybrid->scene->rigid.dust == SHV_DUST_BIN) return TAKER_BIN;
     if (hybrid->backend->keeps_nodes) return TAKER_NODES;
-    const bool keeps = hybrid->scene->fracture.deformation == SHV_DEFORMATION_KEEP && !dust; /* which never wakes */
-    return keeps ? TAKER_KEPT : TAKER_RIGID;
+    if (dust) return TAKER_RIGID; /* which never wakes */
+    if (hybrid->scene->fracture.deformation == SHV_DEFORMATION_KEEP) return TAKER_KEPT;
+    if (!fragment->cracked || !hybrid->fragments.bonds) return TAKER_RIGID;
+    const double widest =
+        shv_cohesive_widest(&hybrid->cohesive, &hybrid->state, hybrid->fragments.elements + fragment->element_begin,
+                            fragment->element_count);
+    return widest > widest_closed ? TAKER_KEPT : TAKER_RIGID;
 }
 
 static void keep_velocities(ShvHybrid *hybrid, const ShvFragment *fragment)
@@ -125,8 +168,12 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
         shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
     if (taker != TAKER_KEPT) shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, NULL);
     fragment->mode = SHV_MODE_FLIGHT;
-    fragment->borne = fmax(fragment->borne, fragment->load);
-    fragment->borne_impact = fmax(fragment->borne_impact, fragment->impact);
+    double bar, bending;
+    transit_times(hybrid, fragment, &bar, &bending);
+    if (shv_waking_contact_is_over(hybrid, fragment, bar)) {
+        fragment->borne = fmax(fragment->borne, fragment->load);
+        fragment->borne_impact = fmax(fragment->borne_impact, fragment->impact);
+    }
     fragment->deformed = taker == TAKER_KEPT;
     fragment->strain = event->strain_after;
     fragment->rest_position = fragment->position;
@@ -153,6 +200,14 @@ static void rest_energies(const ShvHybrid *hybrid, const ShvFragment *fragment, 
     event->value = event->kinetic_before + event->strain_before - event->kinetic_after - event->strain_after;
 }
 
+/* It comes apart in the next step, perhaps. */
+static bool loses_a_bond(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return fragment->cracked && hybrid->fragments.bonds &&
+           shv_cohesive_is_failing(&hybrid->cohesive, &hybrid->state,
+                                   hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
+}
+
 static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[index];
@@ -163,10 +218,13 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     const double rigid = taker == TAKER_NODES ? event.kinetic_after : shv_fragment_kinetic(fragment);
     event.reason =
         reason_to_rest(hybrid, fragment, event.kinetic_before - rigid + event.strain_before + event.cohesive_before);
-    if (event.reason == SHV_REASON_NONE) return SHV_OK;
+    if (event.reason == SHV_REASON_NONE || loses_a_bond(hybrid, fragment)) return SHV_OK;
 
     shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
     if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
+    if (hybrid->model.can_break)
+        SHV_TRY(shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index,
+                                               &fragment->strength, error));
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
@@ -179,6 +237,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
 static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
 {
     bool any = false;
+    look_at_damage(hybrid);
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
     if (!any) return SHV_OK;

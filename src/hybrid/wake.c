@@ -215,13 +215,14 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     stand_outside(hybrid, fragment);
     wake_energies(hybrid, fragment, &event);
     fragment->mode = SHV_MODE_FRACTURE;
-    fragment->last_insertion = fmax(hybrid->state.time, contact->expected);
     fragment->quiet = 0;
     fragment->strain = 0.0;
     fragment->deformed = false;
     fragment->wake_energy = event.kinetic_after / fragment->mass;
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);
+    shv_waking_contact_begin(hybrid, fragment, contact);
+    fragment->growth_time = -HUGE_VAL;
     hybrid->awake.stale = true;
     shv_check_clock_start(&hybrid->clock);
     step_back(hybrid, fragment);

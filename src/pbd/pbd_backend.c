@@ -6,6 +6,7 @@ typedef struct Pbd {
     ShvRigidBackend backend; /* first: the interface's pointer is this one's */
     const ShvPbdDefinition *settings;
     ShvBars bars;
+    ShvTies ties;
     ShvRelax relax;
     ShvFlyer **flyers; /* by increasing fragment */
     int32_t count, capacity;
@@ -95,6 +96,7 @@ static ShvStatus refresh(Pbd *pbd, ShvError *error)
     RESERVE(pbd, nodes, node_room, count, error);
     RESERVE(pbd, owner, owner_room, world->state->node_count, error);
     SHV_TRY(shv_bars_update(&pbd->bars, world->state, pbd->flags, error));
+    SHV_TRY(shv_ties_update(&pbd->ties, world->fragments, world->state, pbd->flags, error));
     pbd->node_count = 0;
     for (int32_t i = 0; i < pbd->count; i++) {
         if (!pbd->flyers[i]->moves) continue;
@@ -118,7 +120,8 @@ static ShvRelaxStep step_of(const Pbd *pbd, double step, const double gravity[3]
                           .stiffness = pbd->settings->stiffness,
                           .iterations = pbd->settings->iterations,
                           .rest_speed = 2.0 * step * shv_norm(shv_load3(gravity)),
-                          .synchronous = true};
+                          .synchronous = true,
+                          .ties = &pbd->ties};
 }
 
 static ShvStatus predict_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
@@ -263,6 +266,7 @@ static void destroy(ShvRigidBackend *backend)
     shv_release(pbd->owner);
     shv_relax_release(&pbd->relax);
     shv_bars_release(&pbd->bars);
+    shv_ties_release(&pbd->ties);
     shv_release(pbd);
 }
 

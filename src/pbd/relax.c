@@ -145,6 +145,7 @@ static void sweep(ShvRelax *relax, const ShvBars *bars, const ShvState *state, c
                   const ShvRelaxStep *step)
 {
     shv_bars_sweep_held(bars, step->stiffness, relax->anchors, relax->shifts, step->fixed ? relax->reactions : NULL);
+    if (step->ties) shv_ties_sweep(step->ties, step->stiffness, relax->anchors, relax->shifts);
     if (step->fixed) hold_fixed(relax, state, nodes, count, step);
 }
 

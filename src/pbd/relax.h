@@ -20,6 +20,7 @@
 
 #include "model/ledger.h"
 #include "pbd/bars.h"
+#include "pbd/ties.h"
 #include "shape/obstacle.h"
 
 /* Works of impulses on nodes, J, in halves: with the velocities before the kick, and with those after everything. Bars act on
@@ -68,6 +69,7 @@ typedef struct ShvRelaxStep {
     /* per node, bits 1, 2, 4: components x, y, z whose velocity is imposed, which neither bars nor obstacles change;
        NULL: none */
     const uint8_t *fixed;
+    const ShvTies *ties; /* of bonded facets; NULL: none */
 } ShvRelaxStep;
 
 typedef struct ShvRelax {

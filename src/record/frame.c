@@ -111,11 +111,19 @@ static bool put_cost(ShvRecord *record, const ShvFrameView *frame)
 static bool put_moment(ShvRecord *record, const ShvFrameView *frame)
 {
     const uint8_t mode = frame->fracture, animation = frame->animation;
-    const ShvProgressView progress = {frame->steps,       frame->step,     frame->courant, frame->worst_overshoot,
-                                      frame->alive_count, frame->inserted, frame->opened};
+    const ShvProgressView progress = {
+        frame->steps,       frame->step,     frame->courant, frame->worst_overshoot,
+        frame->alive_count, frame->inserted, frame->failed,  {frame->pieces[0], frame->pieces[1], frame->pieces[2]}};
     return put(record, SHV_SERIES_TIME, 0, &frame->time) && put(record, SHV_SERIES_MODE, 0, &mode) &&
            put(record, SHV_SERIES_ANIMATION, 0, &animation) && put(record, SHV_SERIES_LEDGER, 0, &frame->ledger) &&
            put(record, SHV_SERIES_PROGRESS, 0, &progress);
+}
+
+static bool put_bonds(ShvRecord *record, const ShvSimulation *simulation)
+{
+    uint8_t *bonds = (uint8_t *)record->values;
+    shv_simulation_bonds(simulation, bonds);
+    return put(record, SHV_SERIES_BOND, record->element_count, bonds);
 }
 
 static bool put_nodes(ShvRecord *record, const ShvSimulation *simulation)
@@ -123,7 +131,7 @@ static bool put_nodes(ShvRecord *record, const ShvSimulation *simulation)
     shv_simulation_corner_positions(simulation, record->corners);
     shv_simulation_element_state(simulation, record->element_fragment, record->values);
     return put(record, SHV_SERIES_CORNERS, record->element_count, record->corners) &&
-           put(record, SHV_SERIES_DAMAGE, record->element_count, record->values) &&
+           put(record, SHV_SERIES_DAMAGE, record->element_count, record->values) && put_bonds(record, simulation) &&
            put(record, SHV_SERIES_NODE_FRAGMENT, record->element_count, record->element_fragment);
 }
 

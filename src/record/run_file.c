@@ -434,13 +434,24 @@ ShvStatus shv_run_file_probes(ShvRunFile *file, int64_t begin, int64_t count, do
     return good ? SHV_OK : shv_run_fail_damaged(file, "/probes", error);
 }
 
-ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,
-                               int32_t *element_fragment, ShvError *error)
+static ShvStatus check_nodes(ShvRunFile *file, int64_t frame, ShvError *error)
 {
     if (!file->info.nodes)
         return shv_fail(error, SHV_UNSUPPORTED, "'%s' has no node positions: run the scene with output.nodes",
                         file->path);
-    SHV_TRY(shv_run_check_frame(file, frame, error));
+    return shv_run_check_frame(file, frame, error);
+}
+
+ShvStatus shv_run_file_bonds(ShvRunFile *file, int64_t frame, uint8_t *bonds, ShvError *error)
+{
+    SHV_TRY(check_nodes(file, frame, error));
+    return shv_run_get(file, SHV_SERIES_BOND, frame, file->info.element_count, bonds, error);
+}
+
+ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,
+                               int32_t *element_fragment, ShvError *error)
+{
+    SHV_TRY(check_nodes(file, frame, error));
     const int64_t count = file->info.element_count;
     SHV_TRY(shv_run_get(file, SHV_SERIES_CORNERS, frame, count, corners, error));
     SHV_TRY(shv_run_get(file, SHV_SERIES_DAMAGE, frame, count, damage, error));

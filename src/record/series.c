@@ -50,6 +50,7 @@ static const Kind KINDS[SHV_SERIES_COUNT] = {
     [SHV_SERIES_BYTES] = {"/cost/bytes", "byte", TYPE_LONG, SHV_WIDTH_BYTES, 0, false},
     [SHV_SERIES_BYTES_PEAK] = {"/cost/bytes_peak", "byte", TYPE_LONG, SHV_WIDTH_BYTES, 0, false},
     [SHV_SERIES_CORNERS] = {"/nodes/corners", "m", TYPE_DOUBLE, SHV_WIDTH_ELEMENT, 12, true},
+    [SHV_SERIES_BOND] = {"/nodes/bond", "1: held across the facet", TYPE_BYTE, SHV_WIDTH_ELEMENT, 4, true},
     [SHV_SERIES_DAMAGE] = {"/nodes/damage", "", TYPE_FLOAT, SHV_WIDTH_ELEMENT, 4, true},
     [SHV_SERIES_NODE_FRAGMENT] = {"/nodes/fragment", "", TYPE_INT, SHV_WIDTH_ELEMENT, 0, true},
     [SHV_SERIES_FRAGMENTS] = {"/fragments/list", "SI", TYPE_FRAGMENT, SHV_WIDTH_NONE, 0, false},
@@ -63,7 +64,7 @@ enum { ROWS_A_CHUNK = 64 };
 
 bool shv_series_of_nodes(ShvSeriesName name)
 {
-    return name == SHV_SERIES_CORNERS || name == SHV_SERIES_DAMAGE || name == SHV_SERIES_NODE_FRAGMENT;
+    return name >= SHV_SERIES_CORNERS && name <= SHV_SERIES_NODE_FRAGMENT;
 }
 
 bool shv_series_of_probes(ShvSeriesName name)

@@ -40,8 +40,9 @@ typedef enum ShvSeriesName {
     SHV_SERIES_COST_CALLS,
     SHV_SERIES_BYTES,
     SHV_SERIES_BYTES_PEAK,
-    SHV_SERIES_CORNERS, /* this and the next two only with `nodes` */
+    SHV_SERIES_CORNERS, /* this and the next three only with `nodes` */
     SHV_SERIES_DAMAGE,
+    SHV_SERIES_BOND,
     SHV_SERIES_NODE_FRAGMENT,
     SHV_SERIES_FRAMES,                        /* the number of those above: one entry a frame */
     SHV_SERIES_FRAGMENTS = SHV_SERIES_FRAMES, /* one row a fragment */

@@ -73,7 +73,7 @@ static const Field PROGRESS_FIELDS[] = {
     FIELD(ShvProgressView, steps, 1, FIELD_LONG),     FIELD(ShvProgressView, step, 1, FIELD_DOUBLE),
     FIELD(ShvProgressView, courant, 1, FIELD_DOUBLE), FIELD(ShvProgressView, worst_overshoot, 1, FIELD_DOUBLE),
     FIELD(ShvProgressView, alive, 1, FIELD_INT),      FIELD(ShvProgressView, inserted, 1, FIELD_INT),
-    FIELD(ShvProgressView, opened, 1, FIELD_INT),
+    FIELD(ShvProgressView, failed, 1, FIELD_INT),     FIELD(ShvProgressView, pieces, 3, FIELD_INT),
 };
 
 #define ROW(fields, type)                                                                                              \

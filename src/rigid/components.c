@@ -1,3 +1,4 @@
+#include "rigid/disjoint_sets.h"
 #include "rigid/fragment.h"
 #include "rigid/severed.h"
 
@@ -20,23 +21,6 @@ static void release_parts(Parts *parts)
     shv_release(parts->sorted);
     shv_release(parts->element_counts);
     *parts = (Parts){0};
-}
-
-static int32_t find_root(int32_t *root, int32_t node)
-{
-    while (root[node] != node) {
-        root[node] = root[root[node]];
-        node = root[node];
-    }
-    return node;
-}
-
-static void join(int32_t *root, int32_t a, int32_t b)
-{
-    a = find_root(root, a);
-    b = find_root(root, b);
-    if (a < b) root[b] = a;
-    if (b < a) root[a] = b;
 }
 
 /* Bottom-up merge sort: node lists are nearly sorted, and the C library's sort may allocate. */
@@ -103,22 +87,66 @@ static ShvStatus count_parts(Parts *parts, const ShvFragments *fragments, int32_
     return SHV_OK;
 }
 
-/* Components through shared nodes, numbered by their lowest element. */
+int32_t shv_fragments_bonded_neighbour(const ShvFragments *fragments, int32_t element, int32_t face)
+{
+    const ShvCohesive *cohesive = fragments->bonds;
+    if (!cohesive) return -1;
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    const int64_t facet = adjacency->element_facets[4 * (int64_t)element + face];
+    if (facet >= adjacency->interior_count) return -1;
+    const int32_t index = cohesive->facet_cohesive[facet];
+    if (index < 0 || !cohesive->bonded[index]) return -1;
+    const int32_t *sides = adjacency->facet_elements + 2 * facet;
+    return sides[0] == element ? sides[1] : sides[0];
+}
+
+/* Joins all tets of a fragment through shared nodes and bonds. */
+static void join_all(int32_t *root, const ShvFragments *fragments, const ShvState *state, const int32_t *elements,
+                     int32_t count)
+{
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t first = shv_state_node(state, elements[i], 0);
+        for (int32_t a = 1; a < 4; a++) shv_set_join(root, first, shv_state_node(state, elements[i], a));
+        for (int32_t face = 0; face < 4; face++) {
+            const int32_t other = shv_fragments_bonded_neighbour(fragments, elements[i], face);
+            if (other > elements[i]) shv_set_join(root, first, shv_state_node(state, other, 0));
+        }
+    }
+}
+
+ShvStatus shv_fragments_count_at(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,
+                                 double limit, int32_t *count, ShvError *error)
+{
+    int32_t *root = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)state->element_count, sizeof *root);
+    if (!root) return shv_fail_memory(error, "the pieces of a moment", (size_t)state->element_count * sizeof *root);
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t e = 0; e < state->element_count; e++) root[e] = e;
+    for (int64_t facet = 0; facet < adjacency->interior_count; facet++) {
+        const int32_t index = cohesive->facet_cohesive[facet], *sides = adjacency->facet_elements + 2 * facet;
+        const bool bonds = index < 0 || cohesive->bonded[index];
+        if (bonds && (index < 0 || limit <= SHV_BOND_SHARE || shv_cohesive_residual(cohesive, index) > limit))
+            shv_set_join(root, sides[0], sides[1]);
+    }
+    *count = 0;
+    for (int32_t e = 0; e < state->element_count; e++) *count += root[e] == e;
+    shv_release(root);
+    return SHV_OK;
+}
+
+/* Components, numbered by their lowest element. */
 static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvState *state, const int32_t *elements,
                             int32_t count, ShvError *error)
 {
     SHV_TRY(reserve_parts(parts, fragments, count, 4 * (int64_t)count, error));
     collect_nodes(parts, fragments, state, elements, count);
-    for (int32_t i = 0; i < count; i++)
-        for (int32_t a = 1; a < 4; a++)
-            join(fragments->root, shv_state_node(state, elements[i], 0), shv_state_node(state, elements[i], a));
+    join_all(fragments->root, fragments, state, elements, count);
     for (int32_t i = 0; i < count; i++) {
-        const int32_t root = find_root(fragments->root, shv_state_node(state, elements[i], 0));
+        const int32_t root = shv_set_root(fragments->root, shv_state_node(state, elements[i], 0));
         if (fragments->label[root] == NO_PART) fragments->label[root] = parts->count++;
         parts->element_part[i] = fragments->label[root];
     }
     for (int32_t i = 0; i < parts->node_count; i++)
-        parts->node_part[i] = fragments->label[find_root(fragments->root, parts->nodes[i])];
+        parts->node_part[i] = fragments->label[shv_set_root(fragments->root, parts->nodes[i])];
     return count_parts(parts, fragments, count, error);
 }
 
@@ -398,6 +426,7 @@ static ShvStatus extend(ShvFragments *fragments, const ShvState *state, int32_t 
                         int32_t copies, ShvError *error)
 {
     ShvFragment *fragment = &fragments->items[index];
+    if (copies == 0) return SHV_OK;
     const bool last = fragment->node_begin + fragment->node_count == fragments->node_end;
     SHV_TRY(reserve_nodes(fragments, copies + (last ? 0 : fragment->node_count), error));
     if (fragment->node_begin + fragment->node_count != fragments->node_end) {
@@ -415,16 +444,16 @@ static ShvStatus extend(ShvFragments *fragments, const ShvState *state, int32_t 
 }
 
 ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
-                                 int32_t first_copy, int32_t *parts, ShvError *error)
+                                 const ShvParting *parting, int32_t *parts, ShvError *error)
 {
     ShvSevered severed;
     Parts found = {0};
     *parts = 1;
     SHV_TRY(reserve_scratch(fragments, state, error));
-    SHV_TRY(shv_severed_find(fragments, state, fragment, first_copy, &severed, error));
-    if (severed.count == 0) return extend(fragments, state, fragment, first_copy, severed.copies, error);
+    SHV_TRY(shv_severed_find(fragments, state, fragment, parting, &severed, error));
+    if (severed.count == 0) return extend(fragments, state, fragment, parting->first_copy, severed.copies, error);
     ShvStatus status =
-        find_severed_parts(&found, fragments, state, &fragments->items[fragment], &severed, first_copy, error);
+        find_severed_parts(&found, fragments, state, &fragments->items[fragment], &severed, parting->first_copy, error);
     shv_severed_clear(fragments, &severed);
     if (status == SHV_OK) status = replace(fragments, model, state, fragment, &found, error);
     *parts = found.count;

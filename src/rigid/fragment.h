@@ -1,8 +1,12 @@
-/* Fragments: connected parts of the objects, joined through shared nodes. An id is never used again: a split ends the
-   parent and starts all its children; a crack without a split keeps the id. */
+/* Fragments: connected parts of the objects. Two tets hang together when they share a node (which they do across intact facets)
+   or when a cohesive facet between them still bonds; under `connectivity: nodes` only the former. Inserting facets therefore
+   splits nothing: a fragment comes apart in the step in which its last bond fails. Tets that meet in a vertex or an edge of the
+   mesh only, with no facet between them, hang together until a facet is inserted there: nothing else carries traction.
+   An id is never used again: a split ends the parent and starts all its children; a crack without a split keeps the id. */
 #ifndef SHV_RIGID_FRAGMENT_H
 #define SHV_RIGID_FRAGMENT_H
 
+#include "cohesive/cohesive.h"
 #include "model/state.h"
 
 typedef enum ShvMode {
@@ -35,6 +39,7 @@ typedef struct ShvFragment {
         last_insertion;  /* s: time of the last facet inserted in it (or when what woke it closes, maybe yet to come) */
     double strength;     /* Pa: weakest facet; infinity: nothing can break */
     int32_t quiet;       /* checks in a row without insertion; children inherit */
+    int64_t searched;    /* number + 1 of the step in which it was last searched for parts; 0: never */
     bool cracked;        /* a facet of it has been inserted; children inherit */
     double load;         /* N: contact force under which it woke last */
     double borne;        /* N: largest such force that did not break it */
@@ -47,7 +52,14 @@ typedef struct ShvFragment {
     bool companion;
     ShvVec3 contact_force, contact_torque;
     double contact_power, contact_slack, contact_untaken;
-    double wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
+    /* Of the contact that woke it (waking_contact.c); children inherit. */
+    int32_t contact_obstacle, contact_other; /* the other side; −1: none of that kind */
+    double contact_speed;                    /* m/s: with which it closed */
+    ShvVec3 contact_arm,
+        contact_normal; /* of the point, about the centre in the fragment's axes, m; world, to the fragment */
+    double touched;     /* s: when it was touched last, or, before the first time, when it should be at the latest */
+    double growth_time, growth_sum; /* s, J: what its cohesive facets had dissipated then (rest.c) */
+    double wake_energy;             /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
     bool audited;  /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
     bool squeezed; /* between obstacles that leave it no room, and that has been told */
     bool dust;     /* in flight for good, meets obstacles alone */
@@ -64,6 +76,7 @@ typedef struct ShvFragment {
 
 typedef struct ShvFragments {
     ShvMemory *memory;
+    const ShvCohesive *bonds; /* whose bonded facets join tets; NULL: shared nodes alone do */
     ShvFragment *items;
     int32_t count, capacity; /* all that ever lived */
     int32_t alive;
@@ -90,15 +103,28 @@ void shv_fragments_release(ShvFragments *fragments);
 ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
                               int32_t *parts, ShvError *error);
 
-/* The same where all that has changed since the fragment's lists were made is that the nodes from `first_copy` on were split
-   from it (shv_cohesive_insert). Searches from those nodes only, and no farther than the smaller part goes. */
+/* What has changed since a fragment's lists were made: nodes from `first_copy` on were split off it (shv_cohesive_insert), and
+   these cohesive facets have lost their bond. */
+typedef struct ShvParting {
+    int32_t first_copy;
+    const int32_t *failed;
+    int32_t failed_count;
+} ShvParting;
+
+/* The same as shv_fragments_split from what has changed alone: searches from there, and no farther than the smaller part goes. */
 ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
-                                 int32_t first_copy, int32_t *parts, ShvError *error);
+                                 const ShvParting *parting, int32_t *parts, ShvError *error);
+/* How many pieces there would be if a facet bonded above another share of its normal strength (shv_cohesive_residual): how
+   sharp the number of fragments is. Counts across facets alone. */
+ShvStatus shv_fragments_count_at(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,
+                                 double limit, int32_t *count, ShvError *error);
+/* The tet that a bonded facet joins to an element across one of its faces, −1: none. */
+int32_t shv_fragments_bonded_neighbour(const ShvFragments *fragments, int32_t element, int32_t face);
 
 /* Mass, volume, centre, inertia and radius from the fragment's element and node lists. */
 void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
                           const ShvState *state);
-/* Nodes on the fragment's surface, crack faces included, increasing; the caller releases *nodes (SHV_PART_RIGID). The
+/* Nodes on the fragment's surface, faces of cracks without bond included, increasing; the caller releases *nodes (SHV_PART_RIGID). The
    lists must be those of the present connectivity (shv_fragments_split after the last duplication). */
 ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,
                                int32_t fragment, int32_t **nodes, int32_t *count, ShvError *error);
@@ -117,6 +143,9 @@ void shv_fragment_unfold(const ShvFragment *fragment, const ShvFragments *fragme
 /* Momentum and angular momentum (about the origin) of the fragment's nodes, kinetic energy of them. */
 void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *fragments, const ShvState *state,
                            ShvVec3 *momentum, ShvVec3 *angular_momentum, double *kinetic);
+/* Where a node of a rigid fragment stands about the centre, in the fragment's axes, m: in the shape at the start, or in that in
+   which it came to rest. */
+ShvVec3 shv_fragment_shape_position(const ShvFragment *fragment, const ShvState *state, int32_t node);
 /* Inertia about the centre in world axes. */
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment);
 /* Kinetic energy of the rigid motion, J. */

@@ -12,11 +12,13 @@ static bool shares_face(const ShvState *state, int32_t element, int32_t face, in
     return true;
 }
 
-static bool is_open(const ShvModel *model, const ShvState *state, int32_t element, int32_t face)
+static bool is_open(const ShvFragments *fragments, const ShvModel *model, const ShvState *state, int32_t element,
+                    int32_t face)
 {
     const ShvAdjacency *adjacency = &model->adjacency;
     const int32_t facet = adjacency->element_facets[4 * (int64_t)element + face];
     if (facet >= adjacency->interior_count) return true;
+    if (shv_fragments_bonded_neighbour(fragments, element, face) >= 0) return false;
     const int side = adjacency->facet_elements[2 * (int64_t)facet] == element;
     return !shares_face(state, element, face, adjacency->facet_elements[2 * (int64_t)facet + side],
                         adjacency->facet_faces[2 * (int64_t)facet + side]);
@@ -35,7 +37,7 @@ static void mark_surface(const ShvFragments *fragments, const ShvModel *model, c
     const int32_t *elements = fragments->elements + fragment->element_begin;
     for (int32_t i = 0; i < fragment->element_count; i++)
         for (int32_t face = 0; face < 4; face++)
-            if (is_open(model, state, elements[i], face))
+            if (is_open(fragments, model, state, elements[i], face))
                 for (int a = 0; a < 3; a++)
                     fragments->label[shv_state_node(state, elements[i], shv_face_corners[face][a])] = ON_SURFACE;
 }

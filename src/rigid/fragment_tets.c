@@ -1,6 +1,7 @@
 #include "rigid/fragment_tets.h"
 
 #include "base/deterministic.h"
+#include "rigid/disjoint_sets.h"
 
 static ShvStatus allocate(ShvFragmentTets *tets, ShvMemory *memory, ShvError *error)
 {
@@ -32,18 +33,39 @@ static void measure(ShvFragmentTets *tets, int32_t tet)
     tets->volume += tets->volumes[tet];
 }
 
+/* Copies of a node that bonds hold together are one node of the shape. Returns how many there are; each node's label is its
+   number. */
+static int32_t number_nodes(const ShvFragments *fragments, const ShvFragment *item)
+{
+    const int32_t *nodes = fragments->nodes + item->node_begin, *elements = fragments->elements + item->element_begin;
+    int32_t *root = fragments->root, *label = fragments->label, count = 0;
+    for (int32_t i = 0; i < item->node_count; i++) root[nodes[i]] = nodes[i];
+    for (int32_t i = 0; i < 4 * item->element_count && fragments->bonds; i++) {
+        const int32_t element = elements[i / 4];
+        if (shv_fragments_bonded_neighbour(fragments, element, i % 4) < element) continue;
+        const ShvCohesive *cohesive = fragments->bonds;
+        const int32_t facet = cohesive->model->adjacency.element_facets[4 * (int64_t)element + i % 4];
+        const ShvCohesiveSides *sides = &cohesive->sides[cohesive->facet_cohesive[facet]];
+        for (int c = 0; c < 3; c++) shv_set_join(root, sides->first[c], sides->second[c]);
+    }
+    for (int32_t i = 0; i < item->node_count; i++) {
+        const int32_t first = shv_set_root(root, nodes[i]);
+        label[nodes[i]] = first == nodes[i] ? count++ : label[first];
+    }
+    return count;
+}
+
 ShvStatus shv_fragment_tets_make(ShvFragmentTets *tets, const ShvFragments *fragments, const ShvState *state,
                                  int32_t fragment, ShvError *error)
 {
     const ShvFragment *item = &fragments->items[fragment];
     const int32_t *nodes = fragments->nodes + item->node_begin, *elements = fragments->elements + item->element_begin;
-    *tets = (ShvFragmentTets){.node_count = item->node_count, .tet_count = item->element_count};
+    *tets = (ShvFragmentTets){.node_count = number_nodes(fragments, item), .tet_count = item->element_count};
     SHV_TRY(allocate(tets, fragments->memory, error));
-    for (int32_t i = 0; i < item->node_count; i++) {
-        fragments->label[nodes[i]] = i;
-        const ShvVec3 x = shv_load3(state->reference + 3 * (int64_t)nodes[i]);
-        shv_store3(tets->positions + 3 * (int64_t)i, shv_sub(x, item->reference_centre));
-    }
+    for (int32_t i = 0; i < item->node_count; i++)
+        if (fragments->root[nodes[i]] == nodes[i])
+            shv_store3(tets->positions + 3 * (int64_t)fragments->label[nodes[i]],
+                       shv_fragment_shape_position(item, state, nodes[i]));
     for (int32_t t = 0; t < item->element_count; t++) {
         for (int a = 0; a < 4; a++)
             tets->tets[4 * (int64_t)t + a] = fragments->label[shv_state_node(state, elements[t], a)];

@@ -1,4 +1,4 @@
-/* The tets of one fragment on their own, as its reference shape stands. */
+/* The tets of one fragment on their own, in its shape at the start or, where it rests deformed, in that. */
 #ifndef SHV_RIGID_FRAGMENT_TETS_H
 #define SHV_RIGID_FRAGMENT_TETS_H
 

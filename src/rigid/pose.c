@@ -118,6 +118,14 @@ static ShvMat3 inertia_of_nodes(const ShvFragment *fragment, const ShvFragments 
     return inertia;
 }
 
+ShvVec3 shv_fragment_shape_position(const ShvFragment *fragment, const ShvState *state, int32_t node)
+{
+    if (!fragment->deformed)
+        return shv_sub(shv_load3(state->reference + 3 * (int64_t)node), fragment->reference_centre);
+    return shv_rotate(shv_quat_conjugate(fragment->rest_orientation),
+                      shv_sub(shv_state_position(state, node), fragment->rest_position));
+}
+
 void shv_fragment_unfold(const ShvFragment *fragment, const ShvFragments *fragments, ShvState *state)
 {
     const int32_t *nodes = fragments->nodes + fragment->node_begin;

@@ -69,7 +69,16 @@ static int32_t meet(Search *search, int32_t flood, int32_t other)
     return flood;
 }
 
-/* The neighbours of one node that waits. */
+static void spread_to(Search *search, int32_t flood, int32_t next)
+{
+    const int32_t found = search->fragments->found[next];
+    if (found == 0)
+        reach(search, flood, next);
+    else if (found != flood + 1 && flood_of(search->seeds, found - 1) != flood)
+        meet(search, flood, flood_of(search->seeds, found - 1));
+}
+
+/* The neighbours of one node that waits: in its tets, and across the bonded facets at it. */
 static void spread(Search *search, int32_t flood)
 {
     const ShvState *state = search->state;
@@ -78,14 +87,14 @@ static void spread(Search *search, int32_t flood)
     seed->head = search->fragments->root[node];
     if (seed->head < 0) seed->tail = -1;
     const int32_t *corners = state->corners + state->corner_start[node];
-    for (int32_t i = 0; i < state->corner_count[node]; i++)
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = corners[i] / 4, corner = corners[i] % 4;
         for (int32_t a = 0; a < 4; a++) {
-            const int32_t next = shv_state_node(state, corners[i] / 4, a), found = search->fragments->found[next];
-            if (found == 0)
-                reach(search, flood, next);
-            else if (found != flood + 1 && flood_of(search->seeds, found - 1) != flood)
-                meet(search, flood, flood_of(search->seeds, found - 1));
+            spread_to(search, flood, shv_state_node(state, element, a));
+            const int32_t other = a == corner ? -1 : shv_fragments_bonded_neighbour(search->fragments, element, a);
+            if (other >= 0) spread_to(search, flood, shv_state_node(state, other, 0));
         }
+    }
 }
 
 /* What hung together through a part that has come off must find each other without it. */
@@ -170,6 +179,18 @@ static int32_t plant(Search *search, int32_t fragment, int32_t first_copy)
     return copies;
 }
 
+/* Both sides of a facet that bonds no more hung together through it. */
+static void plant_failed(Search *search, int32_t fragment, const ShvParting *parting)
+{
+    const ShvCohesive *cohesive = search->fragments->bonds;
+    for (int32_t i = 0; i < parting->failed_count; i++) {
+        const int32_t *elements = cohesive->sides[parting->failed[i]].elements;
+        if (search->state->element_fragment[elements[0]] != fragment) continue;
+        const int32_t first = seed_of(search, shv_state_node(search->state, elements[0], 0));
+        tie(search->seeds, seed_of(search, shv_state_node(search->state, elements[1], 0)), first);
+    }
+}
+
 /* Floods that ended get their numbers, the others are forgotten. */
 static void number(Search *search, int32_t *number_of, ShvSevered *severed)
 {
@@ -184,17 +205,18 @@ static void number(Search *search, int32_t *number_of, ShvSevered *severed)
     }
 }
 
-ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, int32_t first_copy,
+ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, const ShvParting *parting,
                            ShvSevered *severed, ShvError *error)
 {
-    const size_t most = 2 * (size_t)(state->node_count - first_copy);
+    const size_t most = 2 * ((size_t)(state->node_count - parting->first_copy) + (size_t)parting->failed_count);
     Search search = {.fragments = fragments, .state = state};
     *severed = (ShvSevered){0};
     search.seeds = shv_allocate(fragments->memory, SHV_PART_RIGID, most, sizeof *search.seeds);
     int32_t *of_seed = shv_allocate(fragments->memory, SHV_PART_RIGID, most, sizeof *of_seed);
     const bool room = search.seeds && of_seed;
     if (room) {
-        severed->copies = plant(&search, fragment, first_copy);
+        severed->copies = plant(&search, fragment, parting->first_copy);
+        plant_failed(&search, fragment, parting);
         flood_all(&search, of_seed);
         number(&search, of_seed, severed);
     }

@@ -1,4 +1,4 @@
-/* What comes off a fragment when nodes of it are split. */
+/* What comes off a fragment when nodes of it are split or bonds in it fail. */
 #ifndef SHV_RIGID_SEVERED_H
 #define SHV_RIGID_SEVERED_H
 
@@ -11,10 +11,10 @@ typedef struct ShvSevered {
     int32_t node_count; /* of all these parts; the nodes are the first of ShvFragments.label, in no order */
 } ShvSevered;
 
-/* Searches from the nodes from `first_copy` on, and from what they were split from; all else of the fragment hangs together.
+/* Searches from both sides of all that has changed; all else of the fragment hangs together.
    fragments->found then holds for each node of it its part, from 1 on, and 0 for the rest: shv_severed_clear puts it back.
    On failure there is nothing to clear. The fragments' scratch arrays must have room for all nodes. */
-ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, int32_t first_copy,
+ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, const ShvParting *parting,
                            ShvSevered *severed, ShvError *error);
 void shv_severed_clear(ShvFragments *fragments, const ShvSevered *severed);
 

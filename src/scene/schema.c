@@ -676,6 +676,8 @@ static const ShvChoice criterion_choices[] = {
     {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
 static const ShvChoice activation_choices[] = {
     {"traction", SHV_ACTIVATION_TRACTION}, {"strength", SHV_ACTIVATION_STRENGTH}, {NULL, 0}};
+static const ShvChoice connectivity_choices[] = {
+    {"bonds", SHV_CONNECTIVITY_BONDS}, {"nodes", SHV_CONNECTIVITY_NODES}, {NULL, 0}};
 static const ShvChoice deformation_choices[] = {
     {"drop", SHV_DEFORMATION_DROP}, {"keep", SHV_DEFORMATION_KEEP}, {NULL, 0}};
 static const ShvTable fracture_plane_table = {
@@ -710,6 +712,12 @@ static const ShvKey fracture_keys[] = {
                  "the strength."},
     {"regularisation", SHV_KEY_NUMBER, .range = &open_share, .offset = SCENE(fracture.regularisation),
      .sentence = "Openings below this share of the final one unload with bounded stiffness."},
+    {"connectivity", SHV_KEY_CHOICE, .choices = connectivity_choices, .offset = SCENE(fracture.connectivity),
+     .sentence = "What holds tets together as one fragment. `bonds`: intact facets, and cohesive ones with more than a "
+                 "hundredth of "
+                 "their normal strength left. `nodes`: shared nodes, so that a crack cuts as soon as it is inserted, "
+                 "whatever it "
+                 "still carries; for laws that never fail, as in the published method's scenes."},
     {"quiet_checks", SHV_KEY_INT32, .range = &at_least_one, .offset = SCENE(fracture.quiet_checks),
      .sentence = "Checks without insertion after which a body may leave fracture mode."},
     {"longest", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &not_negative, .offset = SCENE(fracture.longest),
@@ -720,7 +728,9 @@ static const ShvKey fracture_keys[] = {
     {"deformation", SHV_KEY_CHOICE, .choices = deformation_choices, .offset = SCENE(fracture.deformation),
      .sentence =
          "What becomes of a body's deformation while it is rigid. `drop`: it goes back to its shape at the start, and "
-         "the energy of strain and open cracks is dropped and booked. `keep`: it wakes as deformed as it came to rest. "
+         "the energy of strain and open cracks is dropped and booked; a body with a crack open by more than a "
+         "hundredth of "
+         "an edge is kept as it is. `keep`: every body wakes as deformed as it came to rest. "
          "With `rigid.engine: pbd` nodes fly as they are in any case; with `stabiliser: bars` they wake so, too, "
          "without it in their shape at the start."},
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),

@@ -120,6 +120,8 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     measure_step(preflight, hybrid, body);
     measure_cohesion(preflight, material, hybrid->model.can_break);
     measure_waves(preflight, material);
+    preflight->never_parts = preflight->breakable && preflight->final_opening > preflight->mean_edge &&
+                             hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
     preflight->overshoot_each_step = overshoot(simulation, object, preflight);
     return SHV_OK;
 }

@@ -165,6 +165,19 @@ static double cohesive_share(ShvHybrid *hybrid)
                                                                       : (double)NAN;
 }
 
+/* Under other limits for what still bonds than the one that makes fragments. */
+static ShvStatus count_pieces(ShvHybrid *hybrid, int32_t pieces[3], ShvError *error)
+{
+    static const double limits[3] = {0.01, 0.1, 0.5};
+    for (int i = 0; i < 3; i++) {
+        pieces[i] = hybrid->fragments.alive;
+        if (hybrid->model.can_break && hybrid->cohesive.count > 0)
+            SHV_TRY(shv_fragments_count_at(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, limits[i], &pieces[i],
+                                           error));
+    }
+    return SHV_OK;
+}
+
 static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
@@ -208,7 +221,8 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     simulation->frame.edge_strain = positions ? shv_hybrid_edge_strain(hybrid) : (double)NAN;
     simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
     simulation->frame.inserted = hybrid->cohesive_energy.inserted;
-    simulation->frame.opened = hybrid->cohesive_energy.opened;
+    simulation->frame.failed = hybrid->cohesive_energy.failed;
+    SHV_TRY(count_pieces(hybrid, simulation->frame.pieces, error));
     simulation->frame.audited = hybrid->audited;
     simulation->frame.missed = hybrid->missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
@@ -284,12 +298,24 @@ void shv_simulation_corner_positions(const ShvSimulation *simulation, double *co
         const bool flying = fragment->mode == SHV_MODE_FLIGHT;
         for (int32_t a = 0; a < 4; a++) {
             const int32_t node = shv_state_node(state, e, a);
-            const ShvVec3 local = shv_sub(shv_load3(state->reference + 3 * (int64_t)node), fragment->reference_centre);
-            const ShvVec3 x = flying ? shv_add(fragment->position, shv_rotate(fragment->orientation, local))
-                                     : shv_state_position(state, node);
-            shv_store3(corners + 12 * (int64_t)e + 3 * a, x);
+            if (!flying) {
+                shv_store3(corners + 12 * (int64_t)e + 3 * a, shv_state_position(state, node));
+                continue;
+            }
+            const ShvVec3 arm = shv_rotate(fragment->orientation, shv_fragment_shape_position(fragment, state, node));
+            shv_store3(corners + 12 * (int64_t)e + 3 * a, shv_add(fragment->position, arm));
         }
     }
+}
+
+void shv_simulation_bonds(const ShvSimulation *simulation, uint8_t *bonds)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    const ShvModel *model = &hybrid->model;
+    const int64_t faces = 4 * (int64_t)hybrid->state.element_count;
+    memset(bonds, 1, (size_t)faces);
+    for (int64_t i = 0; i < faces && model->can_break; i++)
+        bonds[i] = shv_cohesive_joins(&hybrid->cohesive, model->adjacency.element_facets[i]);
 }
 
 void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *fragment, double *damage)

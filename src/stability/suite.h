@@ -16,7 +16,7 @@ enum { SHV_MOST_EXPECTATIONS = 10 };
     X(courant, 0.0)   /* largest */                                                                                    \
     X(fragments, 0.0) /* living at the end */                                                                          \
     X(inserted, 0.0)  /* cohesive facets at the end */                                                                 \
-    X(opened, 0.0)                                                                                                     \
+    X(failed, 0.0)                                                                                                     \
     X(overshoot, 0.0) /* worst criterion over strength at an insertion */                                              \
     X(wakes, 0.0)                                                                                                      \
     X(rests, 0.0)                                                                                                      \

@@ -154,7 +154,7 @@ static void watch_counters(Watch *watch, const ShvFrameView *frame)
     values[SHV_MEASURE_steps] = (double)frame->steps;
     values[SHV_MEASURE_fragments] = frame->alive_count;
     values[SHV_MEASURE_inserted] = frame->inserted;
-    values[SHV_MEASURE_opened] = frame->opened;
+    values[SHV_MEASURE_failed] = frame->failed;
     values[SHV_MEASURE_overshoot] = frame->worst_overshoot;
     raise(&values[SHV_MEASURE_courant], frame->courant);
     if (!isnan(frame->edge_strain)) raise(&values[SHV_MEASURE_edge_strain], frame->edge_strain);

@@ -44,12 +44,12 @@ static ShvCrackFacet facet_of(const ShvMeshView *mesh, int64_t element, int face
     return facet;
 }
 
-/* Both sides of a facet show it; one stays. */
-static void drop_doubles(ShvCrackSurface *surface)
+/* Both sides of a failed facet show it, and one stays; the outside of the mesh has one side. */
+static void keep_one_of_two(ShvCrackSurface *surface)
 {
     int32_t kept = 0;
-    for (int32_t i = 0; i < surface->count; i++)
-        if (kept == 0 || compare_nodes(surface->facets[i].nodes, surface->facets[kept - 1].nodes) != 0)
+    for (int32_t i = 1; i < surface->count; i++)
+        if (compare_nodes(surface->facets[i].nodes, surface->facets[i - 1].nodes) == 0)
             surface->facets[kept++] = surface->facets[i];
     surface->count = kept;
 }
@@ -60,19 +60,19 @@ static uint64_t hash_of(const ShvMeshView *mesh)
     return shv_hash_bytes(hash, mesh->elements, 16 * (size_t)mesh->element_count);
 }
 
-ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const double *damage,
+ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const uint8_t *bonds,
                                    ShvMemory *memory, ShvError *error)
 {
     const int64_t slots = 4 * (int64_t)mesh->element_count;
     int64_t most = 0;
-    for (int64_t i = 0; i < slots; i++) most += damage[i] >= SHV_OPENED_DAMAGE;
+    for (int64_t i = 0; i < slots; i++) most += !bonds[i];
     *surface = (ShvCrackSurface){.mesh = hash_of(mesh)};
     surface->facets = shv_allocate(memory, SHV_PART_RECORD, (size_t)most, sizeof *surface->facets);
-    if (!surface->facets) return shv_fail_memory(error, "opened facets", (size_t)most * sizeof *surface->facets);
+    if (!surface->facets) return shv_fail_memory(error, "failed facets", (size_t)most * sizeof *surface->facets);
     for (int64_t i = 0; i < slots; i++)
-        if (damage[i] >= SHV_OPENED_DAMAGE) surface->facets[surface->count++] = facet_of(mesh, i / 4, (int)(i % 4));
+        if (!bonds[i]) surface->facets[surface->count++] = facet_of(mesh, i / 4, (int)(i % 4));
     if (surface->count > 1) qsort(surface->facets, (size_t)surface->count, sizeof *surface->facets, compare_facets);
-    drop_doubles(surface);
+    keep_one_of_two(surface);
     return SHV_OK;
 }
 

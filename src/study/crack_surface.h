@@ -1,13 +1,10 @@
-/* The opened facets of a run as a surface in the reference mesh, and how far two such surfaces are from each other. */
+/* The failed facets of a run as a surface in the reference mesh, and how far two such surfaces are from each other. */
 #ifndef SHV_STUDY_CRACK_SURFACE_H
 #define SHV_STUDY_CRACK_SURFACE_H
 
 #include "base/memory.h"
 #include "base/vector.h"
 #include "shiver/simulation.h"
-
-/* A facet counts as opened from this damage on, as in the ledger. */
-#define SHV_OPENED_DAMAGE 0.99
 
 typedef struct ShvCrackFacet {
     int32_t nodes[3]; /* of the reference mesh, ascending */
@@ -20,13 +17,13 @@ typedef struct ShvCrackSurface {
     int32_t count; /* ascending by nodes */
 } ShvCrackSurface;
 
-/* From damage by element facet (4 per element, as of shv_simulation_element_state). */
-ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const double *damage,
+/* From what holds across element facets (4 per element, as of shv_simulation_bonds): those across which both tets are free. */
+ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const uint8_t *bonds,
                                    ShvMemory *memory, ShvError *error);
 void shv_crack_surface_release(ShvCrackSurface *surface);
 
 double shv_crack_surface_area(const ShvCrackSurface *surface);
-/* Jaccard: area opened in both over area opened in any; 1 where neither has cracked. NaN for different meshes. */
+/* Jaccard: area failed in both over area failed in any; 1 where neither has cracked. NaN for different meshes. */
 double shv_crack_overlap(const ShvCrackSurface *a, const ShvCrackSurface *b);
 
 typedef struct ShvCrackDistance {

@@ -23,9 +23,9 @@ typedef enum ShvDigestNumber {
     SHV_DIGEST_BAR_SHARE,    /* of bars in all work */
     SHV_DIGEST_RESIDUAL,     /* J: largest magnitude at any frame */
     SHV_DIGEST_LARGEST,      /* J: scale of the residual */
-    SHV_DIGEST_OPENED_AREA,  /* m² */
+    SHV_DIGEST_FAILED_AREA,  /* m² */
     SHV_DIGEST_INSERTED,     /* facets */
-    SHV_DIGEST_OPENED,       /* facets */
+    SHV_DIGEST_FAILED,       /* facets */
     SHV_DIGEST_FRAGMENTS,    /* alive */
     SHV_DIGEST_LARGEST_MASS, /* of one fragment, share of all */
     SHV_DIGEST_MASS,         /* kg, of all fragments */

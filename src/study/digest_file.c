@@ -178,7 +178,7 @@ static ShvStatus get_crack(Reader *reader, ShvDigest *digest, ShvError *error)
     digest->crack.mesh = (uint64_t)get_integer(reader, 16);
     const int32_t count = get_count(reader);
     digest->crack.facets = shv_allocate(digest->memory, SHV_PART_RECORD, (size_t)count, sizeof(ShvCrackFacet));
-    if (!digest->crack.facets) return shv_fail_memory(error, "opened facets", (size_t)count * sizeof(ShvCrackFacet));
+    if (!digest->crack.facets) return shv_fail_memory(error, "failed facets", (size_t)count * sizeof(ShvCrackFacet));
     for (int32_t i = 0; i < count && reader->good; i++) {
         ShvCrackFacet *facet = &digest->crack.facets[i];
         for (int k = 0; k < 3; k++) facet->nodes[k] = (int32_t)get_integer(reader, 10);

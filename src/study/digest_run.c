@@ -89,9 +89,9 @@ static void keep_numbers(ShvDigest *digest, const ShvFrameView *frame)
     n[SHV_DIGEST_DISSIPATED] = ledger->fracture_dissipation;
     n[SHV_DIGEST_BAR_SHARE] = frame->bar_work_share;
     n[SHV_DIGEST_LARGEST] = ledger->largest;
-    n[SHV_DIGEST_OPENED_AREA] = ledger->opened_area;
+    n[SHV_DIGEST_FAILED_AREA] = ledger->failed_area;
     n[SHV_DIGEST_INSERTED] = frame->inserted;
-    n[SHV_DIGEST_OPENED] = frame->opened;
+    n[SHV_DIGEST_FAILED] = frame->failed;
     memcpy(n + SHV_DIGEST_IMPULSE_X, frame->contact_impulse, sizeof frame->contact_impulse);
     n[SHV_DIGEST_CONTACT_TIME] = frame->contact_time;
     n[SHV_DIGEST_FIRST_CONTACT] = frame->first_contact;
@@ -104,11 +104,11 @@ static ShvStatus keep_crack(ShvDigest *digest, const ShvSimulation *simulation, 
 {
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     const size_t count = 4 * (size_t)mesh.element_count;
-    double *damage = shv_allocate(digest->memory, SHV_PART_RECORD, count, sizeof *damage);
-    if (!damage) return shv_fail_memory(error, "damage of facets", count * sizeof *damage);
-    shv_simulation_element_state(simulation, NULL, damage);
-    const ShvStatus status = shv_crack_surface_create(&digest->crack, &mesh, damage, digest->memory, error);
-    shv_release(damage);
+    uint8_t *bonds = shv_allocate(digest->memory, SHV_PART_RECORD, count, sizeof *bonds);
+    if (!bonds) return shv_fail_memory(error, "bonds of facets", count * sizeof *bonds);
+    shv_simulation_bonds(simulation, bonds);
+    const ShvStatus status = shv_crack_surface_create(&digest->crack, &mesh, bonds, digest->memory, error);
+    shv_release(bonds);
     return status;
 }
 

@@ -46,12 +46,12 @@ static ShvStatus keep_ledger(ShvDigest *digest, ShvRunFile *file, int64_t frames
     n[SHV_DIGEST_STRAIN] = ledger.strain;
     n[SHV_DIGEST_DISSIPATED] = ledger.fracture_dissipation;
     n[SHV_DIGEST_LARGEST] = ledger.largest;
-    n[SHV_DIGEST_OPENED_AREA] = ledger.opened_area;
+    n[SHV_DIGEST_FAILED_AREA] = ledger.failed_area;
     n[SHV_DIGEST_STEPS] = (double)progress.steps;
     n[SHV_DIGEST_STEP] = progress.step;
     n[SHV_DIGEST_COURANT] = progress.courant;
     n[SHV_DIGEST_INSERTED] = progress.inserted;
-    n[SHV_DIGEST_OPENED] = progress.opened;
+    n[SHV_DIGEST_FAILED] = progress.failed;
     return SHV_OK;
 }
 
@@ -62,18 +62,18 @@ static ShvStatus keep_crack(ShvDigest *digest, ShvRunFile *file, const ShvRunFil
     const size_t nodes = (size_t)info->node_count, elements = (size_t)info->element_count;
     double *positions = shv_allocate(digest->memory, SHV_PART_RECORD, 3 * nodes, sizeof(double));
     int32_t *corners = shv_allocate(digest->memory, SHV_PART_RECORD, 4 * elements, sizeof(int32_t));
-    double *damage = shv_allocate(digest->memory, SHV_PART_RECORD, 4 * elements, sizeof(double));
-    ShvStatus status = positions && corners && damage ? SHV_OK : shv_fail_memory(error, "a recorded mesh", 24 * nodes);
+    uint8_t *bonds = shv_allocate(digest->memory, SHV_PART_RECORD, 4 * elements, sizeof *bonds);
+    ShvStatus status = positions && corners && bonds ? SHV_OK : shv_fail_memory(error, "a recorded mesh", 24 * nodes);
     if (status == SHV_OK) status = shv_run_file_mesh(file, positions, corners, NULL, NULL, error);
-    if (status == SHV_OK) status = shv_run_file_corners(file, info->frame_count - 1, NULL, damage, NULL, error);
+    if (status == SHV_OK) status = shv_run_file_bonds(file, info->frame_count - 1, bonds, error);
     const ShvMeshView mesh = {.node_count = info->node_count,
                               .element_count = info->element_count,
                               .positions = positions,
                               .elements = corners};
-    if (status == SHV_OK) status = shv_crack_surface_create(&digest->crack, &mesh, damage, digest->memory, error);
+    if (status == SHV_OK) status = shv_crack_surface_create(&digest->crack, &mesh, bonds, digest->memory, error);
     shv_release(positions);
     shv_release(corners);
-    shv_release(damage);
+    shv_release(bonds);
     return status;
 }
 

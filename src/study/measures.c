@@ -20,13 +20,13 @@ static const ShvStudyMeasure measures[SHV_MEASURE_COUNT] = {
     [SHV_MEASURE_MOMENT] = {"moment", NULL, "s", true, false,
                             "largest error of the times of impacts (bounce) or flips (flight); all must be found"},
     [SHV_MEASURE_APEX] = {"apex", NULL, "", true, false, "largest relative error of the heights between impacts"},
-    [SHV_MEASURE_OPENED_OVERLAP] = {"opened_overlap", NULL, "", false, false,
-                                    "1 - area opened in both / area opened in either, facet by facet (Jaccard)"},
+    [SHV_MEASURE_FAILED_OVERLAP] = {"failed_overlap", NULL, "", false, false,
+                                    "1 - area failed in both / area failed in either, facet by facet (Jaccard)"},
     [SHV_MEASURE_CRACK_DISTANCE] = {"crack_distance", NULL, "m", false, false,
-                                    "Hausdorff distance of the opened surfaces, in the reference mesh"},
+                                    "Hausdorff distance of the failed surfaces, in the reference mesh"},
     [SHV_MEASURE_CRACK_MEAN_DISTANCE] = {"crack_mean_distance", NULL, "m", false, false,
                                          "the same with the mean over the area in place of the largest distance"},
-    [SHV_MEASURE_OPENED_AREA] = {"opened_area", "m2", "", false, false, "relative difference of the opened area"},
+    [SHV_MEASURE_FAILED_AREA] = {"failed_area", "m2", "", false, false, "relative difference of the failed area"},
     [SHV_MEASURE_DISSIPATED] = {"dissipated", "J", "", false, false,
                                 "relative difference of the energy that the cohesive law dissipated"},
     [SHV_MEASURE_FRAGMENTS] = {"fragments", "", "", false, false, "relative difference of the number of fragments"},
@@ -113,8 +113,8 @@ double shv_study_measure_value(ShvMeasureKind kind, const ShvDigest *digest)
 {
     const double *n = digest->numbers;
     switch (kind) {
-    case SHV_MEASURE_OPENED_AREA:
-        return n[SHV_DIGEST_OPENED_AREA];
+    case SHV_MEASURE_FAILED_AREA:
+        return n[SHV_DIGEST_FAILED_AREA];
     case SHV_MEASURE_DISSIPATED:
         return n[SHV_DIGEST_DISSIPATED];
     case SHV_MEASURE_FRAGMENTS:
@@ -181,7 +181,7 @@ double shv_study_measure_error(ShvMeasureKind kind, const ShvDigest *a, const Sh
     if (measures[kind].own) return own_error(kind, a);
     if (!b || measures[kind].track) return (double)NAN;
     switch (kind) {
-    case SHV_MEASURE_OPENED_OVERLAP:
+    case SHV_MEASURE_FAILED_OVERLAP:
         return 1.0 - shv_crack_overlap(&a->crack, &b->crack);
     case SHV_MEASURE_CRACK_DISTANCE:
         return shv_crack_distance(&a->crack, &b->crack).largest;

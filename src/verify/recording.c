@@ -73,7 +73,7 @@ ShvStatus shv_recording_add(ShvRecording *recording, const ShvSimulation *simula
     recording->frame_times[recording->frame_count] = frame->time;
     recording->frames[recording->frame_count++] =
         (ShvRecordedFrame){frame->ledger, frame->step,        frame->courant,      frame->inserted,
-                           frame->opened, frame->alive_count, (double)frame->steps};
+                           frame->failed, frame->alive_count, (double)frame->steps};
     return SHV_OK;
 }
 
@@ -180,7 +180,7 @@ static const Field ledger_fields[] = {SHV_LEDGER_FIELDS(NUMBER, VECTOR)};
 #member, offsetof(ShvRecordedFrame, member), false                                                             \
     }
 static const Field frame_fields[] = {FRAME(step),   FRAME(courant), FRAME(inserted),
-                                     FRAME(opened), FRAME(alive),   FRAME(steps)};
+                                     FRAME(failed), FRAME(alive),   FRAME(steps)};
 
 static bool find_frame(const ShvRecording *recording, ShvPool *pool, const char *name, ShvFormulaValue *value)
 {

@@ -8,7 +8,7 @@
 
 typedef struct ShvRecordedFrame {
     ShvLedgerView ledger;
-    double step, courant, inserted, opened, alive, steps;
+    double step, courant, inserted, failed, alive, steps;
 } ShvRecordedFrame;
 
 typedef struct ShvRecording {

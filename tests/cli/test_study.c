@@ -21,7 +21,7 @@ static const char ball_scene[] =
     "obstacles: {floor: {plane: {normal: [0, 0, 1]}, friction: 0.5}}\n"
     "rigid: {engine: analytic}\nduration: 0.8 ms\noutput: {rate: 5000}\nthreads: 1\n";
 static const char ball_study[] = "shiver_study: 1\nvary: {step: {linear: {from: 0.05, to: 0.4, count: 8}}}\n"
-                                 "measures: [dissipated, opened_overlap, crack_distance, fragments, masses, impulse]\n";
+                                 "measures: [dissipated, failed_overlap, crack_distance, fragments, masses, impulse]\n";
 
 static int enter(void **state)
 {
@@ -119,7 +119,7 @@ static void test_run_file(void **state)
     (void)state;
     shell_works("mkdir -p files && $shiver run ball.yaml --set output.nodes=true --output files/whole.h5", "finished");
     shell_write("files/r.yaml", "shiver_study: 1\nvary: {fracture.safety: [0.9, 0.5]}\nreference: {file: whole.h5}\n"
-                                "measures: [dissipated, opened_area, opened_overlap, fragments, masses, momentum, "
+                                "measures: [dissipated, failed_area, failed_overlap, fragments, masses, momentum, "
                                 "centre_velocity, residual]\n");
     shell_works("$shiver study ball.yaml files/r.yaml --output f >f.txt && sed -n 2p f/results.csv | cut -d, -f8-22",
                 "");

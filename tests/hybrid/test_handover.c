@@ -91,6 +91,7 @@ static void cut(ShvHybrid *hybrid)
         if (between || uniform(0, 1) < 0.1) facets[count++] = f;
     }
     check_ok(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, NULL, facets, count, &copies, &error), error);
+    for (int32_t i = 0; i < hybrid->cohesive.count; i++) hybrid->cohesive.bonded[i] = false;
     check_ok(shv_fragments_split(&hybrid->fragments, &hybrid->model, &hybrid->state, 0, &parts, &error), error);
     assert_true(parts >= SEEDS);
     free(facets);

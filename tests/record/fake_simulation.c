@@ -259,6 +259,11 @@ void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *frag
     }
 }
 
+void shv_simulation_bonds(const ShvSimulation *simulation, uint8_t *bonds)
+{
+    for (int32_t i = 0; i < 4 * simulation->object.element_end; i++) bonds[i] = i % 3 != 0;
+}
+
 void shv_simulation_corner_positions(const ShvSimulation *simulation, double *corners)
 {
     for (int64_t i = 0; i < 8 * (int64_t)simulation->setup.bricks; i++)

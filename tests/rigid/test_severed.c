@@ -90,9 +90,23 @@ static void check_same(const Cracking *a, const Cracking *b)
     for (int32_t i = 0; i < x->scratch_capacity; i++) assert_int_equal(x->found[i], 0);
 }
 
+/* Some of the facets that still bond lose it; their number. */
+static int32_t fail_bonds(Cracking *cracking, double share, uint64_t *index)
+{
+    ShvCohesive *cohesive = &cracking->cohesive;
+    cohesive->failed_count = 0;
+    for (int32_t i = 0; i < cohesive->count; i++) {
+        if (!cohesive->bonded[i] || draw(index, 0.0, 1.0) > share) continue;
+        cohesive->bonded[i] = false;
+        cohesive->failed[cohesive->failed_count++] = i;
+    }
+    return cohesive->failed_count;
+}
+
 /* Splits of all fragments that live, from what was inserted or from the whole. */
 static int32_t split_all(Cracking *cracking, int32_t first_copy, bool search_all)
 {
+    const ShvParting parting = {first_copy, cracking->cohesive.failed, cracking->cohesive.failed_count};
     World *world = &cracking->world;
     const int32_t before = world->fragments.count;
     int32_t split = 0;
@@ -101,7 +115,7 @@ static int32_t split_all(Cracking *cracking, int32_t first_copy, bool search_all
         ShvError error = {0};
         if (world->fragments.items[i].mode == SHV_MODE_DEAD) continue;
         check_ok(search_all ? shv_fragments_split(&world->fragments, &world->model, &world->state, i, &parts, &error)
-                            : shv_fragments_split_by(&world->fragments, &world->model, &world->state, i, first_copy,
+                            : shv_fragments_split_by(&world->fragments, &world->model, &world->state, i, &parting,
                                                      &parts, &error),
                  error);
         split += parts > 1;
@@ -138,6 +152,43 @@ static void test_parts_are_those_of_a_full_search(void **unused)
     assert_true(splits > 20 && whole > 20);
 }
 
+/* The same where bonds join: inserting splits nothing, and bonds fail a few or many at once, in insertions and between them. */
+static void test_bonds_hold_until_they_fail(void **unused)
+{
+    (void)unused;
+    int32_t splits = 0;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        Cracking by_parts, by_all;
+        begin(&by_parts, seed);
+        begin(&by_all, seed);
+        by_parts.world.fragments.bonds = &by_parts.cohesive;
+        by_all.world.fragments.bonds = &by_all.cohesive;
+        uint64_t index = 1000 * seed, bond = 7000 * seed, again = bond;
+        int32_t *facets = malloc((size_t)by_all.world.model.adjacency.interior_count * sizeof *facets);
+        for (int round = 0; round < 60; round++) {
+            const int32_t most = 1 << (round % 10);
+            const int32_t count = round % 2 ? 0 : draw_facets(&by_parts, &index, most, facets);
+            const int32_t first = insert(&by_parts, facets, count);
+            assert_int_equal(insert(&by_all, facets, count), first);
+            by_parts.cohesive.failed_count = by_all.cohesive.failed_count = 0;
+            if (round % 3 == 0) assert_int_equal(split_all(&by_parts, first, false), 0);
+            if (round % 3 == 0) assert_int_equal(split_all(&by_all, first, true), 0);
+            const double share = round % 5 == 0 ? 0.5 : 0.05;
+            const int32_t failed = fail_bonds(&by_parts, share, &bond);
+            assert_int_equal(fail_bonds(&by_all, share, &again), failed);
+            const int32_t copies = round % 3 == 0 ? by_parts.world.state.node_count : first;
+            const int32_t split = split_all(&by_parts, copies, false);
+            assert_int_equal(split_all(&by_all, first, true), split);
+            splits += split;
+            check_same(&by_parts, &by_all);
+        }
+        free(facets);
+        end(&by_parts);
+        end(&by_all);
+    }
+    assert_true(splits > 20);
+}
+
 /* A row of tets in the middle is torn from both halves at once: these hung together through it alone. */
 static void test_halves_that_a_part_joined_come_apart(void **unused)
 {
@@ -162,7 +213,8 @@ static void test_halves_that_a_part_joined_come_apart(void **unused)
     int32_t parts = 0;
     ShvError error = {0};
     const int32_t first = insert(&cracking, facets, count);
-    check_ok(shv_fragments_split_by(&cracking.world.fragments, model, &cracking.world.state, 0, first, &parts, &error),
+    check_ok(shv_fragments_split_by(&cracking.world.fragments, model, &cracking.world.state, 0,
+                                    &(ShvParting){.first_copy = first}, &parts, &error),
              error);
     assert_true(parts >= 3);
     int32_t sizes[3] = {0};
@@ -194,8 +246,9 @@ static void test_memory_runs_out(void **unused)
     for (int64_t allowed = 0; !done; allowed++) {
         int32_t parts = 0;
         shv_memory_fail_after(cracking.world.memory, allowed);
-        const ShvStatus status = shv_fragments_split_by(&cracking.world.fragments, &cracking.world.model,
-                                                        &cracking.world.state, 0, first, &parts, &error);
+        const ShvStatus status =
+            shv_fragments_split_by(&cracking.world.fragments, &cracking.world.model, &cracking.world.state, 0,
+                                   &(ShvParting){.first_copy = first}, &parts, &error);
         shv_memory_fail_after(cracking.world.memory, -1);
         done = status == SHV_OK;
         if (!done) assert_int_equal(status, SHV_NO_MEMORY);
@@ -212,6 +265,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts_are_those_of_a_full_search),
+        cmocka_unit_test(test_bonds_hold_until_they_fail),
         cmocka_unit_test(test_halves_that_a_part_joined_come_apart),
         cmocka_unit_test(test_memory_runs_out),
     };

@@ -97,6 +97,7 @@ static void make_soft(Stage *stage, double share)
     stage->scene.rigid.engine = SHV_RIGID_PBD;
     stage->scene.rigid.wake = SHV_WAKE_CONTACT;
     stage->scene.pbd.stiffness = 0.9;
+    stage->scene.fracture.connectivity = SHV_CONNECTIVITY_NODES; /* so soft a law never fails */
     stage->scene.pbd.iterations = 3;
     stage->scene.duration = 0.02;
     stage->scene.output.rate = 250.0;

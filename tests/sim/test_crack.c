@@ -32,7 +32,7 @@ static void test_crack_of_a_plane(void **state)
     assert_int_equal(crack_of(simulation).facets, 0);
     assert_true(isnan(crack_of(simulation).centre[2]));
     const ShvFrameView *frame = stage_finish(simulation);
-    assert_int_equal(frame->opened, 12);
+    assert_int_equal(frame->failed, 12);
     const ShvCrackView crack = crack_of(simulation);
     assert_int_equal(crack.facets, 12);
     check_near(crack.origin[2], 0.0, 1e-15);

@@ -94,17 +94,17 @@ static void test_cracks(void **state)
     check_near(shv_crack_distance(&above, &below).mean, 1.0 / 3.0, 1e-14);
 }
 
-/* Two tets that share a facet: which faces are opened, and once each. */
-static void test_surface_of_damage(void **state)
+/* Two tets that share a facet: which faces have failed, and once each; the outside counts for none. */
+static void test_surface_of_bonds(void **state)
 {
     (void)state;
     static const double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
     static const int32_t elements[] = {0, 1, 2, 3, 4, 3, 2, 1};
-    const double damage[8] = {0.995, 0.9, 0.0, 0.0, 0.995, 0.0, 0.0, 0.0};
+    const uint8_t bonds[8] = {0};
     const ShvMeshView mesh = {.node_count = 5, .element_count = 2, .positions = positions, .elements = elements};
     ShvCrackSurface surface;
     ShvError error;
-    check_ok(shv_crack_surface_create(&surface, &mesh, damage, NULL, &error), error);
+    check_ok(shv_crack_surface_create(&surface, &mesh, bonds, NULL, &error), error);
     assert_int_equal(surface.count, 1);
     assert_int_equal(surface.facets[0].nodes[0], 1);
     assert_int_equal(surface.facets[0].nodes[1], 2);
@@ -113,8 +113,8 @@ static void test_surface_of_damage(void **state)
     shv_crack_surface_release(&surface);
     ShvMemory *memory = shv_memory_create();
     shv_memory_fail_after(memory, 0);
-    check_fails(shv_crack_surface_create(&surface, &mesh, damage, memory, &error), SHV_NO_MEMORY, error,
-                "opened facets");
+    check_fails(shv_crack_surface_create(&surface, &mesh, bonds, memory, &error), SHV_NO_MEMORY, error,
+                "failed facets");
     shv_memory_destroy(memory);
 }
 
@@ -164,10 +164,10 @@ static void test_errors(void **state)
         check_near(shv_study_measure_error(cases[i].kind, &a, &b), cases[i].error, 1e-15);
     }
     /* Where the reference is zero and the run is not, nothing can be said; where both are, there is no error. */
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_OPENED_AREA, &b, NULL)));
-    check_near(shv_study_measure_error(SHV_MEASURE_OPENED_AREA, &a, &b), 0.0, 0.0);
-    a.numbers[SHV_DIGEST_OPENED_AREA] = 1.0;
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_OPENED_AREA, &a, &b)));
+    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &b, NULL)));
+    check_near(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &a, &b), 0.0, 0.0);
+    a.numbers[SHV_DIGEST_FAILED_AREA] = 1.0;
+    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &a, &b)));
     assert_true(isnan(shv_study_measure_error(SHV_MEASURE_POSITION, &a, &b)));
     check_near(shv_study_measure_error(SHV_MEASURE_BAR_SHARE, &a, NULL), 0.0, 0.0);
     assert_true(isnan(shv_study_measure_error(SHV_MEASURE_MISSED_FRACTURE, &b, NULL)));
@@ -269,7 +269,7 @@ int main(void)
         cmocka_unit_test(test_masses),
         cmocka_unit_test(test_distance_to_facet),
         cmocka_unit_test(test_cracks),
-        cmocka_unit_test(test_surface_of_damage),
+        cmocka_unit_test(test_surface_of_bonds),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_files),

@@ -320,7 +320,7 @@ static void test_tasks(void **state)
     static const char text[] = "shiver_study: 1\nvary:\n  - {fracture.stabiliser: none, step: [0.5, 1]}\n"
                                "  - {fracture.stabiliser: bars, step: [0.5, 3]}\n"
                                "reference: {step: 0.25}\n"
-                               "measures: [dissipated, opened_overlap, crack_distance, masses, impulse, bars_given]\n";
+                               "measures: [dissipated, failed_overlap, crack_distance, masses, impulse, bars_given]\n";
     assert_int_equal(complete("ball.yaml", text, at("serial")), 5);
     int runs = 0;
     ShvError error;
@@ -349,7 +349,7 @@ static void test_rows(void **state)
     const ShvStudyOptions options = options_for(at("rows"), &told);
     ShvStudy *study = open_study("ball.yaml",
                                  "shiver_study: 1\nvary: {step: [0.5, 1, 1.5]}\n"
-                                 "measures: [dissipated, fragments, opened_overlap]\n",
+                                 "measures: [dissipated, fragments, failed_overlap]\n",
                                  &options);
     check_ok(shv_study_run(study, &error), error);
     check_ok(shv_study_measure(study, &error), error);

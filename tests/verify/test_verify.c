@@ -121,7 +121,7 @@ static void test_names(void **state)
         "  - {name: series, measure: last(foot.reaction.z) + last(foot.stress.xy) + last(ground.contact.x) + "
         "last(foot.contact.y), compare: shown}\n"
         "  - {name: ledger, measure: last(ledger.kinetic + ledger.residual + ledger.momentum.x), compare: shown}\n"
-        "  - {name: frames, measure: last(frame.step + frame.courant + frame.steps + frame.inserted + frame.opened), "
+        "  - {name: frames, measure: last(frame.step + frame.courant + frame.steps + frame.inserted + frame.failed), "
         "compare: shown}\n"
         "  - {name: alive, measure: last(frame.alive), reference: '1', tolerance: 0}\n"
         "  - {name: pieces, measure: end.fragments, reference: '1', tolerance: 0}\n"

@@ -1,0 +1,18 @@
+/* What a cracked fragment still bears, as one stress: the least residual force of a cut over that cut's area. */
+#ifndef SHV_RIGID_RESIDUAL_STRENGTH_H
+#define SHV_RIGID_RESIDUAL_STRENGTH_H
+
+#include "rigid/fragment.h"
+
+/* Pa; infinite where nothing can break. The least of
+   - the weakest intact facet, as for a body without cracks;
+   - the cuts round parts that hang on by bonds alone: groups of tets that intact facets, and bonds above a share of their
+     strength, hold together, for a few such shares;
+   - plane sections across the three principal axes of inertia, each between two tets in the order of their centroids: where
+     a crack has gone half through, half of the section's area bears nothing.
+   Of a cut, Σ strength × area over Σ area of the facets that it crosses (of sections: of their projections). Failed facets
+   bear nothing. An oblique or winding crack that intact tets bridge is seen only in part by a plane section. */
+ShvStatus shv_fragment_residual_strength(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,
+                                         int32_t fragment, double *strength, ShvError *error);
+
+#endif
