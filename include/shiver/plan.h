@@ -23,9 +23,10 @@ typedef struct ShvPreflight {
     double courant;                       /* step / stable_step of this object */
     double bar_speed, dilatational_speed; /* m/s */
     bool breakable;
-    double cohesive_zone;       /* m: (π/8) E/(1−ν²) G/σ²; 5-10 elements resolve it */
-    double snap_back;           /* m: 2 E G/σ²; elements longer than this snap back */
-    bool never_parts; /* bonds are to hold pieces together, and facets fail only when open by more than an edge, or never */
+    double cohesive_zone; /* m: (π/8) E/(1−ν²) G/σ²; 5-10 elements resolve it */
+    double snap_back;     /* m: 2 E G/σ²; elements longer than this snap back */
+    bool
+        never_parts; /* bonds are to hold pieces together, and facets fail only when open by more than an edge, or never */
     double final_opening;       /* m */
     double opening_speed;       /* m/s: 2 σ/(ρ c₀), a free crack face under the strength */
     double cohesive_step;       /* s: final opening / opening speed */
