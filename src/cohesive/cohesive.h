@@ -83,6 +83,8 @@ typedef struct ShvStarSearch {
     int32_t *nodes;      /* node_capacity: those to look at, then those whose tets part */
     double *ratio;       /* as nodes */
     uint8_t *mark;       /* node_capacity; 0 between checks */
+    double *value;       /* node_capacity: largest of a node's facets in the present check; 0 between checks */
+    double *held;        /* node_capacity: the same at the last look, which found that the node holds; 0: none */
     double *facet_along; /* interior_count: of facets that were chosen, |cosine| between normal and opening */
 } ShvStarSearch;
 
@@ -133,7 +135,7 @@ typedef struct ShvCohesive {
     ShvStarSearch search;
     int32_t *asked;                      /* batches whose stress the check asks for: batches */
     uint8_t *stress_known;               /* batches: of the present check */
-    int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the threshold at the last check */
+    int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the level at the last check */
     int32_t nearest_count;
     int32_t *watched,
         *watched_nodes; /* facets that the check looks at closely; with the principal criterion facets and nodes that it looks at,

@@ -180,7 +180,7 @@ double shv_cohesive_floor(ShvCohesive *cohesive, const ShvState *state, const do
     for (int32_t k = 0; k < cohesive->nearest_count; k++)
         if (is_watched(cohesive, cohesive->nearest[k]))
             floor = shv_larger(floor, traction_value(&check, cohesive->nearest[k]));
-    return shv_smaller(floor, cohesive->settings->threshold);
+    return shv_smaller(floor, shv_inspection_level(cohesive));
 }
 
 /* The facets on which faces count. */
@@ -203,14 +203,14 @@ static void list_facets(ShvInspection *check)
     }
 }
 
-/* Of those below the threshold, the largest first. */
+/* Of those below the level, the largest first. */
 static void keep_nearest(ShvCohesive *cohesive)
 {
     const double *value = cohesive->facet_value;
     int32_t *nearest = cohesive->nearest, count = 0;
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int32_t facet = cohesive->watched[i];
-        if (!(value[facet] < cohesive->settings->threshold)) continue;
+        if (!(value[facet] < shv_inspection_level(cohesive))) continue;
         if (count == SHV_NEAREST_FACETS && !(value[facet] > value[nearest[count - 1]])) continue;
         int32_t k = count < SHV_NEAREST_FACETS ? count++ : count - 1;
         for (; k > 0 && value[facet] > value[nearest[k - 1]]; k--) nearest[k] = nearest[k - 1];

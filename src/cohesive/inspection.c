@@ -4,6 +4,15 @@
    relieves the others first. */
 static const double nucleation_margin = 0.03;
 
+/* Of the threshold: at the fronts of cracks intact facets reach this much before their disks part. */
+static const double front_share = 0.8;
+
+double shv_inspection_level(const ShvCohesive *cohesive)
+{
+    const ShvFractureDefinition *settings = cohesive->settings;
+    return settings->threshold * (settings->criterion == SHV_CRITERION_FORCE ? front_share : 1.0);
+}
+
 void shv_inspection_want(ShvInspection *inspection, int32_t element)
 {
     ShvCohesive *cohesive = inspection->cohesive;
@@ -24,31 +33,48 @@ void shv_inspection_get(ShvInspection *inspection)
 
 /* ---- nodes ---- */
 
-static void suspect(ShvInspection *inspection, int32_t node, int32_t *count)
+/* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. */
+static const double grown = 1.005, fallen = 0.98;
+
+static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *count)
 {
-    const ShvState *state = inspection->state;
-    ShvStarSearch *search = &inspection->cohesive->search;
-    if (search->mark[node]) return;
-    search->mark[node] = 1;
-    search->nodes[(*count)++] = node;
-    for (int32_t i = 0; i < state->corner_count[node]; i++)
-        shv_inspection_want(inspection, state->corners[state->corner_start[node] + i] / 4);
+    if (search->value[node] == 0.0) search->nodes[(*count)++] = node;
+    search->value[node] = shv_larger(search->value[node], value);
+}
+
+static bool worth_a_look(const ShvStarSearch *search, int32_t node)
+{
+    const double value = search->value[node], held = search->held[node];
+    return value > grown * held || value < fallen * held;
 }
 
 static int32_t list_nodes(ShvInspection *inspection)
 {
-    const ShvCohesive *cohesive = inspection->cohesive;
+    const ShvState *state = inspection->state;
+    ShvCohesive *cohesive = inspection->cohesive;
+    ShvStarSearch *search = &cohesive->search;
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    int32_t count = 0;
+    const double level = shv_inspection_level(cohesive);
+    int32_t count = 0, kept = 0;
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int64_t facet = cohesive->watched[i];
-        if (cohesive->facet_value[facet] < cohesive->settings->threshold) continue;
+        const double value = cohesive->facet_value[facet];
+        if (value < level) continue;
         const int32_t element = adjacency->facet_elements[2 * facet];
         const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * facet]];
-        for (int k = 0; k < 3; k++) suspect(inspection, shv_state_node(inspection->state, element, corners[k]), &count);
+        for (int k = 0; k < 3; k++) suspect(search, shv_state_node(state, element, corners[k]), value, &count);
     }
-    for (int32_t i = 0; i < count; i++) cohesive->search.mark[cohesive->search.nodes[i]] = 0;
-    return count;
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t node = search->nodes[i];
+        const bool looked_at = worth_a_look(search, node);
+        if (looked_at) search->held[node] = search->value[node];
+        search->value[node] = 0.0;
+        if (!looked_at) continue;
+        search->nodes[kept++] = node;
+        for (int32_t k = 0; k < state->corner_count[node]; k++)
+            shv_inspection_want(inspection, state->corners[state->corner_start[node] + k] / 4);
+    }
+    return kept;
 }
 
 static bool is_cracked(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
@@ -74,13 +100,17 @@ static void look(const ShvInspection *inspection, int32_t node)
                   least * (1.0 + margin));
 }
 
+/* What it shares tets with has other forces from now on. */
 static void mark_star(const ShvInspection *inspection, int32_t node, uint8_t mark)
 {
     const ShvState *state = inspection->state;
     for (int32_t i = 0; i < state->corner_count[node]; i++) {
         const int32_t element = state->corners[state->corner_start[node] + i] / 4;
-        for (int corner = 0; corner < 4; corner++)
-            inspection->cohesive->search.mark[shv_state_node(state, element, corner)] = mark;
+        for (int corner = 0; corner < 4; corner++) {
+            const int32_t other = shv_state_node(state, element, corner);
+            inspection->cohesive->search.mark[other] = mark;
+            inspection->cohesive->search.held[other] = 0.0;
+        }
     }
 }
 
@@ -108,6 +138,7 @@ void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, d
     for (int32_t i = 0; i < suspects; i++) {
         look(inspection, search->nodes[i]);
         if (search->star.disk_count == 0) continue;
+        search->held[search->nodes[i]] = 0.0;
         search->nodes[parting] = search->nodes[i];
         search->ratio[parting++] = search->star.ratio;
     }

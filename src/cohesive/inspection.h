@@ -17,8 +17,11 @@ void shv_inspection_want(ShvInspection *inspection, int32_t element);
 /* Has all of what is wanted put where the check finds it. */
 void shv_inspection_get(ShvInspection *inspection);
 
-/* The force criterion: nodes of the watched facets that reach the threshold are looked at (no disk counts more than the largest of its
-   facets); of those that part, the one with the largest ratio first, ties by number, and none that shares a tet with
+/* Value from which on facets count in a check: the threshold; with the force criterion less, since a disk whose intact facets are
+   all below it may have others, inserted before from elsewhere, that are above. */
+double shv_inspection_level(const ShvCohesive *cohesive);
+
+/* The force criterion: nodes of watched facets that reach the level are looked at; of those that part, the one with the largest ratio first, ties by number, and none that shares a tet with
    one before it, since its forces will be others. As shv_cohesive_candidates. */
 void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count);
 

@@ -49,11 +49,16 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
 static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     ShvStarSearch *search = &cohesive->search;
-    const size_t count = (size_t)nodes, bytes = count * (sizeof *search->nodes + sizeof *search->ratio + 1);
+    const size_t count = (size_t)nodes, bytes = count * (sizeof *search->nodes + 3 * sizeof *search->ratio + 1);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->nodes, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->ratio, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->mark, count, "nodes that may part", bytes, error);
-    for (int32_t i = cohesive->node_capacity; i < nodes; i++) search->mark[i] = 0;
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->value, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->held, count, "nodes that may part", bytes, error);
+    for (int32_t i = cohesive->node_capacity; i < nodes; i++) {
+        search->mark[i] = 0;
+        search->value[i] = search->held[i] = 0.0;
+    }
     return SHV_OK;
 }
 
@@ -181,6 +186,8 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->search.nodes);
     shv_release(cohesive->search.ratio);
     shv_release(cohesive->search.mark);
+    shv_release(cohesive->search.value);
+    shv_release(cohesive->search.held);
     shv_release(cohesive->search.facet_along);
     *cohesive = (ShvCohesive){0};
 }
