@@ -277,6 +277,7 @@ typedef enum ShvStabiliser {
 
 typedef enum ShvCriterion {
     SHV_CRITERION_TRACTION, /* facet traction √(⟨tn⟩² + |tt|²/β²), β = shear/normal strength, against the facet's strength */
+    SHV_CRITERION_FORCE,    /* forces between the tets at a node: all facets of the disk by which they part, together */
     SHV_CRITERION_PRINCIPAL /* largest principal stress at each of the facet's three nodes (volume average) */
 } ShvCriterion;
 
@@ -303,7 +304,7 @@ typedef struct ShvFractureDefinition {
     double time_step;    /* s; NaN: automatic */
     double safety;       /* share of the stable step when automatic, 0…1; 0.9 */
     int32_t check_every; /* steps between checks; 0: automatic, keeps the overshoot at insertion under 10 % */
-    double threshold;    /* share of the strength at which a facet opens; 0.9 */
+    double threshold;    /* share of the strength at which facets open; 1 */
     ShvCriterion criterion;
     ShvActivation activation;
     double

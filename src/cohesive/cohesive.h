@@ -18,6 +18,7 @@
 #define SHV_COHESIVE_COHESIVE_H
 
 #include "cohesive/pair.h"
+#include "cohesive/star.h"
 #include "model/ledger.h"
 #include "model/state.h"
 
@@ -76,6 +77,17 @@ typedef struct ShvStressSource {
     void *context;
 } ShvStressSource;
 
+/* Work space of the force criterion (star.h); empty with the others. */
+typedef struct ShvStarSearch {
+    ShvStar star;
+    int32_t *nodes;      /* node_capacity: those to look at, then those whose tets part */
+    double *ratio;       /* as nodes */
+    uint8_t *mark;       /* node_capacity; 0 between checks */
+    double *value;       /* node_capacity: largest of a node's facets in the present check; 0 between checks */
+    double *held;        /* node_capacity: the same at the last look, which found that the node holds; 0: none */
+    double *facet_along; /* interior_count: of facets that were chosen, |cosine| between normal and opening */
+} ShvStarSearch;
+
 typedef struct ShvCohesive {
     ShvMemory *memory;
     const ShvModel *model;
@@ -123,9 +135,10 @@ typedef struct ShvCohesive {
        than the larger of its two faces */
     double *face_weight;
     uint32_t *faces;
+    ShvStarSearch search;
     int32_t *asked;                      /* batches whose stress the check asks for: batches */
     uint8_t *stress_known;               /* batches: of the present check */
-    int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the threshold at the last check */
+    int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the level at the last check */
     int32_t nearest_count;
     int32_t *watched,
         *watched_nodes; /* facets that the check looks at closely; with the principal criterion facets and nodes that it looks at,
@@ -173,7 +186,9 @@ double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state
    SHV_ACTIVATION_TRACTION strengths are scaled so that the peak (of each component) is the facet's own traction, raised
    to the criterion's limit where it is below: a facet that is found above its strength starts from what it carries, and
    one in mixed mode softens from the criterion's ellipse instead of the law's box. Energies are kept, so final openings
-   change inversely; the scale lies between 1/√2 and the overshoot. `stress` NULL: no scaling. */
+   change inversely; the scale lies between 1/√2 and the overshoot. `stress` NULL: no scaling.
+   With the force criterion the law starts with the components of the traction by which the facet was judged, whatever it
+   carries: strength is what it holds, and a disk opens as soon as it is asked for more. */
 ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
                               int32_t count, int32_t *duplicated, ShvError *error);
 

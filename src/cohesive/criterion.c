@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "cohesive/cohesive.h"
+#include "cohesive/inspection.h"
 #include "cohesive/storage.h"
 #include "cohesive/traction.h"
 
@@ -148,32 +149,13 @@ void shv_cohesive_weigh(const ShvCohesive *cohesive, int32_t facet)
     }
 }
 
-typedef struct Check {
-    ShvCohesive *cohesive;
-    const ShvState *state;
-    const double *stress;
-    ShvStressSource source;
-    int32_t asked;
-} Check;
-
-static void want_stress(Check *check, int32_t facet)
+static void want_stress(ShvInspection *check, int32_t facet)
 {
-    for (int side = 0; side < 2; side++) {
-        const int32_t batch = check->cohesive->model->adjacency.facet_elements[2 * (int64_t)facet + side] / SHV_LANES;
-        if (check->cohesive->stress_known[batch]) continue;
-        check->cohesive->stress_known[batch] = 1;
-        check->cohesive->asked[check->asked++] = batch;
-    }
+    const int32_t *elements = check->cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
+    for (int side = 0; side < 2; side++) shv_inspection_want(check, elements[side]);
 }
 
-static void get_stress(Check *check)
-{
-    if (check->asked > 0) check->source.fill(check->source.context, check->cohesive->asked, check->asked);
-    for (int32_t k = 0; k < check->asked; k++) check->cohesive->stress_known[check->cohesive->asked[k]] = 0;
-    check->asked = 0;
-}
-
-static double traction_value(const Check *check, int32_t facet)
+static double traction_value(const ShvInspection *check, int32_t facet)
 {
     const ShvCohesive *cohesive = check->cohesive;
     const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
@@ -190,19 +172,19 @@ static bool is_watched(const ShvCohesive *cohesive, int32_t facet)
 /* The largest value is no less than those that were largest at the last check have now. */
 double shv_cohesive_floor(ShvCohesive *cohesive, const ShvState *state, const double *stress, ShvStressSource source)
 {
-    Check check = {cohesive, state, stress, source, 0};
+    ShvInspection check = {cohesive, state, stress, source, 0};
     double floor = 0.0;
     for (int32_t k = 0; k < cohesive->nearest_count; k++)
         if (is_watched(cohesive, cohesive->nearest[k])) want_stress(&check, cohesive->nearest[k]);
-    get_stress(&check);
+    shv_inspection_get(&check);
     for (int32_t k = 0; k < cohesive->nearest_count; k++)
         if (is_watched(cohesive, cohesive->nearest[k]))
             floor = shv_larger(floor, traction_value(&check, cohesive->nearest[k]));
-    return shv_smaller(floor, cohesive->settings->threshold);
+    return shv_smaller(floor, shv_inspection_level(cohesive));
 }
 
 /* The facets on which faces count. */
-static void list_facets(Check *check)
+static void list_facets(ShvInspection *check)
 {
     ShvCohesive *cohesive = check->cohesive;
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
@@ -221,14 +203,14 @@ static void list_facets(Check *check)
     }
 }
 
-/* Of those below the threshold, the largest first. */
+/* Of those below the level, the largest first. */
 static void keep_nearest(ShvCohesive *cohesive)
 {
     const double *value = cohesive->facet_value;
     int32_t *nearest = cohesive->nearest, count = 0;
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int32_t facet = cohesive->watched[i];
-        if (!(value[facet] < cohesive->settings->threshold)) continue;
+        if (!(value[facet] < shv_inspection_level(cohesive))) continue;
         if (count == SHV_NEAREST_FACETS && !(value[facet] > value[nearest[count - 1]])) continue;
         int32_t k = count < SHV_NEAREST_FACETS ? count++ : count - 1;
         for (; k > 0 && value[facet] > value[nearest[k - 1]]; k--) nearest[k] = nearest[k - 1];
@@ -237,13 +219,13 @@ static void keep_nearest(ShvCohesive *cohesive)
     cohesive->nearest_count = count;
 }
 
-static double evaluate_traction(Check *check)
+static double evaluate_traction(ShvInspection *check)
 {
     ShvCohesive *cohesive = check->cohesive;
     const int32_t threads = cohesive->model->threads;
     double largest = 0.0;
     list_facets(check);
-    get_stress(check);
+    shv_inspection_get(check);
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1) reduction(max : largest)
     for (int32_t i = 0; i < cohesive->watched_count; i++) {
         const int32_t facet = cohesive->watched[i];
@@ -253,43 +235,6 @@ static double evaluate_traction(Check *check)
     }
     keep_nearest(cohesive);
     return largest;
-}
-
-/* ---- descending order, ties by facet number: heap sort with the last in order at the root ---- */
-
-static bool after(const int32_t *facets, const double *values, int32_t a, int32_t b)
-{
-    return values[a] < values[b] || (values[a] == values[b] && facets[a] > facets[b]);
-}
-
-static void swap(int32_t *facets, double *values, int32_t a, int32_t b)
-{
-    const int32_t facet = facets[a];
-    const double value = values[a];
-    facets[a] = facets[b];
-    values[a] = values[b];
-    facets[b] = facet;
-    values[b] = value;
-}
-
-static void sift(int32_t *facets, double *values, int32_t root, int32_t count)
-{
-    for (int64_t child = 2 * (int64_t)root + 1; child < count; child = 2 * (int64_t)root + 1) {
-        int32_t last = (int32_t)child;
-        if (last + 1 < count && after(facets, values, last + 1, last)) last++;
-        if (!after(facets, values, last, root)) return;
-        swap(facets, values, root, last);
-        root = last;
-    }
-}
-
-static void sort(int32_t *facets, double *values, int32_t count)
-{
-    for (int32_t root = count / 2 - 1; root >= 0; root--) sift(facets, values, root, count);
-    for (int32_t end = count - 1; end > 0; end--) {
-        swap(facets, values, 0, end);
-        sift(facets, values, 0, end);
-    }
 }
 
 static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
@@ -328,7 +273,7 @@ static void collect(ShvCohesive *cohesive, int32_t *candidates, double *overstre
         candidates[*count] = facet;
         overstress[(*count)++] = cohesive->facet_value[facet];
     }
-    sort(candidates, overstress, *count);
+    shv_sort_descending(candidates, overstress, *count);
 }
 
 static void already_there(void *context, const int32_t *batches, int32_t count)
@@ -341,9 +286,12 @@ static void already_there(void *context, const int32_t *batches, int32_t count)
 double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state, const double *stress,
                                     ShvStressSource source, int32_t *candidates, double *overstress, int32_t *count)
 {
-    Check check = {cohesive, state, stress, source, 0};
+    ShvInspection check = {cohesive, state, stress, source, 0};
     const double largest = evaluate_traction(&check);
-    collect(cohesive, candidates, overstress, count);
+    if (cohesive->settings->criterion == SHV_CRITERION_FORCE)
+        shv_inspection_find_disks(&check, candidates, overstress, count);
+    else
+        collect(cohesive, candidates, overstress, count);
     return largest;
 }
 

@@ -87,19 +87,45 @@ static double activation(const ShvCohesive *cohesive, const ShvState *state, con
     return fmax(tension, shear) / fmin(whole, 1.0);
 }
 
+/* Of a strength, that a law starts with at least: with less, the final opening would outgrow the body. */
+static const double least_share = 0.1;
+
+/* The components of the traction that the force criterion counted on. Camacho and Ortiz' law starts on that ellipse by itself. */
+static ShvLaw judged_law(const ShvCohesive *cohesive, const ShvMaterial *material, int32_t facet, double scale)
+{
+    ShvMaterial judged = *material;
+    if (material->law == SHV_PPR) {
+        const double along = cohesive->search.facet_along[facet], beta = shv_shear_ratio(material);
+        const double share = shv_strength_share(along, beta);
+        judged.strength[SHV_NORMAL] *= fmax(along / share, least_share);
+        if (isfinite(beta)) judged.strength[SHV_SHEAR] *= fmax(beta * sqrt(1.0 - along * along) / share, least_share);
+    }
+    return shv_law_make(&judged, scale);
+}
+
+static ShvLaw starting_law(const ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t index)
+{
+    const int32_t facet = cohesive->facet[index];
+    const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
+    const double scale = shv_cohesive_strength_scale(cohesive->model, facet);
+    const bool judged = stress && cohesive->settings->criterion == SHV_CRITERION_FORCE;
+    ShvLaw law = judged ? judged_law(cohesive, material, facet, scale)
+                        : shv_law_make(material, scale * activation(cohesive, state, stress, index));
+    law.slip_share = cohesive->settings->regularisation;
+    return law;
+}
+
 static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t facet)
 {
     const int32_t index = cohesive->count++;
     const int64_t point = 3 * (int64_t)index;
     const ShvModel *model = cohesive->model;
     const ShvMaterial *material = shv_cohesive_material(model, facet);
-    const double scale = shv_cohesive_strength_scale(model, facet);
     cohesive->facet[index] = facet;
     match_corners(model, facet, cohesive->partner + point);
     shv_cohesive_find_sides(cohesive, state, index);
     cohesive->area[index] = shv_norm(shv_cohesive_reference_area(model, facet));
-    cohesive->law[index] = shv_law_make(material, scale * activation(cohesive, state, stress, index));
-    cohesive->law[index].slip_share = cohesive->settings->regularisation;
+    cohesive->law[index] = starting_law(cohesive, state, stress, index);
     const double length = sqrt(cohesive->area[index]);
     const ShvHistory start = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
     cohesive->sides[index].start = start.normal;

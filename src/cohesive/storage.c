@@ -48,6 +48,22 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
     return SHV_OK;
 }
 
+static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
+{
+    ShvStarSearch *search = &cohesive->search;
+    const size_t count = (size_t)nodes, bytes = count * (sizeof *search->nodes + 3 * sizeof *search->ratio + 1);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->nodes, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->ratio, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->mark, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->value, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->held, count, "nodes that may part", bytes, error);
+    for (int32_t i = cohesive->node_capacity; i < nodes; i++) {
+        search->mark[i] = 0;
+        search->value[i] = search->held[i] = 0.0;
+    }
+    return SHV_OK;
+}
+
 ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
@@ -58,6 +74,7 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
         SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->watched_nodes, (size_t)nodes, "nodes to look at",
                    4 * (size_t)nodes, error);
     }
+    if (cohesive->settings->criterion == SHV_CRITERION_FORCE) SHV_TRY(reserve_search(cohesive, nodes, error));
     cohesive->node_capacity = nodes;
     return SHV_OK;
 }
@@ -117,6 +134,12 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
         !cohesive->facet_watch || !cohesive->face_weight || !cohesive->faces || !cohesive->asked ||
         !cohesive->stress_known || !cohesive->watched)
         return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 8);
+    if (cohesive->settings->criterion == SHV_CRITERION_FORCE) {
+        ShvStarSearch *search = &cohesive->search;
+        SHV_TRY(shv_star_create(&search->star, memory, (int32_t)corners, error));
+        search->facet_along = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *search->facet_along);
+        if (!search->facet_along) return shv_fail_memory(error, "directions of opening", facets * sizeof(double));
+    }
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
@@ -161,5 +184,12 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->node_value);
     shv_release(cohesive->watched);
     shv_release(cohesive->watched_nodes);
+    shv_star_release(&cohesive->search.star);
+    shv_release(cohesive->search.nodes);
+    shv_release(cohesive->search.ratio);
+    shv_release(cohesive->search.mark);
+    shv_release(cohesive->search.value);
+    shv_release(cohesive->search.held);
+    shv_release(cohesive->search.facet_along);
     *cohesive = (ShvCohesive){0};
 }

@@ -2,8 +2,7 @@
 
 #include <string.h>
 
-/* Position of an element among the corners of a node, which increase; −1 when it has none there. */
-static int32_t find(const int32_t *corners, int32_t count, int32_t element)
+int32_t shv_topology_find(const int32_t *corners, int32_t count, int32_t element)
 {
     int32_t low = 0, high = count;
     while (low < high) {
@@ -31,7 +30,7 @@ static void flood(ShvCohesive *cohesive, const int32_t *corners, int32_t count, 
             if (opposite == corner || facet >= adjacency->interior_count || cohesive->facet_cohesive[facet] >= 0)
                 continue;
             const int32_t *sides = adjacency->facet_elements + 2 * facet;
-            const int32_t next = find(corners, count, sides[0] == element ? sides[1] : sides[0]);
+            const int32_t next = shv_topology_find(corners, count, sides[0] == element ? sides[1] : sides[0]);
             if (next < 0 || labels[next] >= 0) continue;
             labels[next] = label;
             queue[length++] = next;

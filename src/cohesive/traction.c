@@ -28,3 +28,18 @@ double shv_facet_overstress(const ShvMaterial *material, double strength, ShvFac
     const double shear = against(traction.shear, scale * material->strength[SHV_SHEAR]);
     return sqrt(tension * tension + shear * shear);
 }
+
+double shv_shear_ratio(const ShvMaterial *material)
+{
+    const double normal = material->strength[SHV_NORMAL];
+    return normal > 0.0 && isfinite(normal) ? material->strength[SHV_SHEAR] / normal : 1.0;
+}
+
+/* Less than this of sin² θ is round-off, which shear of infinite strength would not forgive. */
+static const double slight_shear = 1e-12;
+
+double shv_strength_share(double cosine, double shear_ratio)
+{
+    const double normal = cosine * cosine, shear = 1.0 - normal;
+    return sqrt(normal + (shear > slight_shear ? shear_ratio * shear_ratio * shear : 0.0));
+}

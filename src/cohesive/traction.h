@@ -18,5 +18,10 @@ typedef struct ShvFacetTraction {
 ShvFacetTraction shv_facet_traction(const double *stress, int32_t first, int32_t second, ShvVec3 normal);
 /* √(⟨tn⟩² + (tt/β)²) / strength, β the material's shear/normal strength; any traction exceeds a strength of zero. */
 double shv_facet_overstress(const ShvMaterial *material, double strength, ShvFacetTraction traction);
+/* β, the shear strength as a multiple of the normal one. */
+double shv_shear_ratio(const ShvMaterial *material);
+/* What a facet holds in the direction of an opening, as a share of its normal strength: √(cos² θ + β² sin² θ), from the
+   cosine of the angle θ between the direction and its normal. */
+double shv_strength_share(double cosine, double shear_ratio);
 
 #endif

@@ -672,8 +672,10 @@ static const ShvTable rigid_table = {.name = "rigid",
                                      .keys = rigid_keys,
                                      .key_count = LENGTH_OF(rigid_keys)};
 static const ShvChoice stabiliser_choices[] = {{"none", SHV_STABILISER_NONE}, {"bars", SHV_STABILISER_BARS}, {NULL, 0}};
-static const ShvChoice criterion_choices[] = {
-    {"traction", SHV_CRITERION_TRACTION}, {"principal", SHV_CRITERION_PRINCIPAL}, {NULL, 0}};
+static const ShvChoice criterion_choices[] = {{"force", SHV_CRITERION_FORCE},
+                                              {"traction", SHV_CRITERION_TRACTION},
+                                              {"principal", SHV_CRITERION_PRINCIPAL},
+                                              {NULL, 0}};
 static const ShvChoice activation_choices[] = {
     {"traction", SHV_ACTIVATION_TRACTION}, {"strength", SHV_ACTIVATION_STRENGTH}, {NULL, 0}};
 static const ShvChoice connectivity_choices[] = {
@@ -704,12 +706,17 @@ static const ShvKey fracture_keys[] = {
      .offset = SCENE(fracture.check_every), .absent = "auto",
      .sentence = "Steps between checks of the criterion; `auto` (or 0) keeps the overshoot at insertion below 10 %."},
     {"threshold", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.threshold),
-     .sentence = "Share of its strength at which a facet opens."},
+     .sentence = "Share of the strength at which facets open."},
     {"criterion", SHV_KEY_CHOICE, .choices = criterion_choices, .offset = SCENE(fracture.criterion),
-     .sentence = "Traction on the facet, or largest principal stress at its nodes."},
+     .sentence =
+         "Which facets open. `force`: the tets at a node part, across all facets of the weakest disk between them at "
+         "once, where the force that these pass on exceeds what their laws hold; cracks localise. `traction`: each "
+         "facet by "
+         "its own traction. `principal`: a facet by the largest principal stress at its nodes."},
     {"activation", SHV_KEY_CHOICE, .choices = activation_choices, .offset = SCENE(fracture.activation),
-     .sentence = "Where the cohesive law starts: at the traction that the facet carries, which makes no jump, or at "
-                 "the strength."},
+     .sentence =
+         "Where the cohesive law starts with `criterion: traction` and `principal`: at the traction that the facet "
+         "carries, which makes no jump, or at the strength. With `force` it starts at what the criterion counted on."},
     {"regularisation", SHV_KEY_NUMBER, .range = &open_share, .offset = SCENE(fracture.regularisation),
      .sentence = "Openings below this share of the final one unload with bounded stiffness."},
     {"connectivity", SHV_KEY_CHOICE, .choices = connectivity_choices, .offset = SCENE(fracture.connectivity),

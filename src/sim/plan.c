@@ -148,7 +148,7 @@ static double time_step_cost(ShvHybrid *hybrid)
             const double begin = shv_now();
             int32_t count = 0;
             shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
-            if (hybrid->scene->fracture.criterion == SHV_CRITERION_TRACTION) {
+            if (hybrid->scene->fracture.criterion != SHV_CRITERION_PRINCIPAL) {
                 shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, NULL);
                 shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, hybrid->candidates,
                                         hybrid->overstress, &count);

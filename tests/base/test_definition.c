@@ -84,11 +84,11 @@ static void fracture_has_the_documented_defaults(void **state)
     assert_true(f.enabled);
     assert_true(isnan(f.time_step));
     assert_int_equal(f.check_every, 0);
-    assert_int_equal(f.criterion, SHV_CRITERION_TRACTION);
+    assert_int_equal(f.criterion, SHV_CRITERION_FORCE);
     assert_int_equal(f.activation, SHV_ACTIVATION_TRACTION);
     assert_int_equal(f.quiet_checks, 20);
     check_near(f.safety, 0.9, 0.0);
-    check_near(f.threshold, 0.9, 0.0);
+    check_near(f.threshold, 1.0, 0.0);
     check_near(f.regularisation, 0.005, 0.0);
     check_near(f.longest, 0.0, 0.0);
     check_near(f.energy_bound, 0.05, 0.0);

@@ -49,6 +49,7 @@ static inline void fixture_define(Fixture *f, double x, double y, double z, doub
     f->scene.fracture.enabled = true;
     f->scene.fracture.regularisation = 0.005;
     f->scene.fracture.criterion = SHV_CRITERION_TRACTION;
+    f->scene.fracture.threshold = 0.9;
 }
 
 /* Six tets a cube round the diagonal, so that planes between cubes are planes of facets. */

@@ -146,7 +146,8 @@ static void test_clock(void **unused)
         assert_true(hybrid.clock.due >= 1 && hybrid.clock.due <= 10);
         if (step < 5) assert_int_equal(hybrid.clock.due, 1);
         if (hybrid.clock.due > 1)
-            assert_true(hybrid.clock.last + (hybrid.clock.due - 1) * hybrid.clock.rate <= 1.05 * 0.9);
+            assert_true(hybrid.clock.last + (hybrid.clock.due - 1) * hybrid.clock.rate <=
+                        1.05 * stage.scene.fracture.threshold);
         rarest = hybrid.clock.due > rarest ? hybrid.clock.due : rarest;
     }
     assert_int_equal(hybrid.cohesive.count, 0);

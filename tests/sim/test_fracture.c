@@ -10,11 +10,14 @@ static void stay_awake(Stage *stage)
     stage->scene.fracture.longest = 1e3;
 }
 
-/* 0.26 m/s cracks the bar; bonds hold its pieces. */
+/* 0.26 m/s cracks the bar, where facets are judged one by one: disks of this coarse lattice hold half as much again. Bonds hold
+   its pieces. */
 static void make_gentle_break(Stage *stage)
 {
     stage_make_breaking_bar(stage);
     stage->objects[0].placement.velocity[2] = -0.26;
+    stage->scene.fracture.criterion = SHV_CRITERION_TRACTION;
+    stage->scene.fracture.threshold = 0.9;
 }
 
 static void test_ledger_closes(void **state)
@@ -499,13 +502,13 @@ static void test_momentum_with_a_free_body(void **state)
     stone->mass = 0.01;
     stone->placement.position[0] = -0.05;
     stone->placement.position[1] = 0.002;
-    stone->placement.velocity[0] = 0.5;
+    stone->placement.velocity[0] = 0.7;
     memset(stage.scene.gravity, 0, sizeof stage.scene.gravity);
     stage.scene.duration = 0.065;
     stage.scene.output.fracture_every = 1;
     ShvSimulation *simulation = stage_start(&stage);
     const ShvLedgerView start = stage_next(simulation)->ledger;
-    const double momentum = 0.005, opening = 2.0 * stage.material.fracture_energy / stage.material.cohesive_strength;
+    const double momentum = 0.007, opening = 2.0 * stage.material.fracture_energy / stage.material.cohesive_strength;
     check_near(start.momentum[0], momentum, 1e-15);
     while (!shv_simulation_finished(simulation)) {
         const ShvLedgerView now = stage_next(simulation)->ledger;

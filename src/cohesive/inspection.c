@@ -1,0 +1,190 @@
+#include "cohesive/inspection.h"
+
+/* Where nothing has cracked yet, this much more is asked for: of many nodes that reach their strength together, one that begins
+   relieves the others first. */
+static const double nucleation_margin = 0.03;
+
+/* Of the threshold: at the fronts of cracks intact facets reach this much before their disks part. */
+static const double front_share = 0.8;
+
+double shv_inspection_level(const ShvCohesive *cohesive)
+{
+    const ShvFractureDefinition *settings = cohesive->settings;
+    return settings->threshold * (settings->criterion == SHV_CRITERION_FORCE ? front_share : 1.0);
+}
+
+void shv_inspection_want(ShvInspection *inspection, int32_t element)
+{
+    ShvCohesive *cohesive = inspection->cohesive;
+    const int32_t batch = element / SHV_LANES;
+    if (cohesive->stress_known[batch]) return;
+    cohesive->stress_known[batch] = 1;
+    cohesive->asked[inspection->asked++] = batch;
+}
+
+void shv_inspection_get(ShvInspection *inspection)
+{
+    const ShvCohesive *cohesive = inspection->cohesive;
+    const ShvStressSource source = inspection->source;
+    if (inspection->asked > 0) source.fill(source.context, cohesive->asked, inspection->asked);
+    for (int32_t k = 0; k < inspection->asked; k++) cohesive->stress_known[cohesive->asked[k]] = 0;
+    inspection->asked = 0;
+}
+
+/* ---- nodes ---- */
+
+/* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. */
+static const double grown = 1.005, fallen = 0.98;
+
+static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *count)
+{
+    if (search->value[node] == 0.0) search->nodes[(*count)++] = node;
+    search->value[node] = shv_larger(search->value[node], value);
+}
+
+static bool worth_a_look(const ShvStarSearch *search, int32_t node)
+{
+    const double value = search->value[node], held = search->held[node];
+    return value > grown * held || value < fallen * held;
+}
+
+static int32_t list_nodes(ShvInspection *inspection)
+{
+    const ShvState *state = inspection->state;
+    ShvCohesive *cohesive = inspection->cohesive;
+    ShvStarSearch *search = &cohesive->search;
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    const double level = shv_inspection_level(cohesive);
+    int32_t count = 0, kept = 0;
+    for (int32_t i = 0; i < cohesive->watched_count; i++) {
+        const int64_t facet = cohesive->watched[i];
+        const double value = cohesive->facet_value[facet];
+        if (value < level) continue;
+        const int32_t element = adjacency->facet_elements[2 * facet];
+        const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * facet]];
+        for (int k = 0; k < 3; k++) suspect(search, shv_state_node(state, element, corners[k]), value, &count);
+    }
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t node = search->nodes[i];
+        const bool looked_at = worth_a_look(search, node);
+        if (looked_at) search->held[node] = search->value[node];
+        search->value[node] = 0.0;
+        if (!looked_at) continue;
+        search->nodes[kept++] = node;
+        for (int32_t k = 0; k < state->corner_count[node]; k++)
+            shv_inspection_want(inspection, state->corners[state->corner_start[node] + k] / 4);
+    }
+    return kept;
+}
+
+static bool is_cracked(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t corner = state->corners[state->corner_start[node] + i];
+        for (int k = 0; k < 4; k++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)(corner / 4) + k];
+            if (k != corner % 4 && facet < adjacency->interior_count && cohesive->facet_cohesive[facet] >= 0)
+                return true;
+        }
+    }
+    return false;
+}
+
+static void look(const ShvInspection *inspection, int32_t node)
+{
+    ShvCohesive *cohesive = inspection->cohesive;
+    const double least = cohesive->settings->threshold;
+    const double margin = is_cracked(cohesive, inspection->state, node) ? 0.0 : nucleation_margin;
+    shv_star_look(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node,
+                  least * (1.0 + margin));
+}
+
+/* What it shares tets with has other forces from now on. */
+static void mark_star(const ShvInspection *inspection, int32_t node, uint8_t mark)
+{
+    const ShvState *state = inspection->state;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+        for (int corner = 0; corner < 4; corner++) {
+            const int32_t other = shv_state_node(state, element, corner);
+            inspection->cohesive->search.mark[other] = mark;
+            inspection->cohesive->search.held[other] = 0.0;
+        }
+    }
+}
+
+/* The disk that `look` has just found. */
+static void take_disk(const ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count)
+{
+    const ShvCohesive *cohesive = inspection->cohesive;
+    const ShvStar *star = &cohesive->search.star;
+    for (int32_t k = 0; k < star->disk_count; k++) {
+        const ShvStarFacet *facet = &star->facets[star->disk[k]];
+        cohesive->search.facet_along[facet->facet] =
+            shv_smaller(fabs(shv_dot(facet->area, star->direction)) / shv_norm(facet->area), 1.0);
+        candidates[*count] = facet->facet;
+        overstress[(*count)++] = star->ratio;
+    }
+}
+
+void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count)
+{
+    ShvStarSearch *search = &inspection->cohesive->search;
+    const int32_t suspects = list_nodes(inspection);
+    int32_t parting = 0;
+    *count = 0;
+    shv_inspection_get(inspection);
+    for (int32_t i = 0; i < suspects; i++) {
+        look(inspection, search->nodes[i]);
+        if (search->star.disk_count == 0) continue;
+        search->held[search->nodes[i]] = 0.0;
+        search->nodes[parting] = search->nodes[i];
+        search->ratio[parting++] = search->star.ratio;
+    }
+    shv_sort_descending(search->nodes, search->ratio, parting);
+    for (int32_t i = 0; i < parting; i++) {
+        if (search->mark[search->nodes[i]]) continue;
+        look(inspection, search->nodes[i]);
+        take_disk(inspection, candidates, overstress, count);
+        mark_star(inspection, search->nodes[i], 1);
+    }
+    for (int32_t i = 0; i < parting; i++) mark_star(inspection, search->nodes[i], 0);
+}
+
+/* ---- descending order, ties by number: heap sort with the last in order at the root ---- */
+
+static bool after(const int32_t *numbers, const double *values, int32_t a, int32_t b)
+{
+    return values[a] < values[b] || (values[a] == values[b] && numbers[a] > numbers[b]);
+}
+
+static void swap(int32_t *numbers, double *values, int32_t a, int32_t b)
+{
+    const int32_t number = numbers[a];
+    const double value = values[a];
+    numbers[a] = numbers[b];
+    values[a] = values[b];
+    numbers[b] = number;
+    values[b] = value;
+}
+
+static void sift(int32_t *numbers, double *values, int32_t root, int32_t count)
+{
+    for (int64_t child = 2 * (int64_t)root + 1; child < count; child = 2 * (int64_t)root + 1) {
+        int32_t last = (int32_t)child;
+        if (last + 1 < count && after(numbers, values, last + 1, last)) last++;
+        if (!after(numbers, values, last, root)) return;
+        swap(numbers, values, root, last);
+        root = last;
+    }
+}
+
+void shv_sort_descending(int32_t *numbers, double *values, int32_t count)
+{
+    for (int32_t root = count / 2 - 1; root >= 0; root--) sift(numbers, values, root, count);
+    for (int32_t end = count - 1; end > 0; end--) {
+        swap(numbers, values, 0, end);
+        sift(numbers, values, 0, end);
+    }
+}

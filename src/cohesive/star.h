@@ -1,0 +1,46 @@
+/* The star of a node: the tets that share one copy of it, and the force that each facet between them passes on at the node.
+
+   A node can open only once a closed disk of facets round it has been inserted. Facets judged one by one reach their
+   strength long before and long after such a disk is complete, so that many are inserted for each that opens. Here the disk
+   is judged as a whole: for a direction of opening, every facet at the node passes on a third of area × mean stress of its
+   two tets, and could hold a third of area × what its law can carry in that direction. A minimal cut (cut.h) finds the
+   group of tets whose pull is largest against what holds it. Forces across facets have no part in contact, inertia or
+   tractions of open faces, and of a node's forces sum to zero.
+
+   Strength in a direction at an angle θ to the facet's normal: σ √(cos² θ + β² sin² θ), β = shear/normal strength; the
+   law starts with the components of just that traction (insert.c), so that what is inserted carries what it was judged by. A facet
+   that the motion would close holds whatever is asked of it. */
+#ifndef SHV_COHESIVE_STAR_H
+#define SHV_COHESIVE_STAR_H
+
+#include "cohesive/cut.h"
+#include "model/state.h"
+
+struct ShvCohesive;
+
+/* A facet between two tets of a star. */
+typedef struct ShvStarFacet {
+    int32_t facet;
+    ShvVec3 area;                 /* a third of it, from the joint's first member to its second, m² */
+    ShvVec3 force;                /* mean stress on it, N: of the second member on the first */
+    double strength, shear_ratio; /* Pa, β */
+    double share;                 /* of its strength that counts: above 1 where a tet would lose its last bonds */
+} ShvStarFacet;
+
+typedef struct ShvStar {
+    ShvCut cut;
+    ShvStarFacet *facets; /* as cut.joints */
+    double stress[6];     /* mean over the tets by mass, Pa */
+    ShvVec3 direction;    /* of the opening found */
+    double ratio;         /* force / capacity of the disk found; 0: none */
+    int32_t disk_count;
+    int32_t *disk; /* its facets, as numbers of joints, that are still intact */
+} ShvStar;
+
+ShvStatus shv_star_create(ShvStar *star, ShvMemory *memory, int32_t most_corners, ShvError *error);
+void shv_star_release(ShvStar *star);
+/* Looks for the disk of a node with the largest ratio, `least` or more. The stress of all its tets must be there. */
+void shv_star_look(ShvStar *star, const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                   int32_t node, double least);
+
+#endif
