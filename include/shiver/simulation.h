@@ -157,6 +157,7 @@ typedef struct ShvFrameView {
     int64_t steps;            /* of fracture mode so far */
     double step, courant;     /* s: last step of fracture mode; its ratio to the stable step */
     int32_t inserted, opened; /* cohesive facets */
+    int32_t softened; /* of them: half opened or more, not all, with less than half the dissipation that takes */
     int32_t audited,
         missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */

@@ -98,9 +98,10 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            frame->time, wall, path);
-    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d opened, %.4g m² opened\n",
+    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d opened, %.4g m² opened, %d softened "
+           "without dissipation\n",
            (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->opened,
-           ledger->opened_area);
+           ledger->opened_area, (int)frame->softened);
     printf("  %lld steps of fracture mode, last of %.3g s, Courant number %.3g\n", (long long)frame->steps, frame->step,
            frame->courant);
     if (frame->cohesive_share > 0.0)
@@ -229,12 +230,14 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
     printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"opened\": %d, "
+           "\"softened\": %d, "
            "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d, \"squeezes\": %d",
            status == SHV_OK            ? "finished"
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->opened,
-           (long long)frame->steps, (int)frame->audited, (int)frame->missed, (int)history->squeezes);
+           (int)frame->softened, (long long)frame->steps, (int)frame->audited, (int)frame->missed,
+           (int)history->squeezes);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);

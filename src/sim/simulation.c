@@ -209,6 +209,7 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
     simulation->frame.inserted = hybrid->cohesive_energy.inserted;
     simulation->frame.opened = hybrid->cohesive_energy.opened;
+    simulation->frame.softened = hybrid->cohesive_energy.softened;
     simulation->frame.audited = hybrid->audited;
     simulation->frame.missed = hybrid->missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
