@@ -160,6 +160,7 @@ typedef struct ShvFrameView {
        `pieces`: how many fragments there would be if a facet held down to 1, 10 and 50 % of its normal strength; far apart, they
        say that it depends on the limit what a fragment is. */
     int32_t inserted, failed, pieces[3];
+    int32_t softened; /* of them: half opened or more, not all, with less than half the dissipation that takes */
     int32_t audited,
         missed; /* impacts that woke for ShvSimulationOptions.audit_wakes; those of them that broke something */
     double worst_overshoot; /* largest criterion / strength at an insertion so far */

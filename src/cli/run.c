@@ -98,9 +98,10 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            frame->time, wall, path);
-    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d failed, %.4g m² failed\n",
+    printf("  %d fragments (largest %.1f %% of the mass), %d facets inserted, %d failed, %.4g m² failed, %d softened "
+           "without dissipation\n",
            (int)frame->alive_count, 100.0 * largest_mass_fraction(frame), (int)frame->inserted, (int)frame->failed,
-           ledger->failed_area);
+           ledger->failed_area, (int)frame->softened);
     if (frame->inserted > 0) shv_cli_print_pieces(frame->pieces);
     printf("  %lld steps of fracture mode, last of %.3g s, Courant number %.3g\n", (long long)frame->steps, frame->step,
            frame->courant);
@@ -230,14 +231,15 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
     printf("{\"file\": ");
     shv_cli_print_json_text(path);
     printf(", \"status\": \"%s\", \"fragments\": %d, \"fragments_ever\": %d, \"inserted\": %d, \"failed\": %d, "
+           "\"softened\": %d, "
            "\"pieces_at_1_10_50_percent\": [%d, %d, %d], "
            "\"steps\": %lld, \"audited_wakes\": %d, \"missed_fractures\": %d, \"squeezes\": %d",
            status == SHV_OK            ? "finished"
            : status == SHV_INTERRUPTED ? "interrupted"
                                        : "failed",
            (int)frame->alive_count, (int)frame->fragment_count, (int)frame->inserted, (int)frame->failed,
-           (int)frame->pieces[0], (int)frame->pieces[1], (int)frame->pieces[2], (long long)frame->steps,
-           (int)frame->audited, (int)frame->missed, (int)history->squeezes);
+           (int)frame->softened, (int)frame->pieces[0], (int)frame->pieces[1], (int)frame->pieces[2],
+           (long long)frame->steps, (int)frame->audited, (int)frame->missed, (int)history->squeezes);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);

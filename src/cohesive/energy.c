@@ -85,6 +85,24 @@ static double spring_step(const ShvCohesive *cohesive, const ShvState *state)
     return largest > 0.0 ? 2.0 / sqrt(largest) : (double)INFINITY;
 }
 
+/* ---- softening ---- */
+
+/* A path to the share x of the final opening dissipates about x G (exactly, where the envelope is a line). */
+static bool softened(const ShvCohesive *cohesive, int32_t index)
+{
+    const ShvLaw *law = &cohesive->law[index];
+    double reached = 0.0, dissipated = 0.0;
+    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
+        const ShvHistory history = cohesive->history[k];
+        const double normal = history.normal / law->final_opening[SHV_NORMAL];
+        const double share = shv_larger(normal, history.shear / law->final_opening[SHV_SHEAR]);
+        reached += shv_smaller(share, 1.0) / 3.0;
+        dissipated += history.dissipated / 3.0;
+    }
+    const double energy = shv_smaller(law->energy[SHV_NORMAL], law->energy[SHV_SHEAR]);
+    return reached >= 0.5 && reached < 0.99 && dissipated < 0.5 * reached * energy;
+}
+
 /* ---- sums ---- */
 
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state)
@@ -95,6 +113,7 @@ ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvStat
         energy.recoverable += facet.recoverable;
         energy.dissipated += facet.dissipated;
         energy.inserted_area += cohesive->area[i];
+        energy.softened += softened(cohesive, i);
         if (cohesive->bonded[i]) continue;
         energy.failed++;
         energy.failed_area += cohesive->area[i];

@@ -223,6 +223,7 @@ static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError 
     simulation->frame.inserted = hybrid->cohesive_energy.inserted;
     simulation->frame.failed = hybrid->cohesive_energy.failed;
     SHV_TRY(count_pieces(hybrid, simulation->frame.pieces, error));
+    simulation->frame.softened = hybrid->cohesive_energy.softened;
     simulation->frame.audited = hybrid->audited;
     simulation->frame.missed = hybrid->missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;

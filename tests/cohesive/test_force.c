@@ -407,6 +407,25 @@ static void turned_bodies_open_alike(void **state)
     check_near(slowed[1], slowed[0], 1e-8 * slowed[0]);
 }
 
+/* A facet that has gone through 0.7 of its law counts as softened until it has dissipated half of what that takes. */
+static void softening_without_dissipation_is_counted(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.012, 0.006, 0.006, 0.003);
+    fixture_build_cubes(&f, 4, 2, 2);
+    fixture_start(&f);
+    insert_plane(&f);
+    assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
+    for (int i = 0; i < 3; i++) f.cohesive.history[i].normal = 0.7 * f.cohesive.law[0].final_opening[SHV_NORMAL];
+    assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 1);
+    for (int i = 0; i < 3; i++) f.cohesive.history[i].dissipated = 0.7 * 8.0;
+    assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
+    for (int i = 0; i < 3; i++) f.cohesive.history[i] = (ShvHistory){.normal = 1.0};
+    assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
+    fixture_release(&f);
+}
+
 static void resolution_step_is_a_tenth_of_what_is_left(void **state)
 {
     (void)state;
@@ -432,6 +451,7 @@ int main(void)
         cmocka_unit_test(unsettled_clusters_never_give_energy),
         cmocka_unit_test(corners_held_shut_do_not_wear),
         cmocka_unit_test(turned_bodies_open_alike),
+        cmocka_unit_test(softening_without_dissipation_is_counted),
         cmocka_unit_test(resolution_step_is_a_tenth_of_what_is_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
