@@ -143,55 +143,10 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
     return SHV_OK;
 }
 
-static const char *kind_name(ShvRunEvent kind)
-{
-    switch (kind) {
-    case SHV_RUN_WAKE:
-        return "wake";
-    case SHV_RUN_SLEEP:
-        return "sleep";
-    case SHV_RUN_SPLIT:
-        return "split";
-    case SHV_RUN_INSERTION:
-        return "insertion";
-    case SHV_RUN_INVERSION:
-        return "inversion";
-    case SHV_RUN_SCENE:
-        return "scene";
-    case SHV_RUN_SQUEEZE:
-        return "squeeze";
-    case SHV_RUN_BIN:
-        return "bin";
-    }
-    return "unknown";
-}
-
-static const char *reason_name(ShvSwitchReason reason)
-{
-    switch (reason) {
-    case SHV_REASON_NONE:
-        return "";
-    case SHV_REASON_CONTACT:
-        return "contact";
-    case SHV_REASON_IMPACT:
-        return "impact";
-    case SHV_REASON_LOAD:
-        return "load";
-    case SHV_REASON_AUDIT:
-        return "audit";
-    case SHV_REASON_QUIET:
-        return "quiet";
-    case SHV_REASON_CHECKS:
-        return "checks";
-    case SHV_REASON_LONGEST:
-        return "longest";
-    }
-    return "unknown";
-}
-
 static void put_switch(FILE *stream, const ShvEventView *event)
 {
-    shv_print(stream, ",%s,%d", reason_name(event->reason), (int)event->hulls);
+    shv_print(stream, ",%s,%d", event->reason == SHV_REASON_NONE ? "" : shv_switch_reason_name(event->reason),
+              (int)event->hulls);
     const double figures[] = {
         event->mass,           event->momentum_scale,    event->angular_scale,  event->cohesive_before,
         event->cohesive_after, event->dropped_vibration, event->dropped_strain, event->dropped_cohesive,
@@ -215,7 +170,8 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
         SHV_TRY(shv_run_file_event(file, i, &event, error));
         char start[SHV_OUTPUT_NUMBER];
         shv_output_format(start, event.time);
-        shv_print(stream, "%s,%s,%d,%d", start, kind_name(event.kind), (int)event.fragment, (int)event.obstacle);
+        shv_print(stream, "%s,%s,%d,%d", start, shv_run_event_name(event.kind), (int)event.fragment,
+                  (int)event.obstacle);
         const double energies[] = {event.value, event.kinetic_before, event.kinetic_after, event.strain_before,
                                    event.strain_after};
         put_numbers(stream, energies, 5);

@@ -8,7 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
+#include "record/journal.h"
 #include "record/run_file.h"
 
 /* ---- opening ---- */
@@ -25,6 +27,22 @@ static ShvStatus check_lock(int descriptor, const char *path, ShvError *error)
     if (flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return fail_open(error, path, "is being written by another process; wait until that run has ended, or stop it");
     return SHV_OK;
+}
+
+/* A journal is left by a writer that died. The lock keeps other readers from putting the file right at the same time. */
+static ShvStatus put_right(const char *path, ShvMemory *memory, ShvError *error)
+{
+    const int descriptor = open(path, O_RDWR | O_CLOEXEC);
+    if (descriptor < 0)
+        return shv_fail(
+            error, SHV_FILE_ERROR,
+            "'%s' was left by a writer that died, and its last frames are in '%s.journal': copy both to where "
+            "you may write",
+            path, path);
+    while (flock(descriptor, LOCK_EX) != 0 && errno == EINTR) continue;
+    const ShvStatus status = shv_journal_recover(path, descriptor, memory, error);
+    close(descriptor);
+    return status;
 }
 
 static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
@@ -93,9 +111,25 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
+    if (strcmp(texts->status, "running") == 0)
+        file->info.message = "its writer ended without a word: it was killed, or the machine stopped; what came after "
+                             "the last frame is missing";
     file->info.scene_name = texts->scene_name;
     file->info.processor = texts->processor;
     return SHV_OK;
+}
+
+/* Whether the file holds as many bytes as the dataset says: HDF5 reads on beyond them. */
+static bool is_sound(hid_t dataset, int rank, const hsize_t *extent, hid_t type)
+{
+    if (rank > 0 && extent[0] > 0 && extent[1] > 0)
+        return (shv_filters_agree(dataset, false) || shv_filters_agree(dataset, true)) &&
+               shv_chunks_sound(dataset, 0, (int64_t)extent[0]);
+    const hid_t list = H5Dget_create_plist(dataset);
+    const bool good = list >= 0 && H5Pget_layout(list) == H5D_CONTIGUOUS && H5Pget_external_count(list) == 0 &&
+                      (rank > 0 || H5Dget_storage_size(dataset) == H5Tget_size(type));
+    if (list >= 0) H5Pclose(list);
+    return good;
 }
 
 /* Opens a dataset of known rank and class whose size the file can hold; extent beyond the rank is 1. */
@@ -110,6 +144,7 @@ static hid_t open_array(const ShvRunFile *file, const char *path, int rank, H5T_
     const double bytes = (double)extent[0] * (double)extent[1] * (type >= 0 ? (double)H5Tget_size(type) : 1.0);
     good = good && bytes <= 1100.0 * (double)file->bytes && extent[0] <= INT32_MAX;
     if (class == H5T_STRING) good = good && H5Tis_variable_str(type) == 0;
+    good = good && is_sound(dataset, rank, extent, type);
     if (type >= 0) H5Tclose(type);
     if (space >= 0) H5Sclose(space);
     if (good) return dataset;
@@ -247,7 +282,8 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
         if (file->series[i].dataset >= 0 && file->series[i].extent[0] < frames) frames = file->series[i].extent[0];
     }
     const hsize_t fragments = file->series[SHV_SERIES_FRAGMENTS].extent[0];
-    if (fragments > INT32_MAX || frames == 0) return shv_run_fail_damaged(file, "the list of frames", error);
+    if (fragments > INT32_MAX || frames == 0 || file->series[SHV_SERIES_LINEAGE].extent[0] != fragments)
+        return shv_run_fail_damaged(file, "the list of frames", error);
     file->info.frame_count = (int64_t)frames;
     file->info.fragment_count = (int32_t)fragments;
     file->info.event_count = (int64_t)file->series[SHV_SERIES_EVENTS].extent[0];
@@ -271,6 +307,10 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
 static ShvStatus read_head(ShvRunFile *file, const char *path, ShvError *error)
 {
     SHV_TRY(check_file(path, &file->bytes, error));
+    if (shv_journal_exists(path)) {
+        SHV_TRY(put_right(path, file->memory, error));
+        SHV_TRY(check_file(path, &file->bytes, error));
+    }
     file->path = shv_copy_text(file->memory, SHV_PART_RECORD, path);
     if (!file->path) return shv_fail_memory(error, "a path", strlen(path) + 1);
     SHV_TRY(open_hdf5(file, path, error));
@@ -312,7 +352,8 @@ ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, ShvMemory *memo
     if (!made) return shv_fail_memory(error, "the run file", sizeof *made);
     made->memory = memory;
     made->file = -1;
-    for (int i = 0; i < SHV_SERIES_COUNT; i++) made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1};
+    for (int i = 0; i < SHV_SERIES_COUNT; i++)
+        made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
     const ShvSilence silence = shv_silence_begin();
     const ShvStatus status = read_head(made, path, error);
     if (status == SHV_OK)
