@@ -4,12 +4,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { JSON, FRAGMENTS, SCENE };
+enum { JSON, FRAGMENTS, SCENE, VERIFY };
 
 static void print_head(const ShvRunFile *file)
 {
     const ShvRunFileInfo *info = shv_run_file_info(file);
-    printf("%s: %s%s%s\n", info->scene_name, info->status, info->message[0] ? ": " : "", info->message);
+    const char *const head[] = {info->scene_name, ": ", info->status, info->message[0] ? ": " : "", info->message};
+    for (size_t i = 0; i < sizeof head / sizeof head[0]; i++) shv_cli_print_plain(stdout, head[i]);
+    putchar('\n');
     printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format,
            info->code_version, info->processor, (int)info->threads, info->wall_seconds);
     printf("  scene hash %016llx\n", (unsigned long long)info->scene_hash);
@@ -90,6 +92,8 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         const ShvStatus status = shv_run_file_ledger(file, info->frame_count - 1, &ledger, error);
         if (status != SHV_OK) return status;
     }
+    if (arguments->values[VERIFY] && !arguments->values[JSON])
+        printf("verified: all %lld frames agree with their checksums\n", (long long)info->frame_count);
     if (arguments->values[JSON]) {
         print_json(file, info, &ledger);
         return SHV_OK;
@@ -111,6 +115,7 @@ static int run(const ShvArguments *arguments)
     ShvRunFile *file = NULL;
     ShvError error;
     ShvStatus status = shv_run_file_open(&file, arguments->positional[0], NULL, &error);
+    if (status == SHV_OK && arguments->values[VERIFY]) status = shv_run_file_verify(file, &error);
     if (status == SHV_OK) status = show(file, arguments, &error);
     shv_run_file_close(file);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
@@ -125,6 +130,7 @@ const ShvCommand shv_command_info = {
     .most_positional = 1,
     .options = {{"--json", NULL, "print as JSON"},
                 {"--fragments", NULL, "list all fragments that ever lived, with their parents"},
-                {"--scene", NULL, "print the scene text the run was made from"}},
+                {"--scene", NULL, "print the scene text the run was made from"},
+                {"--verify", NULL, "read everything and compare it with its checksums"}},
     .run = run,
 };

@@ -78,14 +78,6 @@ static void write_command(const ShvArguments *arguments, char *text, size_t size
         snprintf(text + length, size - length, " -j %s", arguments->values[JOBS]);
 }
 
-static void default_folder(const ShvArguments *arguments, char *folder, size_t size)
-{
-    const char *slash = strrchr(arguments->positional[1], '/');
-    const char *name = slash ? slash + 1 : arguments->positional[1];
-    const char *dot = strrchr(name, '.');
-    snprintf(folder, size, "%.*s", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
-}
-
 /* ---- what is printed ---- */
 
 static void print_number(double value)
@@ -252,14 +244,14 @@ static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *op
 
 static int run(const ShvArguments *arguments)
 {
-    char folder[4096], command[8192];
+    char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
     ShvError error;
     int32_t jobs;
     ShvStudy *study = NULL;
     ShvStudyOptions options = shv_study_default();
     ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[1], false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    default_folder(arguments, folder, sizeof folder);
     write_command(arguments, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
