@@ -47,8 +47,9 @@ int shv_program(int argc, char **argv);
 
 /* ---- shared by commands ---- */
 
-/* Loads a scene with the overrides; all errors and warnings go to stderr. NULL after an error. */
-ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
+/* Loads a scene with the overrides; all errors and warnings go to stderr. After an error *scene is NULL, and the exit status is
+   returned that belongs to it. */
+int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
 typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
@@ -61,6 +62,8 @@ ShvStatus shv_cli_default_path(char path[SHV_CLI_PATH], const char *file, bool b
 ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error);
 /* A text to a terminal: its control characters but the line break become '?'. */
 void shv_cli_print_plain(FILE *stream, const char *text);
+/* Of a run that was stopped: memory is out, or else the user wanted it. */
+ShvStatus shv_cli_why_stopped(ShvError *error);
 /* Warns on stderr of what overlaps at the start in a scene that keeps it, with what the run does about it. */
 ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error);
 /* One line on the strength and energy of a breakable material in effect, and whether its mesh resolves the cohesive zone. */

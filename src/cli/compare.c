@@ -183,8 +183,9 @@ static int run(const ShvArguments *arguments)
     /* The engine that the scene names is not used; keys of pbd count. */
     ShvArguments loading = *arguments;
     if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = "rigid.engine=pbd";
-    ShvScene *scene = shv_cli_load_scene(&loading);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, &loading);
+    if (!scene) return loaded;
     status = compare(arguments, scene, &options, prefix, &error);
     shv_scene_destroy(scene);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);

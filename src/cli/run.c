@@ -8,6 +8,7 @@
 
 #include "base/timer.h"
 #include "cli/progress.h"
+#include "cli/reserve.h"
 
 enum { OUTPUT, FORCE, JSON, QUIET, AUDIT_WAKE };
 
@@ -23,7 +24,7 @@ static bool asked_to_stop(void *data)
 {
     ShvProgress *progress = data;
     shv_progress_tick(progress);
-    return interrupted != 0;
+    return interrupted != 0 || shv_reserve_used();
 }
 
 static void catch_signals(void)
@@ -296,6 +297,7 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, co
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     History history = {.edge_strain_flight = (double)NAN, .edge_strain_after_impact = (double)NAN};
     status = pull_frames(simulation, record, progress, &history, &error);
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     ShvError closing;
     const ShvStatus closed = shv_record_close(record, status, status == SHV_OK ? "" : error.message, &closing);
     shv_progress_end(progress);
@@ -333,8 +335,9 @@ static int run(const ShvArguments *arguments)
                 arguments->values[AUDIT_WAKE]);
         return SHV_EXIT_INPUT;
     }
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, arguments);
+    if (!scene) return loaded;
     catch_signals();
     ShvError error;
     char path[SHV_CLI_PATH];

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/reserve.h"
 
 /* ---- names of files ---- */
 
@@ -48,29 +49,40 @@ void shv_cli_print_plain(FILE *stream, const char *text)
     }
 }
 
+/* ---- ends ---- */
+
+ShvStatus shv_cli_why_stopped(ShvError *error)
+{
+    if (!shv_reserve_used()) return shv_fail(error, SHV_INTERRUPTED, "%s", error->message);
+    return shv_fail(error, SHV_NO_MEMORY,
+                    "out of memory: stopped at a whole state while there was still room for it; use a coarser mesh, "
+                    "fewer threads or a larger machine");
+}
+
 /* ---- scenes ---- */
 
-ShvScene *shv_cli_load_scene(const ShvArguments *arguments)
+int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
 {
-    ShvScene *scene = NULL;
     ShvDiagnostics *diagnostics = NULL;
     ShvError error;
-    const ShvStatus status = shv_scene_load(&scene, arguments->positional[0], arguments->overrides,
+    const ShvStatus status = shv_scene_load(scene, arguments->positional[0], arguments->overrides,
                                             (int32_t)arguments->override_count, NULL, &diagnostics, &error);
     const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
     for (int32_t i = 0; i < count; i++) {
         shv_cli_print_plain(stderr, shv_diagnostics_get(diagnostics, i)->message);
         putc('\n', stderr);
     }
-    if (status != SHV_OK) shv_cli_failed(status, &error);
     shv_diagnostics_destroy(diagnostics);
-    return scene;
+    if (status == SHV_OK) return SHV_EXIT_DONE;
+    const int exit_status = shv_cli_failed(status, &error);
+    return status == SHV_FILE_ERROR ? (int)SHV_EXIT_INPUT : exit_status; /* a scene that cannot be read is bad input */
 }
 
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)
 {
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, arguments);
+    if (!scene) return loaded;
     ShvError error;
     ShvSimulation *simulation = NULL;
     ShvSimulationOptions options = shv_simulation_options_default();

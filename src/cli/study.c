@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "cli/command.h"
+#include "cli/reserve.h"
 
 enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
 enum { MOST_JOBS = 256 };
@@ -24,7 +25,7 @@ static void on_signal(int number)
 static bool asked_to_stop(void *data)
 {
     (void)data;
-    return interrupted != 0;
+    return interrupted != 0 || shv_reserve_used();
 }
 
 static void catch_signals(void)
@@ -259,6 +260,7 @@ static int run(const ShvArguments *arguments)
     status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
     if (status == SHV_OK && jobs > 1) status = run_jobs(arguments, &options, jobs, &error);
     if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
     if (status == SHV_OK && !arguments->values[TASK]) {
         result = show(study, arguments);

@@ -87,8 +87,10 @@ static ShvStatus open_numbers(ShvXdmf *xdmf, const char *path, char **temporary,
 static ShvStatus close_numbers(ShvXdmf *xdmf, char *temporary, ShvStatus status, ShvError *error)
 {
     const ShvSilence silence = shv_silence_begin();
-    /* HDF5 cannot let go of a file that it could not write, and crashes at the exit: the stage takes such writes in silence. */
-    if (status != SHV_OK && xdmf->stage) shv_stage_discard(xdmf->stage);
+    /* HDF5 cannot let go of a file that it could not write, and crashes at the exit: so it writes everything first, and then
+       closes over a stage that takes what is left in silence. */
+    if (xdmf->numbers >= 0 && status == SHV_OK) H5Fflush(xdmf->numbers, H5F_SCOPE_GLOBAL);
+    if (xdmf->stage) shv_stage_discard(xdmf->stage);
     if (xdmf->numbers >= 0) H5Fclose(xdmf->numbers);
     shv_silence_end(silence);
     if (status == SHV_OK && shv_stage_failure(xdmf->stage) != 0) status = fail_numbers(xdmf, error);

@@ -20,8 +20,8 @@ ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
     const int number = shv_stage_failure(record->stage);
     if (number == ENOMEM) return shv_fail(error, SHV_NO_MEMORY, "out of memory for the run file '%s'", record->path);
     if (number == 0)
-        return shv_fail(error, SHV_FILE_ERROR, "HDF5 could not write frame %lld of '%s'", (long long)record->frames,
-                        record->path);
+        return shv_fail(error, SHV_FILE_ERROR, "HDF5 could not write frame %lld of '%s'; the frames before it are kept",
+                        (long long)record->frames, record->path);
     char reason[128] = "unknown error";
     if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
     return shv_fail(error, SHV_FILE_ERROR,
