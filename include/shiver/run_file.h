@@ -101,6 +101,8 @@ const char *shv_switch_reason_name(ShvSwitchReason reason);
 ShvStatus shv_run_file_verify(ShvRunFile *file, ShvError *error);
 /* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */
 ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error);
+/* What an obstacle is; valid as long as the file is open. */
+ShvStatus shv_run_file_obstacle(ShvRunFile *file, int32_t index, ShvObstacleBody *body, ShvError *error);
 /* Name of a probe, valid as long as the file is open; "" for none. */
 const char *shv_run_file_probe_name(const ShvRunFile *file, int32_t probe);
 /* Rows [begin, begin + count) of all probes: times (count) and samples (count × probe_count). Any pointer may be NULL. */

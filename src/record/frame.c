@@ -210,7 +210,7 @@ static bool put_sum(ShvRecord *record, const ShvFrameView *frame, const RowSums 
 /* ---- the frame ---- */
 
 /* Everything that the first frame tells of sizes. */
-static bool create_series(ShvRecord *record, const ShvFrameView *frame)
+static bool create_series(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     /* Every fragment but the first ones has a parent of its own, and at least one tet at its end. */
     const int64_t fragments = 2 * (int64_t)record->element_count;
@@ -230,14 +230,15 @@ static bool create_series(ShvRecord *record, const ShvFrameView *frame)
         if (shv_series_of_probes((ShvSeriesName)i) && frame->probe_count == 0) continue;
         if (!shv_series_create(&record->series[i], record->file, (ShvSeriesName)i, &widths)) return false;
     }
-    return shv_record_write_names(record->file, frame);
+    return shv_record_write_obstacles(record->file, simulation, frame->obstacle_count) &&
+           shv_record_write_names(record->file, frame);
 }
 
 static bool put_all(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     RowSums sums = {0, 0, 0};
     memset(record->sums, 0, sizeof record->sums);
-    if (record->frames == 0 && !create_series(record, frame)) return false;
+    if (record->frames == 0 && !create_series(record, simulation, frame)) return false;
     return put_births(record, simulation, frame) && put_genealogy(record, frame) && put_probes(record, frame, &sums) &&
            put_events(record, frame, &sums) && put_motion(record, frame) && put_cost(record, frame) &&
            put_moment(record, frame) && (!record->nodes || put_nodes(record, simulation)) &&

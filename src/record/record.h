@@ -48,6 +48,8 @@ bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners);
 bool shv_record_write_badge(hid_t file, uint64_t *address);
 /* /materials: what every material asks of its mesh and gets. */
 bool shv_record_write_materials(hid_t file, const ShvSimulation *simulation);
+/* /obstacles: what they are. */
+bool shv_record_write_obstacles(hid_t file, const ShvSimulation *simulation, int32_t count);
 bool shv_record_write_names(hid_t file, const ShvFrameView *frame);
 
 /* Appends a frame to all series (frame.c). */

@@ -216,6 +216,13 @@ static ShvStatus count_rows(const ShvRunFile *file, const char *path, int32_t co
     return extent[1] == (hsize_t)columns ? SHV_OK : shv_run_fail_damaged(file, path, error);
 }
 
+ShvStatus shv_run_check_rows(const ShvRunFile *file, const char *path, bool real, int32_t rows, ShvError *error)
+{
+    int32_t found = 0;
+    SHV_TRY(count_rows(file, path, 3, real ? H5T_FLOAT : H5T_INTEGER, &found, error));
+    return found == rows ? SHV_OK : shv_run_fail_damaged(file, path, error);
+}
+
 static bool range_fits(const int32_t *range, int32_t count)
 {
     return 0 <= range[0] && range[0] <= range[1] && range[1] <= count;
@@ -340,6 +347,7 @@ static void release(ShvRunFile *file)
     shv_release(file->object_materials);
     shv_release(file->objects);
     shv_release(file->obstacle_names);
+    shv_obstacle_bodies_release(file->bodies);
     shv_release(file->times);
     shv_release(file->modes);
     shv_release(file->costs);

@@ -114,6 +114,9 @@ ShvStatus shv_run_file_verify(ShvRunFile *file, ShvError *error)
     if (status == SHV_OK) status = verify_text(file, "/scene/text", file->scene_text, error);
     if (status == SHV_OK) status = verify_text(file, "/scene/overrides", file->overrides, error);
     if (status == SHV_OK) status = verify_mesh(file, error);
+    ShvObstacleBody body;
+    for (int32_t i = 0; status == SHV_OK && i < file->info.obstacle_count; i++)
+        status = shv_run_file_obstacle(file, i, &body, error);
     if (status == SHV_OK) status = verify_frames(file, error);
     shv_silence_end(silence);
     return status;

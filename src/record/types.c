@@ -6,7 +6,15 @@
 
 #include "base/ledger_fields.h"
 
-typedef enum FieldKind { FIELD_INT, FIELD_LONG, FIELD_DOUBLE, FIELD_EVENT, FIELD_REASON } FieldKind;
+typedef enum FieldKind {
+    FIELD_INT,
+    FIELD_LONG,
+    FIELD_DOUBLE,
+    FIELD_EVENT,
+    FIELD_REASON,
+    FIELD_SHAPE,
+    FIELD_MOTION
+} FieldKind;
 
 typedef struct Field {
     const char *name;
@@ -84,6 +92,17 @@ static const Field SUM_FIELDS[] = {
     FIELD(ShvFrameSum, checksum, 1, FIELD_LONG),
 };
 
+static const Field OBSTACLE_FIELDS[] = {
+    FIELD(ShvObstacleRow, shape, 1, FIELD_SHAPE),        FIELD(ShvObstacleRow, motion, 1, FIELD_MOTION),
+    FIELD(ShvObstacleRow, normal, 3, FIELD_DOUBLE),      FIELD(ShvObstacleRow, offset, 1, FIELD_DOUBLE),
+    FIELD(ShvObstacleRow, radius, 1, FIELD_DOUBLE),      FIELD(ShvObstacleRow, size, 3, FIELD_DOUBLE),
+    FIELD(ShvObstacleRow, mass, 1, FIELD_DOUBLE),        FIELD(ShvObstacleRow, friction, 1, FIELD_DOUBLE),
+    FIELD(ShvObstacleRow, restitution, 1, FIELD_DOUBLE), FIELD(ShvObstacleRow, nodes, 2, FIELD_INT),
+    FIELD(ShvObstacleRow, triangles, 2, FIELD_INT),
+};
+_Static_assert(sizeof(ShvObstacleShape) == sizeof(int), "the shape of an obstacle is stored as an int");
+_Static_assert(sizeof(ShvObstacleMotion) == sizeof(int), "the motion of an obstacle is stored as an int");
+
 #define ROW(fields, type)                                                                                              \
     {                                                                                                                  \
         fields, (int)(sizeof fields / sizeof fields[0]), sizeof(type)                                                  \
@@ -94,6 +113,7 @@ static const RowKind ROWS[] = {
     [SHV_ROW_LEDGER] = ROW(LEDGER_FIELDS, ShvLedgerView),
     [SHV_ROW_PROGRESS] = ROW(PROGRESS_FIELDS, ShvProgressView),
     [SHV_ROW_SUM] = ROW(SUM_FIELDS, ShvFrameSum),
+    [SHV_ROW_OBSTACLE] = ROW(OBSTACLE_FIELDS, ShvObstacleRow),
 };
 
 /* ---- names of numbers ---- */
@@ -115,7 +135,15 @@ static const Name REASON_NAMES[] = {{"none", SHV_REASON_NONE},     {"contact", S
                                     {"impact", SHV_REASON_IMPACT}, {"load", SHV_REASON_LOAD},
                                     {"audit", SHV_REASON_AUDIT},   {"quiet", SHV_REASON_QUIET},
                                     {"checks", SHV_REASON_CHECKS}, {"longest", SHV_REASON_LONGEST}};
+static const Name SHAPE_NAMES[] = {{"plane", SHV_OBSTACLE_PLANE},
+                                   {"sphere", SHV_OBSTACLE_SPHERE},
+                                   {"box", SHV_OBSTACLE_BOX},
+                                   {"mesh", SHV_OBSTACLE_MESH}};
+static const Name MOTION_NAMES[] = {
+    {"fixed", SHV_OBSTACLE_FIXED}, {"scripted", SHV_OBSTACLE_SCRIPTED}, {"free", SHV_OBSTACLE_FREE}};
 enum {
+    SHAPE_NAME_COUNT = sizeof SHAPE_NAMES / sizeof SHAPE_NAMES[0],
+    MOTION_NAME_COUNT = sizeof MOTION_NAMES / sizeof MOTION_NAMES[0],
     EVENT_NAME_COUNT = sizeof EVENT_NAMES / sizeof EVENT_NAMES[0],
     REASON_NAME_COUNT = sizeof REASON_NAMES / sizeof REASON_NAMES[0]
 };
@@ -162,6 +190,10 @@ static hid_t scalar_type(FieldKind kind, bool file)
         return enum_type(EVENT_NAMES, EVENT_NAME_COUNT, file);
     case FIELD_REASON:
         return enum_type(REASON_NAMES, REASON_NAME_COUNT, file);
+    case FIELD_SHAPE:
+        return enum_type(SHAPE_NAMES, SHAPE_NAME_COUNT, file);
+    case FIELD_MOTION:
+        return enum_type(MOTION_NAMES, MOTION_NAME_COUNT, file);
     case FIELD_DOUBLE:
         break;
     }
