@@ -148,7 +148,8 @@ const ShvCommand shv_command_export = {
     .name = "export",
     .positional = "csv|xdmf|svg RUNFILE",
     .summary = "write a run file as tables (csv), for ParaView (xdmf) or as a picture (svg)",
-    .details = "csv: PREFIX_trajectories.csv, _genealogy.csv, _ledger.csv, _events.csv; with probes _probes.csv.\n"
+    .details = "csv: PREFIX_trajectories.csv, _genealogy.csv, _ledger.csv, _events.csv, _obstacles.csv; with\n"
+               "probes _probes.csv.\n"
                "xdmf: PREFIX_fragments.xmf and PREFIX_mesh.xmf for ParaView, with their numbers in PREFIX_xdmf.h5.\n"
                "svg: PREFIX.svg, frames side by side; each fragment has a colour, the largest is of stone.",
     .least_positional = 2,

@@ -126,7 +126,12 @@ ShvStatus shv_export_xdmf(ShvRunFile *file, const char *prefix, const ShvExportO
     SHV_TRY(shv_output_check(&xdmf.options, prefix, SUFFIXES, 3, error));
     char *path = shv_output_path(&xdmf.options, prefix, SUFFIXES[0]);
     if (!path) return shv_fail_memory(error, "a file name", strlen(prefix));
-    const ShvStatus status = write_all(&xdmf, prefix, path, error);
+    const size_t fragments = (size_t)xdmf.info->fragment_count;
+    xdmf.lineage = shv_allocate(xdmf.options.memory, SHV_PART_RECORD, fragments, sizeof(int32_t));
+    ShvStatus status = xdmf.lineage ? shv_run_file_lineages(file, xdmf.lineage, error)
+                                    : shv_fail_memory(error, "fragments", fragments * sizeof(int32_t));
+    if (status == SHV_OK) status = write_all(&xdmf, prefix, path, error);
+    shv_release(xdmf.lineage);
     shv_release(path);
     return status;
 }
