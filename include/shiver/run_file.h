@@ -97,6 +97,8 @@ ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *even
 /* "wake", "split", …; "impact", "quiet", … */
 const char *shv_run_event_name(ShvRunEvent kind);
 const char *shv_switch_reason_name(ShvSwitchReason reason);
+/* CRC-32 over the checksums of all frames: equal runs have the same, whatever they cost. */
+ShvStatus shv_run_file_checksum(ShvRunFile *file, uint32_t *checksum, ShvError *error);
 /* Reads everything once more and compares it with its checksums: SHV_BAD_INPUT names the first frame or table that is damaged. */
 ShvStatus shv_run_file_verify(ShvRunFile *file, ShvError *error);
 /* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */

@@ -6,7 +6,7 @@
 
 enum { JSON, FRAGMENTS, SCENE, VERIFY };
 
-static void print_head(const ShvRunFile *file)
+static void print_head(const ShvRunFile *file, uint32_t checksum)
 {
     const ShvRunFileInfo *info = shv_run_file_info(file);
     const char *const head[] = {info->scene_name, ": ", info->status, info->message[0] ? ": " : "", info->message};
@@ -14,7 +14,8 @@ static void print_head(const ShvRunFile *file)
     putchar('\n');
     printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format,
            info->code_version, info->processor, (int)info->threads, info->wall_seconds);
-    printf("  scene hash %016llx\n", (unsigned long long)info->scene_hash);
+    printf("  scene hash %016llx, checksum of all frames %08lx\n", (unsigned long long)info->scene_hash,
+           (unsigned long)checksum);
     printf("  %lld frames from %.6g to %.6g s, %lld events\n", (long long)info->frame_count, info->first_time,
            info->last_time, (long long)info->event_count);
     printf("  %d objects, %d tets, %d nodes, %d fragments ever\n", (int)info->object_count, (int)info->element_count,
@@ -51,7 +52,8 @@ static ShvMaterialList materials_of(const ShvRunFile *file)
     return (ShvMaterialList){file, shv_run_file_material_count(file), material_of};
 }
 
-static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger)
+static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger,
+                       uint32_t checksum)
 {
     printf("{\"scene\": ");
     shv_cli_print_json_text(info->scene_name);
@@ -66,7 +68,7 @@ static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const
            (long long)info->frame_count, (long long)info->event_count, (int)info->fragment_count,
            (int)info->element_count, (int)info->node_count, (int)info->threads, (int)info->probe_count,
            (long long)info->probe_row_count);
-    printf(", \"first_time\": ");
+    printf(", \"checksum\": \"%08lx\", \"first_time\": ", (unsigned long)checksum);
     shv_cli_print_json_number(info->first_time);
     printf(", \"last_time\": ");
     shv_cli_print_json_number(info->last_time);
@@ -92,13 +94,16 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         const ShvStatus status = shv_run_file_ledger(file, info->frame_count - 1, &ledger, error);
         if (status != SHV_OK) return status;
     }
+    uint32_t checksum = 0;
+    const ShvStatus summed = shv_run_file_checksum(file, &checksum, error);
+    if (summed != SHV_OK) return summed;
     if (arguments->values[VERIFY] && !arguments->values[JSON])
         printf("verified: all %lld frames agree with their checksums\n", (long long)info->frame_count);
     if (arguments->values[JSON]) {
-        print_json(file, info, &ledger);
+        print_json(file, info, &ledger, checksum);
         return SHV_OK;
     }
-    print_head(file);
+    print_head(file, checksum);
     shv_cli_print_materials(materials_of(file));
     if (info->frame_count > 0) print_ledger(&ledger);
     if (!arguments->values[FRAGMENTS]) return SHV_OK;

@@ -107,6 +107,15 @@ static ShvStatus verify_mesh(ShvRunFile *file, ShvError *error)
     return status;
 }
 
+ShvStatus shv_run_file_checksum(ShvRunFile *file, uint32_t *checksum, ShvError *error)
+{
+    *checksum = 0;
+    const ShvSilence silence = shv_silence_begin();
+    const bool good = shv_series_sum(&file->series[SHV_SERIES_SUM], 0, file->info.frame_count, 0, checksum);
+    shv_silence_end(silence);
+    return good ? SHV_OK : shv_run_fail_damaged(file, "/frames", error);
+}
+
 ShvStatus shv_run_file_verify(ShvRunFile *file, ShvError *error)
 {
     const ShvSilence silence = shv_silence_begin();
