@@ -35,8 +35,9 @@ static void catch_signals(void)
     /* The second Ctrl-C ends the program at once. */
     action.sa_flags = (int)SA_RESETHAND;
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    /* Also where the terminal goes away, and where a batch system's time is up. */
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) sigaction(numbers[i], &action, NULL);
 }
 
 /* Where the run file goes: --output, the scene's output.file, or the scene file's name with .h5, in the working folder. */

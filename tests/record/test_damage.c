@@ -260,6 +260,21 @@ static uint32_t verified(const char *path)
     return sum;
 }
 
+/* The same in a process of its own: HDF5 keeps memory of files that it could not close. */
+static Outcome verify_apart(const char *path, uint32_t whole)
+{
+    int status = 0;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        const uint32_t found = verified(path);
+        _exit(found == whole ? 0 : found == 0 ? 1 : 2);
+    }
+    waitpid(child, &status, 0);
+    if (WIFSIGNALED(status)) return CRASHED;
+    return WEXITSTATUS(status) == 0 ? READ_ALL : WEXITSTATUS(status) == 1 ? REFUSED : BROKEN_RULE;
+}
+
 /* One wrong bit anywhere: it is noticed, or it is in a byte that nobody reads. */
 static void test_single_bits(void **state)
 {
@@ -276,9 +291,10 @@ static void test_single_bits(void **state)
         if (place >= size) continue;
         bytes[place] = (char)(bytes[place] ^ (1 << i % 8));
         write_file(changed, bytes, (size_t)size);
-        const uint32_t found = verified(changed);
-        if (found != 0 && found != whole) fail_msg("a wrong bit in byte %ld of %ld is not noticed", place, size);
-        unread += found != 0;
+        const Outcome outcome = verify_apart(changed, whole);
+        if (outcome == BROKEN_RULE || outcome == CRASHED)
+            fail_msg("a wrong bit in byte %ld of %ld: %s", place, size, outcome == CRASHED ? "a crash" : "not noticed");
+        unread += outcome == READ_ALL;
         bytes[place] = (char)(bytes[place] ^ (1 << i % 8));
     }
     free(bytes);

@@ -126,7 +126,8 @@ static void write_disk(const Disk *disk, const void *folder)
 {
     for (int i = 0; i < disk->count; i++)
         if (disk->files[i].name[0] != '\0')
-            write_file(file_in(folder, disk->files[i].name), disk->files[i].bytes, disk->files[i].size);
+            write_file(file_in(folder, disk->files[i].name),
+                       disk->files[i].bytes ? disk->files[i].bytes : (const void *)"", disk->files[i].size);
 }
 
 /* Frames that the run had brought to the disk when it was cut: those told of before the journal was. */
