@@ -8,8 +8,7 @@
 extern "C" {
 #endif
 
-/* 2, optional: /probes (name, time, samples), which files have whose scene has probes.
-   2: /events tell mass, reason, scales, cohesive and dropped energies and hulls of every mode switch. */
+/* docs/run_file.md describes every dataset. */
 #define SHV_RUN_FILE_FORMAT 3
 
 typedef struct ShvRecord ShvRecord;
@@ -23,8 +22,9 @@ typedef struct ShvRecordDefinition {
     const char *const *overrides; /* "a.b.c=value": what was changed of the text; stored in the file */
     int32_t override_count;
     uint64_t scene_hash;
-    int32_t threads; /* stored in the file */
-    bool nodes;      /* corner positions and facet damage of every frame */
+    int32_t threads;      /* stored in the file */
+    bool nodes;           /* corner positions and facet damage of every frame */
+    double sync_interval; /* s of run time from one time that everything is brought to the disk to the next; 5 */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
 ShvRecordDefinition shv_record_default(void);
@@ -36,7 +36,8 @@ ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *defin
                             ShvError *error);
 /* Appends the simulation's present frame: reserves its space first, then writes and flushes. On failure (SHV_FILE_ERROR: the
    disk is full, or a limit of file size) the file holds all earlier frames and is readable; later frames are refused with
-   the same message. A process that is killed at any moment leaves all frames of which this has returned. */
+   the same message. A process that is killed at any moment leaves all frames of which this has returned; a machine that stops
+   leaves those that had been brought to the disk. The first reader puts such a file right from its journal, "FILE.journal". */
 ShvStatus shv_record_frame(ShvRecord *record, const ShvSimulation *simulation, ShvError *error);
 /* Writes "finished" (SHV_OK), "interrupted" (SHV_INTERRUPTED) or "failed" with the message (may be NULL); closes and releases
    in every case. A record without a frame leaves no file. NULL is accepted. */
@@ -79,6 +80,9 @@ ShvMaterialView shv_run_file_material(const ShvRunFile *file, int32_t index);
 /* Times of all frames, s, and whether they are on the animation grid; frame_count each. */
 const double *shv_run_file_times(const ShvRunFile *file);
 const uint8_t *shv_run_file_animation(const ShvRunFile *file);
+/* The line of every fragment, named by the id of its first piece: the largest child goes on in its parent's line, of equals
+   the one with the lowest reference tet. */
+ShvStatus shv_run_file_lineages(ShvRunFile *file, int32_t *lineages, ShvError *error);
 /* Genealogy and constants of all fragments (fragment_count); mode, pose and velocities are those of the last frame, NaN where
    the fragment is dead. */
 ShvStatus shv_run_file_fragments(ShvRunFile *file, ShvFragmentView *fragments, ShvError *error);
@@ -91,8 +95,17 @@ ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int3
 ShvStatus shv_run_file_ledger(ShvRunFile *file, int64_t frame, ShvLedgerView *ledger, ShvError *error);
 ShvStatus shv_run_file_progress(ShvRunFile *file, int64_t frame, ShvProgressView *progress, ShvError *error);
 ShvStatus shv_run_file_event(ShvRunFile *file, int64_t index, ShvEventView *event, ShvError *error);
+/* "wake", "split", …; "impact", "quiet", … */
+const char *shv_run_event_name(ShvRunEvent kind);
+const char *shv_switch_reason_name(ShvSwitchReason reason);
+/* CRC-32 over the checksums of all frames: equal runs have the same, whatever they cost. */
+ShvStatus shv_run_file_checksum(ShvRunFile *file, uint32_t *checksum, ShvError *error);
+/* Reads everything once more and compares it with its checksums: SHV_BAD_INPUT names the first frame or table that is damaged. */
+ShvStatus shv_run_file_verify(ShvRunFile *file, ShvError *error);
 /* Poses and velocities of the obstacles (obstacle_count); the names are valid as long as the file is open. */
 ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error);
+/* What an obstacle is; valid as long as the file is open. */
+ShvStatus shv_run_file_obstacle(ShvRunFile *file, int32_t index, ShvObstacleBody *body, ShvError *error);
 /* Name of a probe, valid as long as the file is open; "" for none. */
 const char *shv_run_file_probe_name(const ShvRunFile *file, int32_t probe);
 /* Rows [begin, begin + count) of all probes: times (count) and samples (count × probe_count). Any pointer may be NULL. */

@@ -268,6 +268,21 @@ int32_t shv_simulation_material_count(const ShvSimulation *simulation);
 ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t index);
 /* "keep", "scale_strength", "scale_energy" */
 const char *shv_unresolved_name(ShvUnresolved unresolved);
+/* What an obstacle is, in its own axes about its position; constant. Unused numbers are 0. */
+typedef struct ShvObstacleBody {
+    const char *name;
+    ShvObstacleShape shape;
+    ShvObstacleMotion motion;
+    double normal[3], offset; /* plane: unit normal; solid below normal·x = offset, m, in the world's axes */
+    double radius;            /* sphere, m */
+    double size[3];           /* box: full edge lengths, m */
+    double mass;              /* free: kg; else infinite */
+    double friction, restitution;
+    const double *positions; /* mesh: 3 × node_count, m, about the centre of mass; both valid as long as the owner */
+    const int32_t *triangles;
+    int32_t node_count, triangle_count;
+} ShvObstacleBody;
+ShvObstacleBody shv_simulation_obstacle(const ShvSimulation *simulation, int32_t index);
 /* Threads that the solver uses. */
 int32_t shv_simulation_threads(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */

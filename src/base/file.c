@@ -1,10 +1,13 @@
 #include "base/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/text.h"
 
@@ -33,6 +36,13 @@ ShvStatus shv_path_folder(ShvMemory *memory, ShvPart part, const char *path, cha
     return SHV_OK;
 }
 
+bool shv_same_file(const char *a, const char *b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
 /* ---- whole files -------------------------------------------------------------------------------------- */
 
 static ShvStatus fail_reading(ShvError *error, const char *path, int number)
@@ -42,19 +52,55 @@ static ShvStatus fail_reading(ShvError *error, const char *path, int number)
     return shv_fail(error, SHV_FILE_ERROR, "cannot read '%s': %s; check the name and the permissions", path, reason);
 }
 
-/* Bytes to ask for at first: the length of an ordinary file and one more, so that its end is seen in one reading. */
-static size_t first_capacity(FILE *file, size_t limit)
+/* s; that long a named pipe waits for somebody to write to it */
+enum { PATIENCE = 5 };
+/* Bytes that a pipe may deliver: it does not say how many there will be. */
+static const size_t LONGEST_PIPE = (size_t)1 << 30;
+
+/* A pipe is opened without waiting for its other end, and then read as any file. */
+static ShvStatus await_pipe(int descriptor, const char *path, ShvError *error)
 {
-    struct stat about;
-    if (fstat(fileno(file), &about) != 0 || !S_ISREG(about.st_mode) || about.st_size <= 0) return 4096;
-    const uint64_t length = (uint64_t)about.st_size;
-    return (length < limit ? (size_t)length : limit) + 2;
+    struct pollfd wanted = {.fd = descriptor, .events = POLLIN};
+    int ready = poll(&wanted, 1, 1000 * PATIENCE);
+    while (ready < 0 && errno == EINTR) ready = poll(&wanted, 1, 1000 * PATIENCE);
+    if (ready < 0) return fail_reading(error, path, errno);
+    if (ready == 0)
+        return shv_fail(error, SHV_FILE_ERROR, "nothing has been written to the pipe '%s' for %d s; give a file", path,
+                        PATIENCE);
+    const int flags = fcntl(descriptor, F_GETFL);
+    if (flags < 0 || fcntl(descriptor, F_SETFL, flags & ~O_NONBLOCK) < 0) return fail_reading(error, path, errno);
+    return SHV_OK;
 }
 
-static ShvStatus read_all(ShvMemory *memory, ShvPart part, FILE *file, const char *path, size_t limit, char **data,
-                          size_t *size, ShvError *error)
+/* A device never ends: files and pipes are read. */
+static ShvStatus open_readable(const char *path, FILE **file, int64_t *length, ShvError *error)
 {
-    size_t capacity = first_capacity(file, limit);
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0) return fail_reading(error, path, errno);
+    struct stat about;
+    ShvStatus status = SHV_OK;
+    if (fstat(descriptor, &about) != 0)
+        status = fail_reading(error, path, errno);
+    else if (S_ISDIR(about.st_mode))
+        status = fail_reading(error, path, EISDIR);
+    else if (S_ISFIFO(about.st_mode))
+        status = await_pipe(descriptor, path, error);
+    else if (!S_ISREG(about.st_mode))
+        status = shv_fail(error, SHV_BAD_INPUT, "'%s' is a device; give a file", path);
+    if (status == SHV_OK && !(*file = fdopen(descriptor, "rb"))) status = shv_fail_memory(error, path, sizeof **file);
+    if (status != SHV_OK) close(descriptor);
+    *length = status == SHV_OK && S_ISREG(about.st_mode) ? (int64_t)about.st_size : 0;
+    return status;
+}
+
+/* `length` and one more byte are asked for at first, so that the end is seen in one reading. */
+static ShvStatus read_all(ShvMemory *memory, ShvPart part, FILE *file, const char *path, int64_t length, size_t limit,
+                          char **data, size_t *size, ShvError *error)
+{
+    if (length > 0 && (uint64_t)length > limit)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' is longer than %zu bytes; is it the right file?", path, limit);
+    if (length == 0 && limit > LONGEST_PIPE) limit = LONGEST_PIPE;
+    size_t capacity = length > 0 ? (size_t)length + 2 : 4096;
     for (;;) {
         char *grown = shv_reallocate(memory, part, *data, capacity, 1);
         if (!grown) return shv_fail_memory(error, path, capacity);
@@ -76,10 +122,10 @@ ShvStatus shv_read_file(ShvMemory *memory, ShvPart part, const char *path, size_
 {
     *data = NULL;
     *size = 0;
-    errno = 0;
-    FILE *file = fopen(path, "rb");
-    if (!file) return fail_reading(error, path, errno);
-    const ShvStatus status = read_all(memory, part, file, path, limit, data, size, error);
+    FILE *file = NULL;
+    int64_t length = 0;
+    SHV_TRY(open_readable(path, &file, &length, error));
+    const ShvStatus status = read_all(memory, part, file, path, length, limit, data, size, error);
     fclose(file);
     if (status != SHV_OK) {
         shv_release(*data);

@@ -16,9 +16,12 @@ ShvStatus shv_path_join(ShvMemory *memory, ShvPart part, const char *folder, con
    releases *folder. */
 ShvStatus shv_path_folder(ShvMemory *memory, ShvPart part, const char *path, char **folder, ShvError *error);
 
-/* Reads a whole file of at most `limit` bytes into a block of *size bytes and a terminating zero that does not
-   count. SHV_FILE_ERROR when it cannot be read (also a folder), SHV_BAD_INPUT when it is longer. On failure *data
-   is NULL. The caller releases *data. */
+/* Whether both names lead to one existing file. */
+bool shv_same_file(const char *a, const char *b);
+
+/* Reads a whole file, or what comes through a pipe, of at most `limit` bytes into a block of *size bytes and a
+   terminating zero that does not count. SHV_FILE_ERROR when it cannot be read (also a folder, or a pipe that nobody writes
+   to), SHV_BAD_INPUT when it is longer or a device. On failure *data is NULL. The caller releases *data. */
 ShvStatus shv_read_file(ShvMemory *memory, ShvPart part, const char *path, size_t limit, char **data, size_t *size,
                         ShvError *error);
 

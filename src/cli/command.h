@@ -3,6 +3,7 @@
 #define SHV_CLI_COMMAND_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "shiver/shiver.h"
 
@@ -38,16 +39,31 @@ extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, sh
     shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability,
     shv_command_verify;
 
+/* Room for the name of a file: the longest that POSIX promises to open. */
+enum { SHV_CLI_PATH = 4096 };
+
 /* The whole program: finds the command, takes its arguments apart, runs it; returns the exit status. */
 int shv_program(int argc, char **argv);
 
 /* ---- shared by commands ---- */
 
-/* Loads a scene with the overrides; all errors and warnings go to stderr. NULL after an error. */
-ShvScene *shv_cli_load_scene(const ShvArguments *arguments);
+/* Loads a scene with the overrides; all errors and warnings go to stderr. After an error *scene is NULL, and the exit status is
+   returned that belongs to it. */
+int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
 typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);
+/* A name of a file that is made up as by printf; SHV_BAD_INPUT when it is too long. */
+ShvStatus shv_cli_path(char path[SHV_CLI_PATH], ShvError *error, const char *format, ...);
+/* The name of `file` with another ending, beside it or in the working folder. */
+ShvStatus shv_cli_default_path(char path[SHV_CLI_PATH], const char *file, bool beside, const char *ending,
+                               ShvError *error);
+/* SHV_BAD_INPUT when the output is the input, which no --force may replace. */
+ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error);
+/* A text to a terminal: its control characters but the line break become '?'. */
+void shv_cli_print_plain(FILE *stream, const char *text);
+/* Of a run that was stopped: memory is out, or else the user wanted it. */
+ShvStatus shv_cli_why_stopped(ShvError *error);
 /* Warns on stderr of what overlaps at the start in a scene that keeps it, with what the run does about it. */
 ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error);
 /* One line on the strength and energy of a breakable material in effect, and whether its mesh resolves the cohesive zone. */

@@ -150,14 +150,6 @@ static void say_run(void *data, ShvRigidEngine engine, double step)
     fprintf(stderr, "shiver: running %s at %g s\n", shv_rigid_engine_name(engine), step);
 }
 
-static void default_prefix(const ShvArguments *arguments, char *prefix, size_t size)
-{
-    const char *slash = strrchr(arguments->positional[0], '/');
-    const char *name = slash ? slash + 1 : arguments->positional[0];
-    const char *dot = strrchr(name, '.');
-    snprintf(prefix, size, "%.*s", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
-}
-
 static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, ShvCompareOptions *options,
                          const char *prefix, ShvError *error)
 {
@@ -177,23 +169,23 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, S
 
 static int run(const ShvArguments *arguments)
 {
-    char prefix[4096];
+    char prefix[SHV_CLI_PATH];
     ShvError error;
     ShvCompareOptions options = shv_compare_default();
     ShvStatus status = SHV_OK;
     if (arguments->values[STEPS]) status = read_steps(arguments->values[STEPS], &options, &error);
     if (status == SHV_OK && arguments->values[ENGINES])
         status = read_engines(arguments->values[ENGINES], &options, &error);
+    if (status == SHV_OK)
+        status = arguments->values[OUTPUT] ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
+                                           : shv_cli_default_path(prefix, arguments->positional[0], false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    if (arguments->values[OUTPUT])
-        snprintf(prefix, sizeof prefix, "%s", arguments->values[OUTPUT]);
-    else
-        default_prefix(arguments, prefix, sizeof prefix);
     /* The engine that the scene names is not used; keys of pbd count. */
     ShvArguments loading = *arguments;
     if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = "rigid.engine=pbd";
-    ShvScene *scene = shv_cli_load_scene(&loading);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, &loading);
+    if (!scene) return loaded;
     status = compare(arguments, scene, &options, prefix, &error);
     shv_scene_destroy(scene);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);

@@ -12,14 +12,6 @@ enum { OUTPUT, FORCE, ANIMATION, FRAMES, TIME, SIZE, IN_VIEW };
 
 enum { MOST_PANELS = 24 };
 
-static void default_prefix(const char *path, char *prefix, size_t size)
-{
-    const char *dot = strrchr(path, '.');
-    const char *slash = strrchr(path, '/');
-    const int length = dot && (!slash || dot > slash) ? (int)(dot - path) : (int)strlen(path);
-    snprintf(prefix, size, "%.*s", length, path);
-}
-
 /* ---- pictures ---- */
 
 /* Numbers between commas; SHV_BAD_INPUT for anything else. */
@@ -127,16 +119,24 @@ static ShvStatus export_as(const char *format, ShvRunFile *file, const char *pre
     return shv_fail(error, SHV_BAD_INPUT, "there is no format '%s'; give csv, xdmf or svg", format);
 }
 
+/* One name of an export may be that of a run file. */
+static ShvStatus keep_run_file(const char *prefix, const char *input, ShvError *error)
+{
+    char path[SHV_CLI_PATH];
+    const ShvStatus status = shv_cli_path(path, error, "%s_xdmf.h5", prefix);
+    return status == SHV_OK ? shv_cli_keep_input(path, input, error) : status;
+}
+
 static int run(const ShvArguments *arguments)
 {
-    char prefix[4096];
+    char prefix[SHV_CLI_PATH];
     ShvError error;
     ShvRunFile *file = NULL;
-    if (arguments->values[OUTPUT])
-        snprintf(prefix, sizeof prefix, "%s", arguments->values[OUTPUT]);
-    else
-        default_prefix(arguments->positional[1], prefix, sizeof prefix);
-    ShvStatus status = shv_run_file_open(&file, arguments->positional[1], NULL, &error);
+    ShvStatus status = arguments->values[OUTPUT]
+                           ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
+                           : shv_cli_default_path(prefix, arguments->positional[1], true, "", &error);
+    if (status == SHV_OK) status = keep_run_file(prefix, arguments->positional[1], &error);
+    if (status == SHV_OK) status = shv_run_file_open(&file, arguments->positional[1], NULL, &error);
     if (status == SHV_OK) status = export_as(arguments->positional[0], file, prefix, arguments, &error);
     shv_run_file_close(file);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
@@ -148,7 +148,8 @@ const ShvCommand shv_command_export = {
     .name = "export",
     .positional = "csv|xdmf|svg RUNFILE",
     .summary = "write a run file as tables (csv), for ParaView (xdmf) or as a picture (svg)",
-    .details = "csv: PREFIX_trajectories.csv, _genealogy.csv, _ledger.csv, _events.csv; with probes _probes.csv.\n"
+    .details = "csv: PREFIX_trajectories.csv, _genealogy.csv, _ledger.csv, _events.csv, _obstacles.csv; with\n"
+               "probes _probes.csv.\n"
                "xdmf: PREFIX_fragments.xmf and PREFIX_mesh.xmf for ParaView, with their numbers in PREFIX_xdmf.h5.\n"
                "svg: PREFIX.svg, frames side by side; each fragment has a colour, the largest is of stone.",
     .least_positional = 2,

@@ -4,15 +4,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { JSON, FRAGMENTS, SCENE };
+enum { JSON, FRAGMENTS, SCENE, VERIFY };
 
-static void print_head(const ShvRunFile *file)
+static void print_head(const ShvRunFile *file, uint32_t checksum)
 {
     const ShvRunFileInfo *info = shv_run_file_info(file);
-    printf("%s: %s%s%s\n", info->scene_name, info->status, info->message[0] ? ": " : "", info->message);
+    const char *const head[] = {info->scene_name, ": ", info->status, info->message[0] ? ": " : "", info->message};
+    for (size_t i = 0; i < sizeof head / sizeof head[0]; i++) shv_cli_print_plain(stdout, head[i]);
+    putchar('\n');
     printf("  format %d, written by shiver %s on %s, %d threads, %.2f s of run time\n", (int)info->format,
            info->code_version, info->processor, (int)info->threads, info->wall_seconds);
-    printf("  scene hash %016llx\n", (unsigned long long)info->scene_hash);
+    printf("  scene hash %016llx, checksum of all frames %08lx\n", (unsigned long long)info->scene_hash,
+           (unsigned long)checksum);
     printf("  %lld frames from %.6g to %.6g s, %lld events\n", (long long)info->frame_count, info->first_time,
            info->last_time, (long long)info->event_count);
     printf("  %d objects, %d tets, %d nodes, %d fragments ever\n", (int)info->object_count, (int)info->element_count,
@@ -57,7 +60,7 @@ static void print_progress(const ShvProgressView *progress)
 }
 
 static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const ShvLedgerView *ledger,
-                       const ShvProgressView *progress)
+                       const ShvProgressView *progress, uint32_t checksum)
 {
     printf("{\"scene\": ");
     shv_cli_print_json_text(info->scene_name);
@@ -72,7 +75,7 @@ static void print_json(const ShvRunFile *file, const ShvRunFileInfo *info, const
            (long long)info->frame_count, (long long)info->event_count, (int)info->fragment_count,
            (int)info->element_count, (int)info->node_count, (int)info->threads, (int)info->probe_count,
            (long long)info->probe_row_count);
-    printf(", \"first_time\": ");
+    printf(", \"checksum\": \"%08lx\", \"first_time\": ", (unsigned long)checksum);
     shv_cli_print_json_number(info->first_time);
     printf(", \"last_time\": ");
     shv_cli_print_json_number(info->last_time);
@@ -103,11 +106,16 @@ static ShvStatus show(ShvRunFile *file, const ShvArguments *arguments, ShvError 
         if (status == SHV_OK) status = shv_run_file_progress(file, info->frame_count - 1, &progress, error);
         if (status != SHV_OK) return status;
     }
+    uint32_t checksum = 0;
+    const ShvStatus summed = shv_run_file_checksum(file, &checksum, error);
+    if (summed != SHV_OK) return summed;
+    if (arguments->values[VERIFY] && !arguments->values[JSON])
+        printf("verified: all %lld frames agree with their checksums\n", (long long)info->frame_count);
     if (arguments->values[JSON]) {
-        print_json(file, info, &ledger, &progress);
+        print_json(file, info, &ledger, &progress, checksum);
         return SHV_OK;
     }
-    print_head(file);
+    print_head(file, checksum);
     shv_cli_print_materials(materials_of(file));
     if (info->frame_count > 0) print_ledger(&ledger);
     if (info->frame_count > 0) print_progress(&progress);
@@ -125,6 +133,7 @@ static int run(const ShvArguments *arguments)
     ShvRunFile *file = NULL;
     ShvError error;
     ShvStatus status = shv_run_file_open(&file, arguments->positional[0], NULL, &error);
+    if (status == SHV_OK && arguments->values[VERIFY]) status = shv_run_file_verify(file, &error);
     if (status == SHV_OK) status = show(file, arguments, &error);
     shv_run_file_close(file);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
@@ -139,6 +148,7 @@ const ShvCommand shv_command_info = {
     .most_positional = 1,
     .options = {{"--json", NULL, "print as JSON"},
                 {"--fragments", NULL, "list all fragments that ever lived, with their parents"},
-                {"--scene", NULL, "print the scene text the run was made from"}},
+                {"--scene", NULL, "print the scene text the run was made from"},
+                {"--verify", NULL, "read everything and compare it with its checksums"}},
     .run = run,
 };

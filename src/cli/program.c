@@ -1,9 +1,13 @@
 #include "cli/command.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <hdf5.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/names.h"
 
@@ -116,9 +120,33 @@ static int dispatch(int argc, char **argv)
     return SHV_EXIT_INPUT;
 }
 
+/* A descriptor 0 to 2 that the caller has closed would be given to the next file that is opened, and what is printed would
+   go there. Something takes its place that can be neither read nor written as the stream wants to. */
+static void occupy_standard_streams(void)
+{
+    for (int descriptor = 0; descriptor <= STDERR_FILENO; descriptor++)
+        if (fcntl(descriptor, F_GETFD) < 0) (void)!open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+/* A limit of file sizes shows as a failed write with a message, not as a killed program. */
+static void take_limits_as_failures(void)
+{
+#ifdef SIGXFSZ
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = SIG_IGN;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGXFSZ, &action, NULL);
+#endif
+}
+
 /* What was printed must have arrived: a full disk behind standard output is a failure, too. */
 int shv_program(int argc, char **argv)
 {
+    occupy_standard_streams();
+    take_limits_as_failures();
+    /* At the exit HDF5 closes what it could not close before, such as a damaged file, and may crash or loop over it. */
+    H5dont_atexit();
     const int status = dispatch(argc, argv);
     const bool lost = fflush(stdout) != 0 || ferror(stdout) != 0;
     if (!lost || status != SHV_EXIT_DONE) return status;
@@ -128,7 +156,9 @@ int shv_program(int argc, char **argv)
 
 int shv_cli_failed(ShvStatus status, const ShvError *error)
 {
-    fprintf(stderr, "shiver: %s\n", error->message);
+    fprintf(stderr, "shiver: ");
+    shv_cli_print_plain(stderr, error->message);
+    putc('\n', stderr);
     if (status == SHV_BAD_INPUT || status == SHV_UNSUPPORTED) return SHV_EXIT_INPUT;
     return status == SHV_INTERRUPTED ? SHV_EXIT_INTERRUPTED : SHV_EXIT_FAILED;
 }

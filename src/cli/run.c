@@ -8,6 +8,7 @@
 
 #include "base/timer.h"
 #include "cli/progress.h"
+#include "cli/reserve.h"
 
 enum { OUTPUT, FORCE, JSON, QUIET, AUDIT_WAKE };
 
@@ -23,7 +24,7 @@ static bool asked_to_stop(void *data)
 {
     ShvProgress *progress = data;
     shv_progress_tick(progress);
-    return interrupted != 0;
+    return interrupted != 0 || shv_reserve_used();
 }
 
 static void catch_signals(void)
@@ -34,27 +35,46 @@ static void catch_signals(void)
     /* The second Ctrl-C ends the program at once. */
     action.sa_flags = (int)SA_RESETHAND;
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-#ifdef SIGXFSZ
-    /* A file-size limit shows as a failed write with a message, not as a killed program. */
-    action.sa_handler = SIG_IGN;
-    action.sa_flags = 0;
-    sigaction(SIGXFSZ, &action, NULL);
-#endif
+    /* Also where the terminal goes away, and where a batch system's time is up. */
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) sigaction(numbers[i], &action, NULL);
 }
 
 /* Where the run file goes: --output, the scene's output.file, or the scene file's name with .h5, in the working folder. */
-static void output_path(const ShvArguments *arguments, const ShvSceneDefinition *scene, char *path, size_t size)
+static ShvStatus output_path(const ShvArguments *arguments, const ShvSceneDefinition *scene, char path[SHV_CLI_PATH],
+                             ShvError *error)
 {
-    if (arguments->values[OUTPUT] || scene->output.file) {
-        snprintf(path, size, "%s", arguments->values[OUTPUT] ? arguments->values[OUTPUT] : scene->output.file);
-        return;
+    const char *given = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : scene->output.file;
+    if (given) return shv_cli_path(path, error, "%s", given);
+    return shv_cli_default_path(path, arguments->positional[0], false, ".h5", error);
+}
+
+/* The files a mesh is read from, as far as they are one: TetGen's have a second one beside it. */
+static ShvStatus keep_mesh(const char *output, const char *folder, const char *file, ShvError *error)
+{
+    static const char *const endings[] = {"", ".node", ".ele"};
+    char path[SHV_CLI_PATH];
+    for (size_t i = 0; file && i < sizeof endings / sizeof endings[0]; i++) {
+        const bool inside = folder[0] && file[0] != '/';
+        ShvStatus status =
+            shv_cli_path(path, error, "%s%s%s%s", inside ? folder : "", inside ? "/" : "", file, endings[i]);
+        if (status == SHV_OK) status = shv_cli_keep_input(output, path, error);
+        if (status != SHV_OK) return status;
     }
-    const char *slash = strrchr(arguments->positional[0], '/');
-    const char *name = slash ? slash + 1 : arguments->positional[0];
-    const char *dot = strrchr(name, '.');
-    snprintf(path, size, "%.*s.h5", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
+    return SHV_OK;
+}
+
+/* The run file must not take the place of what the run was made from. */
+static ShvStatus keep_inputs(const ShvArguments *arguments, const ShvScene *scene, const char *output, ShvError *error)
+{
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    const char *folder = shv_scene_folder(scene);
+    ShvStatus status = shv_cli_keep_input(output, arguments->positional[0], error);
+    for (int32_t i = 0; status == SHV_OK && i < definition->object_count; i++)
+        status = keep_mesh(output, folder, definition->objects[i].mesh.file, error);
+    for (int32_t i = 0; status == SHV_OK && i < definition->obstacle_count; i++)
+        status = keep_mesh(output, folder, definition->obstacles[i].file, error);
+    return status;
 }
 
 static double largest_mass_fraction(const ShvFrameView *frame)
@@ -263,13 +283,11 @@ static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvPr
     return status;
 }
 
-static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, ShvSimulation *simulation,
-                        ShvProgress *progress, double start)
+static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, const char *path,
+                        ShvSimulation *simulation, ShvProgress *progress, double start)
 {
     ShvError error;
-    char path[4096];
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
-    output_path(arguments, definition, path, sizeof path);
     ShvRecordDefinition recording = shv_record_default();
     recording.path = path;
     recording.force = arguments->values[FORCE] != NULL;
@@ -285,6 +303,7 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, Sh
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     History history = {.edge_strain_flight = (double)NAN, .edge_strain_after_impact = (double)NAN};
     status = pull_frames(simulation, record, progress, &history, &error);
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     ShvError closing;
     const ShvStatus closed = shv_record_close(record, status, status == SHV_OK ? "" : error.message, &closing);
     shv_progress_end(progress);
@@ -322,10 +341,12 @@ static int run(const ShvArguments *arguments)
                 arguments->values[AUDIT_WAKE]);
         return SHV_EXIT_INPUT;
     }
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, arguments);
+    if (!scene) return loaded;
     catch_signals();
     ShvError error;
+    char path[SHV_CLI_PATH];
     ShvSimulation *simulation = NULL;
     ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->values[QUIET] != NULL);
     ShvSimulationOptions options = shv_simulation_options_default();
@@ -333,10 +354,12 @@ static int run(const ShvArguments *arguments)
     options.audit_wakes = audits;
     options.stop = asked_to_stop;
     options.stop_data = &progress;
-    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
+    ShvStatus status = output_path(arguments, shv_scene_definition(scene), path, &error);
+    if (status == SHV_OK) status = keep_inputs(arguments, scene, path, &error);
+    if (status == SHV_OK) status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
     if (status == SHV_OK) status = shv_cli_warn_overlaps(simulation, &error);
     progress.simulation = simulation;
-    const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, simulation, &progress, start)
+    const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, path, simulation, &progress, start)
                                              : shv_cli_failed(status, &error);
     shv_simulation_destroy(simulation);
     shv_scene_destroy(scene);

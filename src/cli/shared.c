@@ -1,26 +1,88 @@
 #include "cli/command.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
-ShvScene *shv_cli_load_scene(const ShvArguments *arguments)
+#include "base/file.h"
+#include "cli/reserve.h"
+
+/* ---- names of files ---- */
+
+ShvStatus shv_cli_path(char path[SHV_CLI_PATH], ShvError *error, const char *format, ...)
 {
-    ShvScene *scene = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(path, SHV_CLI_PATH, format, arguments);
+    va_end(arguments);
+    if (length >= 0 && length < SHV_CLI_PATH) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "the name '%.60s…' is too long; names of files have at most %d bytes", path,
+                    SHV_CLI_PATH - 1);
+}
+
+ShvStatus shv_cli_default_path(char path[SHV_CLI_PATH], const char *file, bool beside, const char *ending,
+                               ShvError *error)
+{
+    const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file, *dot = strrchr(name, '.');
+    const char *begin = beside ? file : name;
+    const size_t length = dot && dot != name ? (size_t)(dot - begin) : strlen(begin);
+    if (length >= SHV_CLI_PATH) return shv_cli_path(path, error, "%s", begin);
+    return shv_cli_path(path, error, "%.*s%s", (int)length, begin, ending);
+}
+
+ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error)
+{
+    if (!shv_same_file(output, input)) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "'%s' is read by this command and would be replaced; choose another output",
+                    input);
+}
+
+/* The controls U+0080 to U+009F are 0xc2 and 0x80 to 0x9f in UTF-8. */
+void shv_cli_print_plain(FILE *stream, const char *text)
+{
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+        const bool late = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0;
+        const bool control = (*c < 0x20 && *c != '\n') || *c == 0x7f || late;
+        putc(control ? '?' : *c, stream);
+        c += late;
+    }
+}
+
+/* ---- ends ---- */
+
+ShvStatus shv_cli_why_stopped(ShvError *error)
+{
+    if (!shv_reserve_used()) return shv_fail(error, SHV_INTERRUPTED, "%s", error->message);
+    return shv_fail(error, SHV_NO_MEMORY,
+                    "out of memory: stopped at a whole state while there was still room for it; use a coarser mesh, "
+                    "fewer threads or a larger machine");
+}
+
+/* ---- scenes ---- */
+
+int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
+{
     ShvDiagnostics *diagnostics = NULL;
     ShvError error;
-    const ShvStatus status = shv_scene_load(&scene, arguments->positional[0], arguments->overrides,
+    const ShvStatus status = shv_scene_load(scene, arguments->positional[0], arguments->overrides,
                                             (int32_t)arguments->override_count, NULL, &diagnostics, &error);
     const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
-    for (int32_t i = 0; i < count; i++) fprintf(stderr, "%s\n", shv_diagnostics_get(diagnostics, i)->message);
-    if (status != SHV_OK) fprintf(stderr, "shiver: %s\n", error.message);
+    for (int32_t i = 0; i < count; i++) {
+        shv_cli_print_plain(stderr, shv_diagnostics_get(diagnostics, i)->message);
+        putc('\n', stderr);
+    }
     shv_diagnostics_destroy(diagnostics);
-    return scene;
+    if (status == SHV_OK) return SHV_EXIT_DONE;
+    const int exit_status = shv_cli_failed(status, &error);
+    return status == SHV_FILE_ERROR ? (int)SHV_EXIT_INPUT : exit_status; /* a scene that cannot be read is bad input */
 }
 
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)
 {
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, arguments);
+    if (!scene) return loaded;
     ShvError error;
     ShvSimulation *simulation = NULL;
     ShvSimulationOptions options = shv_simulation_options_default();

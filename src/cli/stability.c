@@ -335,8 +335,9 @@ static int run(const ShvArguments *arguments)
     ShvStabilityOptions options = shv_stability_default();
     ShvStatus status = read_options(arguments, &options, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    ShvScene *scene = shv_cli_load_scene(arguments);
-    if (!scene) return SHV_EXIT_INPUT;
+    ShvScene *scene;
+    const int loaded = shv_cli_load_scene(&scene, arguments);
+    if (!scene) return loaded;
     status = measure(arguments, scene, &options, &error);
     shv_scene_destroy(scene);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "cli/command.h"
+#include "cli/reserve.h"
 
 enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
 enum { MOST_JOBS = 256 };
@@ -24,7 +25,7 @@ static void on_signal(int number)
 static bool asked_to_stop(void *data)
 {
     (void)data;
-    return interrupted != 0;
+    return interrupted != 0 || shv_reserve_used();
 }
 
 static void catch_signals(void)
@@ -76,14 +77,6 @@ static void write_command(const ShvArguments *arguments, char *text, size_t size
         length += (size_t)snprintf(text + length, size - length, " --set '%s'", arguments->overrides[i]);
     if (arguments->values[JOBS] && length < size)
         snprintf(text + length, size - length, " -j %s", arguments->values[JOBS]);
-}
-
-static void default_folder(const ShvArguments *arguments, char *folder, size_t size)
-{
-    const char *slash = strrchr(arguments->positional[1], '/');
-    const char *name = slash ? slash + 1 : arguments->positional[1];
-    const char *dot = strrchr(name, '.');
-    snprintf(folder, size, "%.*s", dot && dot != name ? (int)(dot - name) : (int)strlen(name), name);
 }
 
 /* ---- what is printed ---- */
@@ -252,14 +245,14 @@ static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *op
 
 static int run(const ShvArguments *arguments)
 {
-    char folder[4096], command[8192];
+    char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
     ShvError error;
     int32_t jobs;
     ShvStudy *study = NULL;
     ShvStudyOptions options = shv_study_default();
     ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[1], false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    default_folder(arguments, folder, sizeof folder);
     write_command(arguments, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
@@ -267,6 +260,7 @@ static int run(const ShvArguments *arguments)
     status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
     if (status == SHV_OK && jobs > 1) status = run_jobs(arguments, &options, jobs, &error);
     if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
     if (status == SHV_OK && !arguments->values[TASK]) {
         result = show(study, arguments);

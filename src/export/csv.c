@@ -5,8 +5,8 @@
 #include "base/text.h"
 #include "export/output.h"
 
-static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv",
-                                       "_probes.csv"};
+static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv",
+                                       "_events.csv",       "_obstacles.csv", "_probes.csv"};
 
 typedef ShvStatus (*WriteTable)(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error);
 
@@ -79,13 +79,16 @@ static ShvStatus put_trajectories(ShvRunFile *file, const ShvExportOptions *opti
 static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
 {
     const int32_t count = shv_run_file_info(file)->fragment_count;
-    shv_print(stream, "id,parent,object,birth [s],death [s],mass [kg],volume [m3],tets\n");
+    shv_print(stream, "id,parent,line,object,birth [s],death [s],mass [kg],volume [m3],tets\n");
     ShvFragmentView *fragments = shv_allocate(options->memory, SHV_PART_RECORD, (size_t)count, sizeof *fragments);
-    if (!fragments) return shv_fail_memory(error, "fragments", (size_t)count * sizeof *fragments);
-    const ShvStatus status = shv_run_file_fragments(file, fragments, error);
+    int32_t *lines = shv_allocate(options->memory, SHV_PART_RECORD, (size_t)count, sizeof *lines);
+    ShvStatus status =
+        fragments && lines ? SHV_OK : shv_fail_memory(error, "fragments", (size_t)count * sizeof *fragments);
+    if (status == SHV_OK) status = shv_run_file_fragments(file, fragments, error);
+    if (status == SHV_OK) status = shv_run_file_lineages(file, lines, error);
     for (int32_t i = 0; i < count && status == SHV_OK; i++) {
         const ShvFragmentView *fragment = &fragments[i];
-        shv_print(stream, "%d,%d", (int)fragment->id, (int)fragment->parent);
+        shv_print(stream, "%d,%d,%d", (int)fragment->id, (int)fragment->parent, (int)lines[i]);
         put_text(stream, shv_run_file_object_name(file, fragment->object));
         shv_output_number(stream, fragment->birth);
         shv_output_number(stream, fragment->death);
@@ -94,6 +97,7 @@ static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options
         shv_print(stream, ",%d\n", (int)fragment->tets);
     }
     shv_release(fragments);
+    shv_release(lines);
     return status;
 }
 
@@ -143,55 +147,10 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
     return SHV_OK;
 }
 
-static const char *kind_name(ShvRunEvent kind)
-{
-    switch (kind) {
-    case SHV_RUN_WAKE:
-        return "wake";
-    case SHV_RUN_SLEEP:
-        return "sleep";
-    case SHV_RUN_SPLIT:
-        return "split";
-    case SHV_RUN_INSERTION:
-        return "insertion";
-    case SHV_RUN_INVERSION:
-        return "inversion";
-    case SHV_RUN_SCENE:
-        return "scene";
-    case SHV_RUN_SQUEEZE:
-        return "squeeze";
-    case SHV_RUN_BIN:
-        return "bin";
-    }
-    return "unknown";
-}
-
-static const char *reason_name(ShvSwitchReason reason)
-{
-    switch (reason) {
-    case SHV_REASON_NONE:
-        return "";
-    case SHV_REASON_CONTACT:
-        return "contact";
-    case SHV_REASON_IMPACT:
-        return "impact";
-    case SHV_REASON_LOAD:
-        return "load";
-    case SHV_REASON_AUDIT:
-        return "audit";
-    case SHV_REASON_QUIET:
-        return "quiet";
-    case SHV_REASON_CHECKS:
-        return "checks";
-    case SHV_REASON_LONGEST:
-        return "longest";
-    }
-    return "unknown";
-}
-
 static void put_switch(FILE *stream, const ShvEventView *event)
 {
-    shv_print(stream, ",%s,%d", reason_name(event->reason), (int)event->hulls);
+    shv_print(stream, ",%s,%d", event->reason == SHV_REASON_NONE ? "" : shv_switch_reason_name(event->reason),
+              (int)event->hulls);
     const double figures[] = {
         event->mass,           event->momentum_scale,    event->angular_scale,  event->cohesive_before,
         event->cohesive_after, event->dropped_vibration, event->dropped_strain, event->dropped_cohesive,
@@ -215,7 +174,8 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
         SHV_TRY(shv_run_file_event(file, i, &event, error));
         char start[SHV_OUTPUT_NUMBER];
         shv_output_format(start, event.time);
-        shv_print(stream, "%s,%s,%d,%d", start, kind_name(event.kind), (int)event.fragment, (int)event.obstacle);
+        shv_print(stream, "%s,%s,%d,%d", start, shv_run_event_name(event.kind), (int)event.fragment,
+                  (int)event.obstacle);
         const double energies[] = {event.value, event.kinetic_before, event.kinetic_after, event.strain_before,
                                    event.strain_after};
         put_numbers(stream, energies, 5);
@@ -227,6 +187,54 @@ static ShvStatus put_events(ShvRunFile *file, const ShvExportOptions *options, F
         shv_print(stream, "\n");
     }
     return SHV_OK;
+}
+
+static void put_obstacle(FILE *stream, const char *time, const ShvObstacleView *pose, const ShvObstacleBody *body)
+{
+    static const char *const shapes[] = {"plane", "sphere", "box", "mesh"};
+    shv_print(stream, "%s", time);
+    put_text(stream, pose->name);
+    shv_print(stream, ",%s", shapes[body->shape]);
+    put_numbers(stream, pose->position, 3);
+    put_numbers(stream, pose->orientation, 4);
+    put_numbers(stream, pose->velocity, 3);
+    put_numbers(stream, pose->angular_velocity, 3);
+    put_numbers(stream, body->normal, 3);
+    shv_output_number(stream, body->offset);
+    shv_output_number(stream, body->radius);
+    put_numbers(stream, body->size, 3);
+    shv_print(stream, "\n");
+}
+
+static ShvStatus put_obstacle_rows(ShvRunFile *file, const ShvExportOptions *options, FILE *stream,
+                                   ShvObstacleView *poses, ShvError *error)
+{
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    for (int64_t frame = 0; frame < info->frame_count; frame++) {
+        char time[SHV_OUTPUT_NUMBER];
+        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        shv_output_format(time, shv_run_file_times(file)[frame]);
+        SHV_TRY(shv_run_file_obstacles(file, frame, poses, error));
+        for (int32_t i = 0; i < info->obstacle_count; i++) {
+            ShvObstacleBody body;
+            SHV_TRY(shv_run_file_obstacle(file, i, &body, error));
+            put_obstacle(stream, time, &poses[i], &body);
+        }
+    }
+    return SHV_OK;
+}
+
+static ShvStatus put_obstacles(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    const size_t count = (size_t)shv_run_file_info(file)->obstacle_count;
+    shv_print(stream, "time [s],name,shape,P.x [m],P.y [m],P.z [m],orient.w,orient.x,orient.y,orient.z,v.x [m/s],"
+                      "v.y [m/s],v.z [m/s],w.x [rad/s],w.y [rad/s],w.z [rad/s],normal.x,normal.y,normal.z,offset [m],"
+                      "radius [m],size.x [m],size.y [m],size.z [m]\n");
+    ShvObstacleView *poses = shv_allocate(options->memory, SHV_PART_RECORD, count, sizeof *poses);
+    if (!poses) return shv_fail_memory(error, "obstacles", count * sizeof *poses);
+    const ShvStatus status = put_obstacle_rows(file, options, stream, poses, error);
+    shv_release(poses);
+    return status;
 }
 
 static ShvStatus put_probe_rows(ShvRunFile *file, FILE *stream, ShvProbeSample *row, ShvError *error)
@@ -268,8 +276,9 @@ static ShvStatus put_probes(ShvRunFile *file, const ShvExportOptions *options, F
 
 ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events, put_probes};
-    const int count = shv_run_file_info(file)->probe_count > 0 ? 5 : 4;
+    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger,
+                                        put_events,       put_obstacles, put_probes};
+    const int count = shv_run_file_info(file)->probe_count > 0 ? 6 : 5;
     ShvExportOptions options;
     SHV_TRY(shv_export_options(given, &options, error));
     SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, count, error));

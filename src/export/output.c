@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/publish.h"
 #include "base/text.h"
-#include "record/publish.h"
 
 ShvExportOptions shv_export_default(void)
 {
@@ -74,13 +74,12 @@ ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, co
 ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error)
 {
     if (output->stream) {
-        const bool bad = ferror(output->stream) != 0;
-        const bool lost = fclose(output->stream) != 0;
-        if (status == SHV_OK && (bad || lost))
+        if (status == SHV_OK && (fflush(output->stream) != 0 || ferror(output->stream) != 0))
             status = shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", output->path);
+        if (status == SHV_OK)
+            status = shv_publish_end(output->temporary, fileno(output->stream), output->path, options->force, error);
+        fclose(output->stream);
     }
-    if (status == SHV_OK && output->temporary)
-        status = shv_publish_end(output->temporary, output->path, options->force, error);
     if (status != SHV_OK && output->temporary) unlink(output->temporary);
     shv_release(output->temporary);
     shv_release(output->path);

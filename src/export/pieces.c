@@ -10,12 +10,13 @@ static ShvStatus allocate(ShvPieces *pieces, struct ShvMemory *memory, ShvError 
     pieces->owner = shv_allocate(memory, SHV_PART_RECORD, elements, sizeof(int32_t));
     pieces->reference = shv_allocate(memory, SHV_PART_RECORD, 3 * (size_t)info->node_count, sizeof(double));
     pieces->fragments = shv_allocate(memory, SHV_PART_RECORD, fragments, sizeof(ShvFragmentView));
+    pieces->lineage = shv_allocate(memory, SHV_PART_RECORD, fragments, sizeof(int32_t));
     pieces->carrier = shv_allocate(memory, SHV_PART_RECORD, fragments, sizeof(int32_t));
     pieces->position = shv_allocate(memory, SHV_PART_RECORD, 3 * fragments, sizeof(double));
     pieces->orientation = shv_allocate(memory, SHV_PART_RECORD, 4 * fragments, sizeof(double));
     pieces->alive = shv_allocate(memory, SHV_PART_RECORD, fragments, 1);
-    if (pieces->elements && pieces->owner && pieces->reference && pieces->fragments && pieces->carrier &&
-        pieces->position && pieces->orientation && pieces->alive)
+    if (pieces->elements && pieces->owner && pieces->reference && pieces->fragments && pieces->lineage &&
+        pieces->carrier && pieces->position && pieces->orientation && pieces->alive)
         return SHV_OK;
     return shv_fail_memory(error, "the mesh", 20 * elements + 24 * (size_t)info->node_count);
 }
@@ -27,6 +28,7 @@ ShvStatus shv_pieces_create(ShvPieces *pieces, ShvRunFile *file, struct ShvMemor
     if (status == SHV_OK)
         status = shv_run_file_mesh(file, pieces->reference, pieces->elements, NULL, pieces->owner, error);
     if (status == SHV_OK) status = shv_run_file_fragments(file, pieces->fragments, error);
+    if (status == SHV_OK) status = shv_run_file_lineages(file, pieces->lineage, error);
     if (status != SHV_OK) shv_pieces_release(pieces);
     return status;
 }
@@ -37,6 +39,7 @@ void shv_pieces_release(ShvPieces *pieces)
     shv_release(pieces->owner);
     shv_release(pieces->reference);
     shv_release(pieces->fragments);
+    shv_release(pieces->lineage);
     shv_release(pieces->carrier);
     shv_release(pieces->position);
     shv_release(pieces->orientation);

@@ -11,6 +11,7 @@ typedef struct ShvPieces {
     int32_t *elements, *owner; /* 4 × element_count; element_count: owners of the last frame */
     double *reference;         /* 3 × node_count */
     ShvFragmentView *fragments;
+    int32_t *lineage; /* of each fragment */
     int32_t *carrier; /* who moves each fragment at the present frame */
     double *position, *orientation;
     uint8_t *alive;

@@ -20,7 +20,7 @@ typedef struct ShvSvg {
 /* Unit vector towards the light. */
 ShvVec3 shv_svg_light(void);
 /* 0xRRGGBB of a fragment's faces by shade, 0 the darkest; the largest fragment of a frame has a colour of its own. */
-uint32_t shv_svg_colour(int32_t fragment, bool largest, int shade);
+uint32_t shv_svg_colour(int32_t line, bool largest, int shade);
 /* The frames to draw, one after another; *frames is to be released, also after a failure. */
 ShvStatus shv_svg_frames(const ShvSvgOptions *options, const ShvRunFile *file, int64_t **frames, int32_t *count,
                          ShvError *error);

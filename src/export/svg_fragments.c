@@ -35,9 +35,9 @@ ShvVec3 shv_svg_light(void)
 /* ---- colours ---- */
 
 /* Multiplicative hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads neighbouring numbers. */
-static int32_t colour_of(int32_t fragment)
+static int32_t colour_of(int32_t line)
 {
-    return (int32_t)((((uint32_t)fragment * UINT32_C(2654435769)) >> 16) % COLOURS);
+    return (int32_t)((((uint32_t)line * UINT32_C(2654435769)) >> 16) % COLOURS);
 }
 
 static uint32_t shaded(int32_t colour, int shade)
@@ -51,9 +51,9 @@ static uint32_t shaded(int32_t colour, int shade)
     return result;
 }
 
-uint32_t shv_svg_colour(int32_t fragment, bool largest, int shade)
+uint32_t shv_svg_colour(int32_t line, bool largest, int shade)
 {
-    return shaded(largest ? (int32_t)STONE : colour_of(fragment), shade);
+    return shaded(largest ? (int32_t)STONE : colour_of(line), shade);
 }
 
 /* Of flat light: from the sky, and from the lamp where the face is turned to it. */
@@ -95,8 +95,9 @@ static void find_patches(const ShvSvg *svg, Patches *patches)
             seen = seen && shv_camera_project(&svg->camera, triangle->corner[k], &patch->corner[k]);
         if (!seen || !(area_of(patch->corner) > 0.0)) continue;
         patch->near = (patch->corner[0].near + patch->corner[1].near + patch->corner[2].near) / 3.0;
-        patch->colour = SHV_SVG_SHADES * (triangle->fragment == largest ? STONE : colour_of(triangle->fragment)) +
-                        shade_of(triangle);
+        const int32_t line = svg->skin.pieces.lineage[triangle->fragment];
+        const int32_t colour = triangle->fragment == largest ? STONE : colour_of(line);
+        patch->colour = SHV_SVG_SHADES * colour + shade_of(triangle);
         patch->item = i;
         patches->count++;
     }

@@ -1,15 +1,23 @@
 #include "export/xdmf.h"
 
+#include <errno.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/publish.h"
 #include "base/text.h"
 #include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
-#include "record/publish.h"
 
 static const char *const SUFFIXES[] = {"_xdmf.h5", "_fragments.xmf", "_mesh.xmf"};
+
+static ShvStatus fail_numbers(const ShvXdmf *xdmf, ShvError *error)
+{
+    if (shv_stage_failure(xdmf->stage) == ENOMEM)
+        return shv_fail(error, SHV_NO_MEMORY, "out of memory for '%s'", xdmf->path);
+    return shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", xdmf->path);
+}
 
 /* ---- data sets and what refers to them ---- */
 
@@ -23,7 +31,7 @@ ShvStatus shv_xdmf_put(const ShvXdmf *xdmf, const char *path, ShvXdmfType type, 
     const ShvSilence silence = shv_silence_begin();
     const bool good = shv_array_put(xdmf->numbers, path, file_type, memory_type, rows, columns, true, data, NULL);
     shv_silence_end(silence);
-    return good ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", xdmf->path);
+    return good ? SHV_OK : fail_numbers(xdmf, error);
 }
 
 void shv_xdmf_item(const ShvXdmf *xdmf, const char *path, ShvXdmfType type, int64_t rows, int64_t columns)
@@ -62,30 +70,35 @@ static ShvStatus write_xml(ShvXdmf *xdmf, ShvOutput *output, const char *prefix,
 
 static ShvStatus open_numbers(ShvXdmf *xdmf, const char *path, char **temporary, ShvError *error)
 {
-    int descriptor;
     xdmf->path = path;
     const char *slash = strrchr(path, '/');
     xdmf->numbers_name = shv_output_escaped(&xdmf->options, slash ? slash + 1 : path);
     if (!xdmf->numbers_name) return shv_fail_memory(error, "a file name", 6 * strlen(path));
-    SHV_TRY(shv_publish_begin(xdmf->options.memory, path, temporary, &descriptor, error));
-    close(descriptor);
+    SHV_TRY(shv_publish_begin(xdmf->options.memory, path, temporary, &xdmf->descriptor, error));
+    SHV_TRY(shv_stage_create(&xdmf->stage, xdmf->options.memory, xdmf->descriptor, error));
     const ShvSilence silence = shv_silence_begin();
-    xdmf->numbers = H5Fcreate(*temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    xdmf->numbers = shv_stage_make(xdmf->stage, *temporary);
     const bool good =
         xdmf->numbers >= 0 && shv_group_put(xdmf->numbers, "/fragments") && shv_group_put(xdmf->numbers, "/mesh");
     shv_silence_end(silence);
-    return good ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", path);
+    return good ? SHV_OK : fail_numbers(xdmf, error);
 }
 
 static ShvStatus close_numbers(ShvXdmf *xdmf, char *temporary, ShvStatus status, ShvError *error)
 {
     const ShvSilence silence = shv_silence_begin();
-    const bool lost = xdmf->numbers >= 0 && H5Fclose(xdmf->numbers) < 0;
+    /* HDF5 cannot let go of a file that it could not write, and crashes at the exit: so it writes everything first, and then
+       closes over a stage that takes what is left in silence. */
+    if (xdmf->numbers >= 0 && status == SHV_OK) H5Fflush(xdmf->numbers, H5F_SCOPE_GLOBAL);
+    if (xdmf->stage) shv_stage_discard(xdmf->stage);
+    if (xdmf->numbers >= 0) H5Fclose(xdmf->numbers);
     shv_silence_end(silence);
-    if (status == SHV_OK && lost)
-        status = shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", xdmf->path);
-    if (status == SHV_OK) status = shv_publish_end(temporary, xdmf->path, xdmf->options.force, error);
+    if (status == SHV_OK && shv_stage_failure(xdmf->stage) != 0) status = fail_numbers(xdmf, error);
+    if (status == SHV_OK) status = shv_stage_end(xdmf->stage, error);
+    if (status == SHV_OK) status = shv_publish_end(temporary, xdmf->descriptor, xdmf->path, xdmf->options.force, error);
     if (status != SHV_OK && temporary) unlink(temporary);
+    shv_stage_release(xdmf->stage);
+    if (xdmf->descriptor >= 0) close(xdmf->descriptor);
     shv_release(temporary);
     shv_release(xdmf->numbers_name);
     return status;
@@ -108,12 +121,17 @@ static ShvStatus write_all(ShvXdmf *xdmf, const char *prefix, const char *path, 
 
 ShvStatus shv_export_xdmf(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    ShvXdmf xdmf = {.file = file, .info = shv_run_file_info(file), .numbers = -1};
+    ShvXdmf xdmf = {.file = file, .info = shv_run_file_info(file), .numbers = -1, .descriptor = -1};
     SHV_TRY(shv_export_options(given, &xdmf.options, error));
     SHV_TRY(shv_output_check(&xdmf.options, prefix, SUFFIXES, 3, error));
     char *path = shv_output_path(&xdmf.options, prefix, SUFFIXES[0]);
     if (!path) return shv_fail_memory(error, "a file name", strlen(prefix));
-    const ShvStatus status = write_all(&xdmf, prefix, path, error);
+    const size_t fragments = (size_t)xdmf.info->fragment_count;
+    xdmf.lineage = shv_allocate(xdmf.options.memory, SHV_PART_RECORD, fragments, sizeof(int32_t));
+    ShvStatus status = xdmf.lineage ? shv_run_file_lineages(file, xdmf.lineage, error)
+                                    : shv_fail_memory(error, "fragments", fragments * sizeof(int32_t));
+    if (status == SHV_OK) status = write_all(&xdmf, prefix, path, error);
+    shv_release(xdmf.lineage);
     shv_release(path);
     return status;
 }

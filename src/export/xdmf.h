@@ -5,12 +5,16 @@
 #include <hdf5.h>
 
 #include "export/output.h"
+#include "record/stage.h"
 
 typedef struct ShvXdmf {
     ShvRunFile *file;
     const ShvRunFileInfo *info;
     ShvExportOptions options;
-    hid_t numbers;      /* the HDF5 file beside the XML */
+    int descriptor;     /* of the HDF5 file beside the XML */
+    ShvStage *stage;    /* over it */
+    hid_t numbers;      /* the file itself */
+    int32_t *lineage;   /* of every fragment */
     char *numbers_name; /* its name without folder, escaped for XML */
     FILE *stream;       /* the XML file being written */
     const char *path;   /* of the HDF5 file, for messages */

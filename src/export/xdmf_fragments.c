@@ -82,6 +82,8 @@ static ShvStatus put_frame(const ShvXdmf *xdmf, Points *points, int64_t frame, S
     shv_xdmf_item(xdmf, path, SHV_XDMF_DOUBLE, count, 3);
     shv_print(xdmf->stream, "</Geometry>\n");
     SHV_TRY(put_integers(xdmf, "fragment", frame, count, points->id, error));
+    for (int64_t i = 0; i < count; i++) points->id[i] = xdmf->lineage[points->id[i]];
+    SHV_TRY(put_integers(xdmf, "line", frame, count, points->id, error));
     SHV_TRY(put_integers(xdmf, "object", frame, count, points->object, error));
     SHV_TRY(put_vector(xdmf, "mass", "Scalar", frame, count, 0, points->mass, error));
     SHV_TRY(put_vector(xdmf, "velocity", "Vector", frame, count, 3, points->velocity, error));

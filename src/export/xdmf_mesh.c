@@ -89,6 +89,19 @@ static bool is_skipped(const ShvXdmf *xdmf, int64_t frame)
 
 /* ---- rigid ---- */
 
+/* The lines of the owners, which take the owners' place; NULL: those of that frame are there already. */
+static ShvStatus put_lines(const ShvXdmf *xdmf, int64_t frame, int32_t *owner, ShvError *error)
+{
+    const int32_t count = xdmf->info->element_count;
+    char path[96];
+    shv_format(path, sizeof path, "/mesh/line_%06lld", (long long)frame);
+    for (int32_t e = 0; owner && e < count; e++)
+        owner[e] = owner[e] >= 0 && owner[e] < xdmf->info->fragment_count ? xdmf->lineage[owner[e]] : -1;
+    if (owner) SHV_TRY(shv_xdmf_put(xdmf, path, SHV_XDMF_INT, count, 0, owner, error));
+    shv_xdmf_attribute(xdmf, "line", "Scalar", "Cell", path, SHV_XDMF_INT, count, 0);
+    return SHV_OK;
+}
+
 /* A data set of owners serves all frames until it changes. */
 static ShvStatus put_owners(const ShvXdmf *xdmf, const Rigid *rigid, int64_t frame, int64_t *written, ShvError *error)
 {
@@ -104,7 +117,7 @@ static ShvStatus put_owners(const ShvXdmf *xdmf, const Rigid *rigid, int64_t fra
         memcpy(rigid->shown, rigid->element_fragment, (size_t)count * sizeof(int32_t));
     }
     shv_xdmf_attribute(xdmf, "fragment", "Scalar", "Cell", path, SHV_XDMF_INT, count, 0);
-    return SHV_OK;
+    return put_lines(xdmf, *written, same ? NULL : rigid->element_fragment, error);
 }
 
 static ShvStatus put_rigid_frames(const ShvXdmf *xdmf, Rigid *rigid, ShvError *error)
@@ -175,6 +188,7 @@ static ShvStatus put_deformed_frame(const ShvXdmf *xdmf, const Deformed *mesh, i
     shv_format(path, sizeof path, "/mesh/fragment_%06lld", (long long)frame);
     SHV_TRY(shv_xdmf_put(xdmf, path, SHV_XDMF_INT, count, 0, mesh->fragment, error));
     shv_xdmf_attribute(xdmf, "fragment", "Scalar", "Cell", path, SHV_XDMF_INT, count, 0);
+    SHV_TRY(put_lines(xdmf, frame, mesh->fragment, error));
     shv_print(xdmf->stream, "      </Grid>\n");
     return SHV_OK;
 }

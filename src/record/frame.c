@@ -5,6 +5,7 @@
 #include "base/timer.h"
 #include "record/hdf5_array.h"
 #include "record/record.h"
+#include "record/types.h"
 
 /* ---- room ---- */
 
@@ -35,6 +36,12 @@ static ShvStatus make_room(ShvRecord *record, const ShvFrameView *frame, ShvErro
         shv_reallocate(record->memory, SHV_PART_RECORD, record->fragments, capacity, sizeof *grown);
     if (!grown) return shv_fail_memory(error, "fragments of the run file", capacity * sizeof *grown);
     record->fragments = grown;
+    int32_t **const lists[] = {&record->lines.lineage, &record->lines.first_element, &record->lines.heir};
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        int32_t *list = shv_reallocate(record->memory, SHV_PART_RECORD, *lists[i], capacity, sizeof *list);
+        if (!list) return shv_fail_memory(error, "fragments of the run file", capacity * sizeof *list);
+        *lists[i] = list;
+    }
     record->fragment_capacity = (int32_t)capacity;
     return SHV_OK;
 }
@@ -43,7 +50,8 @@ static ShvStatus make_room(ShvRecord *record, const ShvFrameView *frame, ShvErro
 
 static bool put(ShvRecord *record, ShvSeriesName name, int64_t columns, const void *data)
 {
-    return shv_series_write(&record->series[name], record->frames, 1, columns, data);
+    uint32_t *sum = shv_series_of_cost(name) ? NULL : &record->sums[name];
+    return shv_series_write(&record->series[name], record->frames, 1, columns, data, sum);
 }
 
 /* One vector of every fragment: NaN for the dead. */
@@ -152,55 +160,65 @@ static bool put_genealogy(ShvRecord *record, const ShvFrameView *frame)
     while (first < known && same_constants(&record->fragments[first], &frame->fragments[first])) first++;
     while (last > first && last <= known && same_constants(&record->fragments[last - 1], &frame->fragments[last - 1]))
         last--;
-    if (!shv_series_write(&record->series[SHV_SERIES_FRAGMENTS], first, last - first, 0, frame->fragments + first))
+    if (!shv_series_write(&record->series[SHV_SERIES_FRAGMENTS], first, last - first, 0, frame->fragments + first,
+                          NULL))
         return false;
     memcpy(record->fragments + first, frame->fragments + first, (size_t)(last - first) * sizeof *record->fragments);
     record->fragment_count = frame->fragment_count;
     return true;
 }
 
-static bool put_owners(ShvRecord *record, const ShvSimulation *simulation)
+/* Owners and lines change only where fragments start. */
+static bool put_births(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
-    if (record->element_count == 0) return true;
+    const int32_t known = record->frames == 0 ? 0 : record->fragment_count, count = frame->fragment_count;
+    if (count == known && record->frames > 0) return true;
     shv_simulation_element_state(simulation, record->element_fragment, NULL);
-    return H5Dwrite(record->owners, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, record->element_fragment) >= 0;
+    shv_lineage_extend(&record->lines, frame->fragments, known, count, record->element_fragment, record->element_count);
+    if (!shv_series_write(&record->series[SHV_SERIES_LINEAGE], known, count - known, 0, record->lines.lineage + known,
+                          NULL))
+        return false;
+    return record->element_count == 0 ||
+           H5Dwrite(record->owners, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, record->element_fragment) >= 0;
 }
 
-static bool put_probes(ShvRecord *record, const ShvFrameView *frame)
+/* Rows that belong to the frame, and the checksums of their bytes. */
+typedef struct RowSums {
+    uint32_t events, times, samples;
+} RowSums;
+
+static bool put_probes(ShvRecord *record, const ShvFrameView *frame, RowSums *sums)
 {
     const int64_t begin = record->probe_rows, count = frame->probe_row_count;
     if (frame->probe_count == 0) return true;
-    if (!shv_series_write(&record->series[SHV_SERIES_PROBE_TIME], begin, count, 0, frame->probe_times) ||
+    if (!shv_series_write(&record->series[SHV_SERIES_PROBE_TIME], begin, count, 0, frame->probe_times, &sums->times) ||
         !shv_series_write(&record->series[SHV_SERIES_PROBE_SAMPLES], begin, count, frame->probe_count,
-                          frame->probe_samples))
+                          frame->probe_samples, &sums->samples))
         return false;
     record->probe_rows += count;
     return true;
 }
 
-/* What a frame goes back to is on the disk before it: new fragments, whose owners change only where fragments start, and rows of
-   probes. */
-static bool put_ahead(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
+static bool put_events(ShvRecord *record, const ShvFrameView *frame, RowSums *sums)
 {
-    const bool born = record->frames == 0 || frame->fragment_count != record->fragment_count;
-    const bool sampled = frame->probe_count > 0 && frame->probe_row_count > 0;
-    if (!put_genealogy(record, frame) || (born && !put_owners(record, simulation)) || !put_probes(record, frame))
-        return false;
-    return !(born || sampled) || H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
-}
-
-static bool put_events(ShvRecord *record, const ShvFrameView *frame)
-{
-    if (!shv_series_write(&record->series[SHV_SERIES_EVENTS], record->events, frame->event_count, 0, frame->events))
+    if (!shv_series_write(&record->series[SHV_SERIES_EVENTS], record->events, frame->event_count, 0, frame->events,
+                          &sums->events))
         return false;
     record->events += frame->event_count;
     return true;
 }
 
+static bool put_sum(ShvRecord *record, const ShvFrameView *frame, const RowSums *sums)
+{
+    const ShvFrameSum sum = {frame->fragment_count, record->events, record->probe_rows,
+                             shv_frame_checksum(record->sums, sums->events, sums->times, sums->samples)};
+    return shv_series_write(&record->series[SHV_SERIES_SUM], record->frames, 1, 0, &sum, NULL);
+}
+
 /* ---- the frame ---- */
 
 /* Everything that the first frame tells of sizes. */
-static bool create_series(ShvRecord *record, const ShvFrameView *frame)
+static bool create_series(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     /* Every fragment but the first ones has a parent of its own, and at least one tet at its end. */
     const int64_t fragments = 2 * (int64_t)record->element_count;
@@ -220,15 +238,19 @@ static bool create_series(ShvRecord *record, const ShvFrameView *frame)
         if (shv_series_of_probes((ShvSeriesName)i) && frame->probe_count == 0) continue;
         if (!shv_series_create(&record->series[i], record->file, (ShvSeriesName)i, &widths)) return false;
     }
-    return shv_record_write_names(record->file, frame);
+    return shv_record_write_obstacles(record->file, simulation, frame->obstacle_count) &&
+           shv_record_write_names(record->file, frame);
 }
 
 static bool put_all(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
-    if (record->frames == 0 && !create_series(record, frame)) return false;
-    return put_ahead(record, simulation, frame) && put_events(record, frame) && put_motion(record, frame) &&
-           put_cost(record, frame) && put_moment(record, frame) && (!record->nodes || put_nodes(record, simulation)) &&
-           H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
+    RowSums sums = {0, 0, 0};
+    memset(record->sums, 0, sizeof record->sums);
+    if (record->frames == 0 && !create_series(record, simulation, frame)) return false;
+    return put_births(record, simulation, frame) && put_genealogy(record, frame) && put_probes(record, frame, &sums) &&
+           put_events(record, frame, &sums) && put_motion(record, frame) && put_cost(record, frame) &&
+           put_moment(record, frame) && (!record->nodes || put_nodes(record, simulation)) &&
+           put_sum(record, frame, &sums) && H5Fflush(record->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
 static ShvStatus check_frame(const ShvRecord *record, const ShvFrameView *frame, ShvError *error)
@@ -245,7 +267,8 @@ ShvStatus shv_record_append(ShvRecord *record, const ShvSimulation *simulation, 
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     SHV_TRY(check_frame(record, frame, error));
     SHV_TRY(make_room(record, frame, error));
-    if (!put_all(record, simulation, frame)) return shv_record_fail(record, error);
+    if (!put_all(record, simulation, frame) || shv_stage_failure(record->stage) != 0)
+        return shv_record_fail(record, error);
     record->frames++;
     return SHV_OK;
 }

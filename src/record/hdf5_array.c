@@ -1,5 +1,9 @@
 #include "record/hdf5_array.h"
 
+#include <zlib.h>
+
+#include "base/memory.h"
+
 bool shv_group_put(hid_t file, const char *path)
 {
     const hid_t list = H5Pcreate(H5P_GROUP_CREATE);
@@ -10,6 +14,115 @@ bool shv_group_put(hid_t file, const char *path)
     return group >= 0 && H5Gclose(group) >= 0;
 }
 
+bool shv_filters_put(hid_t creation, bool compressed)
+{
+    return (!compressed || (H5Pset_shuffle(creation) >= 0 && H5Pset_deflate(creation, 1) >= 0)) &&
+           H5Pset_fletcher32(creation) >= 0;
+}
+
+/* The filters as they are applied in writing. */
+static int expected_filters(bool compressed, H5Z_filter_t filters[3])
+{
+    int count = 0;
+    if (compressed) {
+        filters[count++] = H5Z_FILTER_SHUFFLE;
+        filters[count++] = H5Z_FILTER_DEFLATE;
+    }
+    filters[count++] = H5Z_FILTER_FLETCHER32;
+    return count;
+}
+
+bool shv_filters_agree(hid_t dataset, bool compressed)
+{
+    H5Z_filter_t wanted[3];
+    const int count = expected_filters(compressed, wanted);
+    const hid_t list = H5Dget_create_plist(dataset);
+    bool good = list >= 0 && H5Pget_layout(list) == H5D_CHUNKED && H5Pget_nfilters(list) == count;
+    for (int i = 0; good && i < count; i++) {
+        size_t values = 0;
+        unsigned flags, configuration;
+        good = H5Pget_filter2(list, (unsigned)i, &flags, &values, NULL, 0, NULL, &configuration) == wanted[i];
+    }
+    if (list >= 0) H5Pclose(list);
+    return good;
+}
+
+/* ---- chunks ---- */
+
+enum { MOST_DIMENSIONS = 3, CHECKSUM_BYTES = 4 };
+
+typedef struct Chunks {
+    hid_t dataset;
+    int rank;
+    hsize_t extent[MOST_DIMENSIONS], size[MOST_DIMENSIONS];
+    size_t bytes; /* of a chunk, without filters */
+    bool compressed;
+} Chunks;
+
+static bool look_at(Chunks *chunks, hid_t dataset)
+{
+    const hid_t list = H5Dget_create_plist(dataset), space = H5Dget_space(dataset), type = H5Dget_type(dataset);
+    bool good = list >= 0 && space >= 0 && type >= 0;
+    chunks->dataset = dataset;
+    chunks->rank = good ? H5Sget_simple_extent_ndims(space) : 0;
+    good = good && chunks->rank >= 1 && chunks->rank <= MOST_DIMENSIONS &&
+           H5Sget_simple_extent_dims(space, chunks->extent, NULL) == chunks->rank &&
+           H5Pget_chunk(list, chunks->rank, chunks->size) == chunks->rank;
+    chunks->bytes = good ? H5Tget_size(type) : 0;
+    for (int i = 0; good && i < chunks->rank; i++) {
+        good = chunks->size[i] > 0 && chunks->size[i] <= UINT32_MAX / (chunks->bytes ? chunks->bytes : 1);
+        chunks->bytes *= (size_t)chunks->size[i];
+    }
+    chunks->compressed = good && H5Pget_nfilters(list) > 1;
+    if (type >= 0) H5Tclose(type);
+    if (space >= 0) H5Sclose(space);
+    if (list >= 0) H5Pclose(list);
+    return good;
+}
+
+static bool inflates(const unsigned char *stored, size_t size, size_t bytes)
+{
+    unsigned char *plain = shv_allocate(NULL, SHV_PART_RECORD, bytes, 1);
+    uLongf length = bytes;
+    const bool good = plain && uncompress(plain, &length, stored, size) == Z_OK && length == bytes;
+    shv_release(plain);
+    return good;
+}
+
+/* A chunk that has never been written reads as fill values. */
+static bool chunk_sound(const Chunks *chunks, const hsize_t *offset)
+{
+    unsigned left_out = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t size = 0;
+    if (H5Dget_chunk_info_by_coord(chunks->dataset, offset, &left_out, &address, &size) < 0) return false;
+    if (address == HADDR_UNDEF) return true;
+    if (left_out != 0 || size <= CHECKSUM_BYTES) return false;
+    if (!chunks->compressed) return size == chunks->bytes + CHECKSUM_BYTES;
+    if (size > 2 * chunks->bytes + 1024) return false;
+    uint32_t filters = 0;
+    unsigned char *stored = shv_allocate(NULL, SHV_PART_RECORD, size, 1);
+    const bool good = stored && H5Dread_chunk(chunks->dataset, H5P_DEFAULT, offset, &filters, stored) >= 0 &&
+                      inflates(stored, size - CHECKSUM_BYTES, chunks->bytes);
+    shv_release(stored);
+    return good;
+}
+
+bool shv_chunks_sound(hid_t dataset, int64_t begin, int64_t count)
+{
+    Chunks chunks;
+    if (!look_at(&chunks, dataset)) return false;
+    hsize_t offset[MOST_DIMENSIONS] = {0};
+    const hsize_t first = (hsize_t)begin / chunks.size[0] * chunks.size[0], end = (hsize_t)(begin + count);
+    for (offset[0] = first; offset[0] < end; offset[0] += chunks.size[0])
+        for (offset[1] = 0;
+             offset[1]<(chunks.rank > 1 ? chunks.extent[1] : 1); offset[1] += chunks.rank> 1 ? chunks.size[1] : 1)
+            if (!chunk_sound(&chunks, offset)) return false;
+    return true;
+}
+
+/* ---- arrays ---- */
+
 bool shv_array_put(hid_t file, const char *path, hid_t file_type, hid_t memory_type, int64_t rows, int64_t columns,
                    bool compressed, const void *data, hid_t *dataset)
 {
@@ -18,9 +131,7 @@ bool shv_array_put(hid_t file, const char *path, hid_t file_type, hid_t memory_t
     const int rank = columns > 0 ? 2 : 1;
     const hid_t space = H5Screate_simple(rank, extent, NULL), list = H5Pcreate(H5P_DATASET_CREATE);
     bool good = space >= 0 && list >= 0 && H5Pset_obj_track_times(list, false) >= 0;
-    if (good && compressed && rows > 0)
-        good = H5Pset_chunk(list, rank, chunk) >= 0 && H5Pset_shuffle(list) >= 0 && H5Pset_deflate(list, 1) >= 0;
-    if (good && !compressed) good = H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY) >= 0;
+    if (good && rows > 0) good = H5Pset_chunk(list, rank, chunk) >= 0 && shv_filters_put(list, compressed);
     const hid_t made = good ? H5Dcreate2(file, path, file_type, space, H5P_DEFAULT, list, H5P_DEFAULT) : -1;
     good = made >= 0 && (!data || rows == 0 || H5Dwrite(made, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
     if (list >= 0) H5Pclose(list);

@@ -1,6 +1,7 @@
 #include "record/hdf5_text.h"
 
 #include <string.h>
+#include <zlib.h>
 
 ShvSilence shv_silence_begin(void)
 {
@@ -130,13 +131,17 @@ bool shv_attribute_get_number(hid_t object, const char *name, hid_t memory_type,
 
 bool shv_dataset_put_text(hid_t group, const char *path, const char *text)
 {
-    const hid_t type = shv_text_type(strlen(text) + 1), space = H5Screate(H5S_SCALAR);
-    bool good = type >= 0 && space >= 0;
+    const size_t size = strlen(text) + 1;
+    const int64_t sum = (int64_t)crc32_z(0, (const unsigned char *)text, size);
+    const hid_t type = shv_text_type(size), space = H5Screate(H5S_SCALAR), list = H5Pcreate(H5P_DATASET_CREATE);
+    bool good = type >= 0 && space >= 0 && list >= 0 && H5Pset_obj_track_times(list, false) >= 0;
     if (good) {
-        const hid_t dataset = H5Dcreate2(group, path, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-        good = dataset >= 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0;
+        const hid_t dataset = H5Dcreate2(group, path, type, space, H5P_DEFAULT, list, H5P_DEFAULT);
+        good = dataset >= 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0 &&
+               shv_attribute_put_number(dataset, "checksum", H5T_STD_I64LE, H5T_NATIVE_INT64, &sum);
         if (dataset >= 0) H5Dclose(dataset);
     }
+    if (list >= 0) H5Pclose(list);
     if (space >= 0) H5Sclose(space);
     if (type >= 0) H5Tclose(type);
     return good;

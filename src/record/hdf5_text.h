@@ -28,7 +28,7 @@ bool shv_attribute_put_number(hid_t object, const char *name, hid_t file_type, h
 bool shv_attribute_get_text(hid_t object, const char *name, char *text, size_t size);
 bool shv_attribute_get_number(hid_t object, const char *name, hid_t memory_type, H5T_class_t class, void *value);
 
-/* A scalar dataset that holds a text. */
+/* A scalar dataset that holds a text, with the CRC-32 of its bytes and terminator as attribute "checksum". */
 bool shv_dataset_put_text(hid_t group, const char *path, const char *text);
 
 #endif

@@ -28,6 +28,21 @@ static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
                1);
 }
 
+bool shv_record_write_badge(hid_t file, uint64_t *address)
+{
+    const hsize_t count = 2;
+    const hid_t space = H5Screate_simple(1, &count, NULL), list = H5Pcreate(H5P_DATASET_CREATE);
+    hid_t dataset = -1;
+    if (space >= 0 && list >= 0 && H5Pset_obj_track_times(list, false) >= 0 &&
+        H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY) >= 0)
+        dataset = H5Dcreate2(file, "/journal", H5T_STD_U64LE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    *address = dataset >= 0 ? H5Dget_offset(dataset) : HADDR_UNDEF;
+    if (dataset >= 0) H5Dclose(dataset);
+    if (list >= 0) H5Pclose(list);
+    if (space >= 0) H5Sclose(space);
+    return *address != HADDR_UNDEF;
+}
+
 /* The overrides, one a line. */
 static bool write_overrides(hid_t file, const ShvRecordDefinition *definition)
 {

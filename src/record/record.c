@@ -3,15 +3,16 @@
 #include <errno.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/publish.h"
 #include "base/timer.h"
 #include "record/hdf5_text.h"
-#include "record/publish.h"
 
 ShvRecordDefinition shv_record_default(void)
 {
-    return (ShvRecordDefinition){.cookie = SHV_DEFINITION_COOKIE};
+    return (ShvRecordDefinition){.cookie = SHV_DEFINITION_COOKIE, .sync_interval = 5.0};
 }
 
 ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
@@ -19,8 +20,8 @@ ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
     const int number = shv_stage_failure(record->stage);
     if (number == ENOMEM) return shv_fail(error, SHV_NO_MEMORY, "out of memory for the run file '%s'", record->path);
     if (number == 0)
-        return shv_fail(error, SHV_FILE_ERROR, "HDF5 could not write frame %lld of '%s'", (long long)record->frames,
-                        record->path);
+        return shv_fail(error, SHV_FILE_ERROR, "HDF5 could not write frame %lld of '%s'; the frames before it are kept",
+                        (long long)record->frames, record->path);
     char reason[128] = "unknown error";
     if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
     return shv_fail(error, SHV_FILE_ERROR,
@@ -55,12 +56,8 @@ static ShvStatus open_file(ShvRecord *record, ShvError *error)
 {
     SHV_TRY(shv_publish_begin(record->memory, record->path, &record->temporary, &record->descriptor, error));
     lock_file(record->descriptor);
-    SHV_TRY(shv_stage_create(&record->stage, record->memory, record->descriptor, 0, error));
-    const hid_t access = shv_stage_access(record->stage);
-    if (access >= 0) {
-        record->file = H5Fcreate(record->temporary, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-        H5Pclose(access);
-    }
+    SHV_TRY(shv_stage_create(&record->stage, record->memory, record->descriptor, error));
+    record->file = shv_stage_make(record->stage, record->temporary);
     return record->file >= 0 ? SHV_OK : shv_record_fail(record, error);
 }
 
@@ -82,6 +79,9 @@ static void release(ShvRecord *record)
     shv_release(record->temporary);
     shv_release(record->path);
     shv_release(record->fragments);
+    shv_release(record->lines.lineage);
+    shv_release(record->lines.first_element);
+    shv_release(record->lines.heir);
     shv_release(record->values);
     shv_release(record->element_fragment);
     shv_release(record->corners);
@@ -95,7 +95,7 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
     SHV_TRY(shv_publish_check(definition->path, definition->force, error));
     SHV_TRY(allocate(record, definition, &mesh, error));
     SHV_TRY(open_file(record, error));
-    if (!shv_record_write_head(record->file, definition) ||
+    if (!shv_record_write_badge(record->file, &record->badge) || !shv_record_write_head(record->file, definition) ||
         !shv_record_write_mesh(record->file, &mesh, &record->owners) ||
         !shv_record_write_materials(record->file, simulation))
         return shv_record_fail(record, error);
@@ -113,11 +113,13 @@ ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *defin
     *made = (ShvRecord){.memory = definition->memory,
                         .force = definition->force,
                         .nodes = definition->nodes,
+                        .sync_interval = definition->sync_interval,
                         .descriptor = -1,
                         .file = -1,
                         .owners = -1,
                         .start = shv_now()};
-    for (int i = 0; i < SHV_SERIES_COUNT; i++) made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1};
+    for (int i = 0; i < SHV_SERIES_COUNT; i++)
+        made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
     const ShvSilence silence = shv_silence_begin();
     const ShvStatus status = start(made, definition, simulation, error);
     if (status != SHV_OK)
@@ -133,10 +135,10 @@ ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *defin
 static ShvStatus publish(ShvRecord *record, ShvError *error)
 {
     if (!record->temporary) return SHV_OK;
-    SHV_TRY(shv_publish_end(record->temporary, record->path, record->force, error));
+    SHV_TRY(shv_publish_end(record->temporary, record->descriptor, record->path, record->force, error));
     shv_release(record->temporary);
     record->temporary = NULL;
-    return SHV_OK;
+    return shv_stage_journal(record->stage, record->path, record->badge, record->sync_interval, error);
 }
 
 ShvStatus shv_record_frame(ShvRecord *record, const ShvSimulation *simulation, ShvError *error)
@@ -158,18 +160,27 @@ static const char *status_text(ShvStatus status)
     return status == SHV_OK ? "finished" : status == SHV_INTERRUPTED ? "interrupted" : "failed";
 }
 
-/* After a failure: cuts the file to its last whole frame and opens it anew. */
+/* After a failure: brings the file to its last whole frame and opens it anew. */
 static ShvStatus reopen(ShvRecord *record, ShvError *error)
 {
     shv_stage_discard(record->stage);
     close_objects(record);
-    SHV_TRY(shv_stage_rollback(record->stage, error));
-    const hid_t access = shv_stage_access(record->stage);
-    if (access >= 0) {
-        record->file = H5Fopen(record->path, H5F_ACC_RDWR, access);
-        H5Pclose(access);
-    }
+    SHV_TRY(shv_stage_restore(record->stage, error));
+    record->file = shv_stage_open(record->stage, record->path);
     return record->file >= 0 ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "cannot open '%s' anew", record->path);
+}
+
+/* What is written where nobody will find it is lost. */
+static ShvStatus check_name(const ShvRecord *record, ShvError *error)
+{
+    struct stat own, named;
+    if (fstat(record->descriptor, &own) != 0 || stat(record->path, &named) != 0)
+        return shv_fail(error, SHV_FILE_ERROR, "'%s' was deleted or moved away while the run wrote it; run it again",
+                        record->path);
+    if (own.st_dev == named.st_dev && own.st_ino == named.st_ino) return SHV_OK;
+    return shv_fail(error, SHV_FILE_ERROR,
+                    "'%s' was replaced by another file while the run wrote it; run it again under another name",
+                    record->path);
 }
 
 /* The texts have their room since the file was made: this works on a full disk. */
@@ -178,10 +189,12 @@ static ShvStatus write_end(ShvRecord *record, ShvStatus status, const char *mess
     if (record->broken.status != SHV_OK) SHV_TRY(reopen(record, error));
     const bool good = shv_attribute_set_text(record->file, "status", status_text(status)) &&
                       shv_attribute_set_text(record->file, "message", message ? message : "");
-    if (!good || H5Fflush(record->file, H5F_SCOPE_GLOBAL) < 0) return shv_record_fail(record, error);
+    if (!good || H5Fflush(record->file, H5F_SCOPE_GLOBAL) < 0 || shv_stage_failure(record->stage) != 0)
+        return shv_record_fail(record, error);
     shv_stage_discard(record->stage);
     close_objects(record);
-    return shv_stage_rollback(record->stage, error); /* gives back the space reserved beyond the last frame */
+    SHV_TRY(shv_stage_end(record->stage, error));
+    return check_name(record, error);
 }
 
 ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *message, ShvError *error)

@@ -17,6 +17,13 @@ static ShvStatus read_names(ShvRunFile *file, const char *path, int32_t expected
     return status;
 }
 
+ShvStatus shv_run_obstacle_names(ShvRunFile *file, ShvError *error)
+{
+    if (file->obstacle_names) return SHV_OK;
+    return read_names(file, "/obstacles/name", file->info.obstacle_count, &file->obstacle_names,
+                      &file->obstacle_name_size, error);
+}
+
 static ShvStatus get_vectors(ShvRunFile *file, ShvSeriesName name, int64_t frame, double *values,
                              ShvObstacleView *obstacles, size_t offset, size_t components, ShvError *error)
 {
@@ -29,9 +36,7 @@ static ShvStatus get_vectors(ShvRunFile *file, ShvSeriesName name, int64_t frame
 ShvStatus shv_run_file_obstacles(ShvRunFile *file, int64_t frame, ShvObstacleView *obstacles, ShvError *error)
 {
     SHV_TRY(shv_run_check_frame(file, frame, error));
-    if (!file->obstacle_names)
-        SHV_TRY(read_names(file, "/obstacles/name", file->info.obstacle_count, &file->obstacle_names,
-                           &file->obstacle_name_size, error));
+    SHV_TRY(shv_run_obstacle_names(file, error));
     const size_t count = (size_t)file->info.obstacle_count;
     double *values = shv_allocate(file->memory, SHV_PART_RECORD, 4 * count, sizeof *values);
     if (!values) return shv_fail_memory(error, "obstacles", 4 * count * sizeof *values);

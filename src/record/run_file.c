@@ -8,7 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
+#include "record/journal.h"
 #include "record/run_file.h"
 
 /* ---- opening ---- */
@@ -25,6 +27,22 @@ static ShvStatus check_lock(int descriptor, const char *path, ShvError *error)
     if (flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return fail_open(error, path, "is being written by another process; wait until that run has ended, or stop it");
     return SHV_OK;
+}
+
+/* A journal is left by a writer that died. The lock keeps other readers from putting the file right at the same time. */
+static ShvStatus put_right(const char *path, ShvMemory *memory, ShvError *error)
+{
+    const int descriptor = open(path, O_RDWR | O_CLOEXEC);
+    if (descriptor < 0)
+        return shv_fail(
+            error, SHV_FILE_ERROR,
+            "'%s' was left by a writer that died, and its last frames are in '%s.journal': copy both to where "
+            "you may write",
+            path, path);
+    while (flock(descriptor, LOCK_EX) != 0 && errno == EINTR) continue;
+    const ShvStatus status = shv_journal_recover(path, descriptor, memory, error);
+    close(descriptor);
+    return status;
 }
 
 static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
@@ -70,6 +88,11 @@ static ShvStatus open_hdf5(ShvRunFile *file, const char *path, ShvError *error)
 
 ShvStatus shv_run_fail_damaged(const ShvRunFile *file, const char *what, ShvError *error)
 {
+    /* HDF5 does not say whether memory was out; asking for a little tells. */
+    enum { LITTLE = 1 << 16 };
+    void *room = shv_allocate(file->memory, SHV_PART_RECORD, LITTLE, 1);
+    if (!room) return shv_fail_memory(error, what, LITTLE);
+    shv_release(room);
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is damaged: %s cannot be read", file->path, what);
 }
 
@@ -93,9 +116,25 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
+    if (strcmp(texts->status, "running") == 0)
+        file->info.message = "its writer ended without a word: it was killed, or the machine stopped; what came after "
+                             "the last frame is missing";
     file->info.scene_name = texts->scene_name;
     file->info.processor = texts->processor;
     return SHV_OK;
+}
+
+/* Whether the file holds as many bytes as the dataset says: HDF5 reads on beyond them. */
+static bool is_sound(hid_t dataset, int rank, const hsize_t *extent, hid_t type)
+{
+    if (rank > 0 && extent[0] > 0 && extent[1] > 0)
+        return (shv_filters_agree(dataset, false) || shv_filters_agree(dataset, true)) &&
+               shv_chunks_sound(dataset, 0, (int64_t)extent[0]);
+    const hid_t list = H5Dget_create_plist(dataset);
+    const bool good = list >= 0 && H5Pget_layout(list) == H5D_CONTIGUOUS && H5Pget_external_count(list) == 0 &&
+                      (rank > 0 || H5Dget_storage_size(dataset) == H5Tget_size(type));
+    if (list >= 0) H5Pclose(list);
+    return good;
 }
 
 /* Opens a dataset of known rank and class whose size the file can hold; extent beyond the rank is 1. */
@@ -110,6 +149,7 @@ static hid_t open_array(const ShvRunFile *file, const char *path, int rank, H5T_
     const double bytes = (double)extent[0] * (double)extent[1] * (type >= 0 ? (double)H5Tget_size(type) : 1.0);
     good = good && bytes <= 1100.0 * (double)file->bytes && extent[0] <= INT32_MAX;
     if (class == H5T_STRING) good = good && H5Tis_variable_str(type) == 0;
+    good = good && is_sound(dataset, rank, extent, type);
     if (type >= 0) H5Tclose(type);
     if (space >= 0) H5Sclose(space);
     if (good) return dataset;
@@ -174,6 +214,13 @@ static ShvStatus count_rows(const ShvRunFile *file, const char *path, int32_t co
     H5Dclose(dataset);
     *rows = (int32_t)extent[0];
     return extent[1] == (hsize_t)columns ? SHV_OK : shv_run_fail_damaged(file, path, error);
+}
+
+ShvStatus shv_run_check_rows(const ShvRunFile *file, const char *path, bool real, int32_t rows, ShvError *error)
+{
+    int32_t found = 0;
+    SHV_TRY(count_rows(file, path, 3, real ? H5T_FLOAT : H5T_INTEGER, &found, error));
+    return found == rows ? SHV_OK : shv_run_fail_damaged(file, path, error);
 }
 
 static bool range_fits(const int32_t *range, int32_t count)
@@ -247,7 +294,8 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
         if (file->series[i].dataset >= 0 && file->series[i].extent[0] < frames) frames = file->series[i].extent[0];
     }
     const hsize_t fragments = file->series[SHV_SERIES_FRAGMENTS].extent[0];
-    if (fragments > INT32_MAX || frames == 0) return shv_run_fail_damaged(file, "the list of frames", error);
+    if (fragments > INT32_MAX || frames == 0 || file->series[SHV_SERIES_LINEAGE].extent[0] != fragments)
+        return shv_run_fail_damaged(file, "the list of frames", error);
     file->info.frame_count = (int64_t)frames;
     file->info.fragment_count = (int32_t)fragments;
     file->info.event_count = (int64_t)file->series[SHV_SERIES_EVENTS].extent[0];
@@ -271,6 +319,10 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
 static ShvStatus read_head(ShvRunFile *file, const char *path, ShvError *error)
 {
     SHV_TRY(check_file(path, &file->bytes, error));
+    if (shv_journal_exists(path)) {
+        SHV_TRY(put_right(path, file->memory, error));
+        SHV_TRY(check_file(path, &file->bytes, error));
+    }
     file->path = shv_copy_text(file->memory, SHV_PART_RECORD, path);
     if (!file->path) return shv_fail_memory(error, "a path", strlen(path) + 1);
     SHV_TRY(open_hdf5(file, path, error));
@@ -295,6 +347,7 @@ static void release(ShvRunFile *file)
     shv_release(file->object_materials);
     shv_release(file->objects);
     shv_release(file->obstacle_names);
+    shv_obstacle_bodies_release(file->bodies);
     shv_release(file->times);
     shv_release(file->modes);
     shv_release(file->costs);
@@ -312,7 +365,8 @@ ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, ShvMemory *memo
     if (!made) return shv_fail_memory(error, "the run file", sizeof *made);
     made->memory = memory;
     made->file = -1;
-    for (int i = 0; i < SHV_SERIES_COUNT; i++) made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1};
+    for (int i = 0; i < SHV_SERIES_COUNT; i++)
+        made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
     const ShvSilence silence = shv_silence_begin();
     const ShvStatus status = read_head(made, path, error);
     if (status == SHV_OK)

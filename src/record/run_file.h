@@ -9,6 +9,8 @@ typedef struct ShvRunTexts {
     char code_version[64], status[32], message[1100], scene_name[1024], processor[256];
 } ShvRunTexts;
 
+typedef struct ShvObstacleBodies ShvObstacleBodies;
+
 struct ShvRunFile {
     ShvMemory *memory;
     char *path;
@@ -19,6 +21,7 @@ struct ShvRunFile {
     ShvRunTexts texts;
     char *scene_text, *overrides, *object_names, *object_materials, *obstacle_names, *cost_names, *part_names,
         *probe_names;
+    ShvObstacleBodies *bodies; /* of the obstacles; read when asked for */
     size_t obstacle_name_size, probe_name_size;
     ShvObjectView *objects;
     char *material_names;
@@ -39,6 +42,10 @@ ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64
 /* Reads a whole array of int32_t or double whose extents must be these; columns 0: one dimension. */
 ShvStatus shv_run_read_array(const ShvRunFile *file, const char *path, int64_t rows, int64_t columns, bool real,
                              void *data, ShvError *error);
+/* Fails where an array of int32_t or double has not so many rows of three. */
+ShvStatus shv_run_check_rows(const ShvRunFile *file, const char *path, bool real, int32_t rows, ShvError *error);
+ShvStatus shv_run_obstacle_names(ShvRunFile *file, ShvError *error);
+void shv_obstacle_bodies_release(ShvObstacleBodies *bodies);
 /* *count terminated texts of *size bytes each; rank 0: one text. The caller releases *texts, also after a failure. */
 ShvStatus shv_run_read_texts(const ShvRunFile *file, const char *path, int rank, char **texts, size_t *size,
                              int32_t *count, ShvError *error);

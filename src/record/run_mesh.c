@@ -95,6 +95,16 @@ static ShvStatus add_poses(ShvRunFile *file, ShvFragmentView *fragments, double 
     return SHV_OK;
 }
 
+ShvStatus shv_run_file_lineages(ShvRunFile *file, int32_t *lineages, ShvError *error)
+{
+    const int32_t count = file->info.fragment_count;
+    const ShvSilence silence = shv_silence_begin();
+    bool good = shv_series_read(&file->series[SHV_SERIES_LINEAGE], 0, count, 0, lineages);
+    shv_silence_end(silence);
+    for (int32_t i = 0; good && i < count; i++) good = lineages[i] >= 0 && lineages[i] <= i;
+    return good ? SHV_OK : shv_run_fail_damaged(file, "/fragments/lineage", error);
+}
+
 ShvStatus shv_run_file_fragments(ShvRunFile *file, ShvFragmentView *fragments, ShvError *error)
 {
     const size_t count = (size_t)file->info.fragment_count;

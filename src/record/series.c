@@ -2,7 +2,9 @@
 
 #include <math.h>
 #include <string.h>
+#include <zlib.h>
 
+#include "record/hdf5_array.h"
 #include "record/types.h"
 
 typedef enum Type {
@@ -14,7 +16,8 @@ typedef enum Type {
     TYPE_LEDGER,
     TYPE_PROGRESS,
     TYPE_FRAGMENT,
-    TYPE_EVENT
+    TYPE_EVENT,
+    TYPE_SUM
 } Type;
 
 typedef struct Kind {
@@ -26,7 +29,7 @@ typedef struct Kind {
 } Kind;
 
 /* Compressed entries have chunks of one frame and are written once. All other chunks hold many frames, never change
-   their size and are filled in place. Either way no byte of an earlier frame moves. */
+   their size and are filled in place. Every chunk has a checksum of its own (Fletcher-32, HDF5's). */
 static const Kind KINDS[SHV_SERIES_COUNT] = {
     [SHV_SERIES_TIME] = {"/trajectory/time", "s", TYPE_DOUBLE, SHV_WIDTH_NONE, 0, false},
     [SHV_SERIES_MODE] = {"/trajectory/mode", "", TYPE_BYTE, SHV_WIDTH_NONE, 0, false},
@@ -53,6 +56,8 @@ static const Kind KINDS[SHV_SERIES_COUNT] = {
     [SHV_SERIES_BOND] = {"/nodes/bond", "1: held across the facet", TYPE_BYTE, SHV_WIDTH_ELEMENT, 4, true},
     [SHV_SERIES_DAMAGE] = {"/nodes/damage", "", TYPE_FLOAT, SHV_WIDTH_ELEMENT, 4, true},
     [SHV_SERIES_NODE_FRAGMENT] = {"/nodes/fragment", "", TYPE_INT, SHV_WIDTH_ELEMENT, 0, true},
+    [SHV_SERIES_SUM] = {"/frames", "", TYPE_SUM, SHV_WIDTH_NONE, 0, false},
+    [SHV_SERIES_LINEAGE] = {"/fragments/lineage", "", TYPE_INT, SHV_WIDTH_NONE, 0, false},
     [SHV_SERIES_FRAGMENTS] = {"/fragments/list", "SI", TYPE_FRAGMENT, SHV_WIDTH_NONE, 0, false},
     [SHV_SERIES_EVENTS] = {"/events", "SI", TYPE_EVENT, SHV_WIDTH_NONE, 0, false},
     [SHV_SERIES_PROBE_TIME] = {"/probes/time", "s", TYPE_DOUBLE, SHV_WIDTH_NONE, 0, false},
@@ -70,6 +75,11 @@ bool shv_series_of_nodes(ShvSeriesName name)
 bool shv_series_of_probes(ShvSeriesName name)
 {
     return name == SHV_SERIES_PROBE_TIME || name == SHV_SERIES_PROBE_SAMPLES;
+}
+
+bool shv_series_of_cost(ShvSeriesName name)
+{
+    return name >= SHV_SERIES_WALL && name <= SHV_SERIES_BYTES_PEAK;
 }
 
 const char *shv_series_path(ShvSeriesName name)
@@ -97,20 +107,30 @@ static hid_t make_type(Type type, bool file)
         return file ? shv_row_file_type(SHV_ROW_PROGRESS) : shv_row_memory_type(SHV_ROW_PROGRESS);
     case TYPE_FRAGMENT:
         return file ? shv_row_file_type(SHV_ROW_FRAGMENT) : shv_row_memory_type(SHV_ROW_FRAGMENT);
+    case TYPE_SUM:
+        return file ? shv_row_file_type(SHV_ROW_SUM) : shv_row_memory_type(SHV_ROW_SUM);
     case TYPE_EVENT:
         break;
     }
     return file ? shv_row_file_type(SHV_ROW_EVENT) : shv_row_memory_type(SHV_ROW_EVENT);
 }
 
-static void describe(ShvSeries *series, const Kind *kind)
+static size_t size_of(hid_t type, const Kind *kind)
 {
+    return (type >= 0 ? H5Tget_size(type) : 0) * (size_t)(kind->components > 0 ? kind->components : 1);
+}
+
+static void describe(ShvSeries *series, ShvSeriesName name)
+{
+    const Kind *kind = &KINDS[name];
+    *series = (ShvSeries){.dataset = -1, .name = name};
     series->width = kind->width;
     series->rank = 1 + (kind->width != SHV_WIDTH_NONE) + (kind->components > 0);
     series->doubles = kind->type == TYPE_DOUBLE || kind->type == TYPE_FLOAT;
     series->memory_type = make_type(kind->type, false);
-    series->entry_size = (series->memory_type >= 0 ? H5Tget_size(series->memory_type) : 0) *
-                         (size_t)(kind->components > 0 ? kind->components : 1);
+    series->file_type = make_type(kind->type, true);
+    series->entry_size = size_of(series->memory_type, kind);
+    series->stored_size = size_of(series->file_type, kind);
 }
 
 /* ---- making ---- */
@@ -130,33 +150,31 @@ static hid_t creation_list(const Kind *kind, int rank, const hsize_t *chunk)
     bool good = H5Pset_chunk(list, rank, chunk) >= 0 && H5Pset_obj_track_times(list, false) >= 0;
     if (kind->type == TYPE_DOUBLE || kind->type == TYPE_FLOAT)
         good = good && H5Pset_fill_value(list, H5T_NATIVE_DOUBLE, &nan_value) >= 0;
-    if (kind->compressed) good = good && H5Pset_shuffle(list) >= 0 && H5Pset_deflate(list, 1) >= 0;
-    if (good) return list;
+    if (good && shv_filters_put(list, kind->compressed)) return list;
     H5Pclose(list);
     return -1;
 }
 
-static hid_t make_dataset(hid_t file, const Kind *kind, int rank, const hsize_t *extent, const hsize_t *chunk)
+static hid_t make_dataset(const ShvSeries *series, hid_t file, const Kind *kind, const hsize_t *chunk)
 {
+    const hsize_t *extent = series->extent;
     const hsize_t most[3] = {H5S_UNLIMITED, kind->width != SHV_WIDTH_NONE && extent[1] == 0 ? H5S_UNLIMITED : extent[1],
                              extent[2]};
-    const hid_t type = make_type(kind->type, true), space = H5Screate_simple(rank, extent, most);
-    const hid_t list = creation_list(kind, rank, chunk);
+    const hid_t space = H5Screate_simple(series->rank, extent, most);
+    const hid_t list = creation_list(kind, series->rank, chunk);
     hid_t dataset = -1;
-    if (type >= 0 && space >= 0 && list >= 0)
-        dataset = H5Dcreate2(file, kind->path, type, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    if (space >= 0 && list >= 0)
+        dataset = H5Dcreate2(file, kind->path, series->file_type, space, H5P_DEFAULT, list, H5P_DEFAULT);
     if (list >= 0) H5Pclose(list);
     if (space >= 0) H5Sclose(space);
-    if (type >= 0) H5Tclose(type);
     return dataset;
 }
 
 bool shv_series_create(ShvSeries *series, hid_t file, ShvSeriesName name, const ShvWidths *widths)
 {
     const Kind *kind = &KINDS[name];
-    *series = (ShvSeries){.dataset = -1};
-    describe(series, kind);
-    if (series->memory_type < 0) return false;
+    describe(series, name);
+    if (series->memory_type < 0 || series->file_type < 0) return false;
     hsize_t chunk[3] = {kind->compressed ? 1 : ROWS_A_CHUNK, 1, 1};
     int last = 1;
     if (kind->width != SHV_WIDTH_NONE) {
@@ -165,19 +183,18 @@ bool shv_series_create(ShvSeries *series, hid_t file, ShvSeriesName name, const 
         last = 2;
     }
     if (kind->components > 0) series->extent[last] = chunk[last] = (hsize_t)kind->components;
-    series->dataset = make_dataset(file, kind, series->rank, series->extent, chunk);
+    series->dataset = make_dataset(series, file, kind, chunk);
     return series->dataset >= 0;
 }
 
 /* ---- opening ---- */
 
 /* Types agree when HDF5 converts the one to the other and they are of one class; a compound converts field by field. */
-static bool types_agree(hid_t dataset, const Kind *kind)
+static bool types_agree(const ShvSeries *series)
 {
-    const hid_t found = H5Dget_type(dataset), wanted = make_type(kind->type, true);
-    const bool good = found >= 0 && wanted >= 0 && H5Tequal(found, wanted) > 0;
+    const hid_t found = H5Dget_type(series->dataset);
+    const bool good = found >= 0 && H5Tequal(found, series->file_type) > 0;
     if (found >= 0) H5Tclose(found);
-    if (wanted >= 0) H5Tclose(wanted);
     return good;
 }
 
@@ -196,35 +213,38 @@ static bool shape_agrees(ShvSeries *series, const Kind *kind)
 
 bool shv_series_open(ShvSeries *series, hid_t file, ShvSeriesName name)
 {
-    *series = (ShvSeries){.dataset = -1};
-    describe(series, &KINDS[name]);
-    if (series->memory_type < 0) return false;
+    describe(series, name);
+    if (series->memory_type < 0 || series->file_type < 0) return false;
     series->dataset = H5Dopen2(file, KINDS[name].path, H5P_DEFAULT);
-    return series->dataset >= 0 && types_agree(series->dataset, &KINDS[name]) && shape_agrees(series, &KINDS[name]);
+    return series->dataset >= 0 && types_agree(series) && shape_agrees(series, &KINDS[name]) &&
+           shv_filters_agree(series->dataset, KINDS[name].compressed);
 }
 
 void shv_series_close(ShvSeries *series)
 {
     if (series->dataset >= 0) H5Dclose(series->dataset);
     if (series->memory_type >= 0) H5Tclose(series->memory_type);
-    series->dataset = series->memory_type = -1;
+    if (series->file_type >= 0) H5Tclose(series->file_type);
+    shv_release(series->stored);
+    *series = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
 }
 
 /* ---- entries ---- */
 
-typedef herr_t (*Transfer)(const ShvSeries *series, hid_t memory, hid_t file, void *data);
+typedef herr_t (*Transfer)(hid_t dataset, hid_t type, hid_t memory, hid_t file, void *data);
 
-static herr_t read_selected(const ShvSeries *series, hid_t memory, hid_t file, void *data)
+static herr_t read_selected(hid_t dataset, hid_t type, hid_t memory, hid_t file, void *data)
 {
-    return H5Dread(series->dataset, series->memory_type, memory, file, H5P_DEFAULT, data);
+    return H5Dread(dataset, type, memory, file, H5P_DEFAULT, data);
 }
 
-static herr_t write_selected(const ShvSeries *series, hid_t memory, hid_t file, void *data)
+static herr_t write_selected(hid_t dataset, hid_t type, hid_t memory, hid_t file, void *data)
 {
-    return H5Dwrite(series->dataset, series->memory_type, memory, file, H5P_DEFAULT, data);
+    return H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, data);
 }
 
-static bool transfer(const ShvSeries *series, int64_t begin, int64_t count, int64_t columns, void *data, Transfer move)
+static bool transfer(const ShvSeries *series, hid_t type, int64_t begin, int64_t count, int64_t columns, void *data,
+                     Transfer move)
 {
     const hsize_t start[3] = {(hsize_t)begin, 0, 0};
     hsize_t size[3] = {(hsize_t)count, series->extent[1], series->extent[2]};
@@ -232,13 +252,69 @@ static bool transfer(const ShvSeries *series, int64_t begin, int64_t count, int6
     const hid_t file = H5Dget_space(series->dataset), memory = H5Screate_simple(series->rank, size, NULL);
     const bool good = file >= 0 && memory >= 0 &&
                       H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
-                      move(series, memory, file, data) >= 0;
+                      move(series->dataset, type, memory, file, data) >= 0;
     if (memory >= 0) H5Sclose(memory);
     if (file >= 0) H5Sclose(file);
     return good;
 }
 
-bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t columns, const void *data)
+static bool reading(const ShvSeries *series, hid_t type, int64_t begin, int64_t count, int64_t columns, void *data)
+{
+    return shv_chunks_sound(series->dataset, begin, count) &&
+           transfer(series, type, begin, count, columns, data, read_selected);
+}
+
+static size_t entries_of(const ShvSeries *series, int64_t count, int64_t columns)
+{
+    return (size_t)(series->width == SHV_WIDTH_NONE ? count : count * columns);
+}
+
+/* ---- as it lies in the file ---- */
+
+static ShvRow row_of(Type type)
+{
+    switch (type) {
+    case TYPE_LEDGER:
+        return SHV_ROW_LEDGER;
+    case TYPE_PROGRESS:
+        return SHV_ROW_PROGRESS;
+    case TYPE_FRAGMENT:
+        return SHV_ROW_FRAGMENT;
+    case TYPE_SUM:
+        return SHV_ROW_SUM;
+    default:
+        return SHV_ROW_EVENT;
+    }
+}
+
+static bool make_stored(ShvSeries *series, size_t size)
+{
+    if (size <= series->room) return true;
+    unsigned char *grown = shv_reallocate(NULL, SHV_PART_RECORD, series->stored, size, 1);
+    if (!grown) return false;
+    series->stored = grown;
+    series->room = size;
+    return true;
+}
+
+/* NULL when memory is out. */
+static void *stored_form(ShvSeries *series, size_t entries, const void *data)
+{
+    const Kind *kind = &KINDS[series->name];
+    const bool row = kind->type >= TYPE_LEDGER;
+    if (!row && kind->type != TYPE_FLOAT) return (void *)(uintptr_t)data;
+    if (!make_stored(series, entries * series->stored_size + 1)) return NULL;
+    if (row) {
+        shv_row_pack(row_of(kind->type), data, entries, series->stored);
+        return series->stored;
+    }
+    const double *values = data;
+    float *stored = (float *)(void *)series->stored;
+    for (size_t i = 0; i < entries * (series->entry_size / sizeof *values); i++) stored[i] = (float)values[i];
+    return series->stored;
+}
+
+bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t columns, const void *data, uint32_t *sum)
 {
     hsize_t extent[3];
     memcpy(extent, series->extent, sizeof extent);
@@ -248,8 +324,25 @@ bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t c
         if (H5Dset_extent(series->dataset, extent) < 0) return false;
         memcpy(series->extent, extent, sizeof extent);
     }
-    if (count == 0 || (series->width != SHV_WIDTH_NONE && columns == 0)) return true;
-    return transfer(series, begin, count, columns, (void *)data, write_selected);
+    const size_t entries = entries_of(series, count, columns);
+    if (entries == 0) return true;
+    void *stored = stored_form(series, entries, data);
+    if (!stored) return false;
+    if (sum) *sum = (uint32_t)crc32_z(*sum, stored, entries * series->stored_size);
+    return transfer(series, series->file_type, begin, count, columns, stored, write_selected);
+}
+
+bool shv_series_sum(const ShvSeries *series, int64_t begin, int64_t count, int64_t columns, uint32_t *sum)
+{
+    const size_t entries = entries_of(series, count, columns), size = entries * series->stored_size;
+    if (entries == 0) return true;
+    if (begin < 0 || (hsize_t)(begin + count) > series->extent[0]) return false;
+    if (series->width != SHV_WIDTH_NONE && (hsize_t)columns > series->extent[1]) return false;
+    unsigned char *stored = shv_allocate(NULL, SHV_PART_RECORD, size, 1);
+    const bool good = stored && reading(series, series->file_type, begin, count, columns, stored);
+    if (good) *sum = (uint32_t)crc32_z(*sum, stored, size);
+    shv_release(stored);
+    return good;
 }
 
 static void fill_missing(const ShvSeries *series, void *data, size_t entries)
@@ -270,9 +363,10 @@ bool shv_series_read(const ShvSeries *series, int64_t begin, int64_t count, int6
     fill_missing(series, data, wide ? (size_t)(count * columns) : (size_t)count);
     if (begin < 0 || (hsize_t)(begin + count) > series->extent[0]) return false;
     if (wide && stored == 0) return true;
-    if (!wide || stored == columns) return count == 0 || transfer(series, begin, count, columns, data, read_selected);
+    if (!wide || stored == columns)
+        return count == 0 || reading(series, series->memory_type, begin, count, columns, data);
     for (int64_t i = 0; i < count; i++)
-        if (!transfer(series, begin + i, 1, stored, (char *)data + (size_t)i * row, read_selected)) return false;
+        if (!reading(series, series->memory_type, begin + i, 1, stored, (char *)data + (size_t)i * row)) return false;
     return true;
 }
 

@@ -1,17 +1,16 @@
 #include "record/stage.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-/* One overwriting of known bytes. Lower ranks are written first. */
+#include "base/timer.h"
+#include "record/disk.h"
+#include "record/journal.h"
+
+/* One overwriting of known bytes; its bytes lie behind it, so that a row of them is a record of the journal. */
 typedef struct Piece {
-    haddr_t address;
-    size_t size, begin; /* bytes; offset in the stage's bytes */
-    int32_t rank, sequence;
+    uint64_t address, size;
 } Piece;
 
 struct ShvStage {
@@ -20,12 +19,13 @@ struct ShvStage {
     hid_t driver;
     haddr_t allocated; /* HDF5's end of allocation */
     haddr_t committed; /* the same at the last flush */
-    haddr_t reserved;  /* bytes of the file that have space on the disk */
-    Piece *pieces;
-    size_t piece_count, piece_capacity;
-    unsigned char *bytes;
-    size_t byte_count, byte_capacity;
-    bool overlapping; /* pieces overlap in part: only their own order is right */
+    uint64_t reserved; /* bytes of the file that have space on the disk */
+    unsigned char *pieces;
+    size_t used, capacity, journaled; /* bytes of the pieces; of those that are in the journal */
+    ShvJournal *journal;              /* NULL: nobody else knows the file yet */
+    char *path;
+    uint64_t place;
+    double interval, settled, due; /* s; shv_now at the last settling; from then to the next */
     bool discard;
     int failure;
 };
@@ -39,8 +39,10 @@ typedef struct StageInfo {
     ShvStage *stage;
 } StageInfo;
 
-/* Space is reserved in steps of this size: one system call serves several frames. */
-static const haddr_t RESERVE_STEP = 256 * 1024;
+/* Bytes of the journal at which it is carried out ahead of time. */
+static const int64_t LARGEST_JOURNAL = 64 << 20;
+/* Settling waits for the disk: at most one part in so many of the run time goes there. */
+static const double SETTLE_SHARE = 100.0;
 
 static ShvStage *stage_of(const H5FD_t *file)
 {
@@ -54,147 +56,99 @@ static herr_t failed(ShvStage *stage, int number)
     return -1;
 }
 
-/* ---- bytes of the disk ---- */
-
-static int write_all(int descriptor, const unsigned char *data, size_t size, haddr_t address)
-{
-    while (size > 0) {
-        const ssize_t written = pwrite(descriptor, data, size, (off_t)address);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return written < 0 ? errno : ENOSPC;
-        data += written;
-        size -= (size_t)written;
-        address += (haddr_t)written;
-    }
-    return 0;
-}
-
-/* Bytes behind the end of the file are zero. */
-static int read_all(int descriptor, unsigned char *data, size_t size, haddr_t address)
-{
-    while (size > 0) {
-        const ssize_t got = pread(descriptor, data, size, (off_t)address);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return errno;
-        if (got == 0) {
-            memset(data, 0, size);
-            return 0;
-        }
-        data += got;
-        size -= (size_t)got;
-        address += (haddr_t)got;
-    }
-    return 0;
-}
-
-/* The limit is asked for first, because crossing it sends a signal that ends the process by default. */
-static int reserve_exactly(int descriptor, haddr_t from, haddr_t end)
-{
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) return EFBIG;
-    int number = EINTR;
-    while (number == EINTR) number = posix_fallocate(descriptor, (off_t)from, (off_t)(end - from));
-    return number;
-}
-
-static herr_t reserve(ShvStage *stage, haddr_t end)
-{
-    if (end <= stage->reserved) return 0;
-    const haddr_t generous = (end + RESERVE_STEP - 1) / RESERVE_STEP * RESERVE_STEP;
-    haddr_t taken = generous;
-    int number = reserve_exactly(stage->descriptor, stage->reserved, generous);
-    if (number != 0) number = reserve_exactly(stage->descriptor, stage->reserved, taken = end);
-    if (number != 0) return failed(stage, number);
-    stage->reserved = taken;
-    return 0;
-}
-
 /* ---- pieces ---- */
 
-enum { RANK_SUPERBLOCK, RANK_NODE, RANK_DATA = RANK_NODE + 256, RANK_HEADER };
-
-/* A split of an index node moves entries to a new node that its parent learns of: as long as the parent is written
-   first, every entry can be found. The byte of the level follows the signature "TREE" and the node type
-   (HDF5 File Format Specification 3.0, III.A.1). */
-static int32_t rank_of(H5FD_mem_t type, const unsigned char *data, size_t size)
+/* The piece of this very place, when nothing after it overlaps it in part and the journal does not have it yet. */
+static unsigned char *same_place(const ShvStage *stage, haddr_t address, size_t size)
 {
-    if (type == H5FD_MEM_SUPER) return RANK_SUPERBLOCK;
-    if (type == H5FD_MEM_DRAW) return RANK_DATA;
-    if (type == H5FD_MEM_BTREE && size > 6 && memcmp(data, "TREE", 4) == 0) return RANK_NODE + 255 - data[5];
-    return RANK_HEADER;
-}
-
-static Piece *same_place(ShvStage *stage, haddr_t address, size_t size)
-{
-    for (size_t i = 0; i < stage->piece_count; i++) {
-        Piece *piece = &stage->pieces[i];
-        if (piece->address == address && piece->size == size) return piece;
-        if (piece->address < address + size && address < piece->address + piece->size) stage->overlapping = true;
+    unsigned char *found = NULL;
+    for (size_t at = stage->journaled; at < stage->used;) {
+        Piece piece;
+        memcpy(&piece, stage->pieces + at, sizeof piece);
+        if (piece.address < address + size && address < piece.address + piece.size)
+            found = piece.address == address && piece.size == size ? stage->pieces + at : NULL;
+        at += sizeof piece + piece.size;
     }
-    return NULL;
+    return found;
 }
 
 static bool make_room(ShvStage *stage, size_t size)
 {
-    if (stage->piece_count == stage->piece_capacity) {
-        const size_t capacity = 2 * stage->piece_capacity + 64;
-        Piece *grown = shv_reallocate(stage->memory, SHV_PART_RECORD, stage->pieces, capacity, sizeof *grown);
-        if (!grown) return false;
-        stage->pieces = grown;
-        stage->piece_capacity = capacity;
-    }
-    if (size > stage->byte_capacity - stage->byte_count) {
-        const size_t capacity = 2 * (stage->byte_capacity + size);
-        unsigned char *grown = shv_reallocate(stage->memory, SHV_PART_RECORD, stage->bytes, capacity, 1);
-        if (!grown) return false;
-        stage->bytes = grown;
-        stage->byte_capacity = capacity;
-    }
+    if (size <= stage->capacity - stage->used) return true;
+    const size_t capacity = 2 * (stage->capacity + size);
+    unsigned char *grown = shv_reallocate(stage->memory, SHV_PART_RECORD, stage->pieces, capacity, 1);
+    if (!grown) return false;
+    stage->pieces = grown;
+    stage->capacity = capacity;
     return true;
 }
 
-static herr_t put_piece(ShvStage *stage, H5FD_mem_t type, haddr_t address, size_t size, const unsigned char *data)
+static herr_t put_piece(ShvStage *stage, haddr_t address, size_t size, const void *data)
 {
-    Piece *piece = same_place(stage, address, size);
-    if (!piece) {
-        if (!make_room(stage, size)) return failed(stage, ENOMEM);
-        piece = &stage->pieces[stage->piece_count];
-        *piece = (Piece){address, size, stage->byte_count, 0, (int32_t)stage->piece_count};
-        stage->piece_count++;
-        stage->byte_count += size;
+    unsigned char *place = same_place(stage, address, size);
+    if (!place) {
+        if (!make_room(stage, sizeof(Piece) + size)) return failed(stage, ENOMEM);
+        place = stage->pieces + stage->used;
+        memcpy(place, &(Piece){address, size}, sizeof(Piece));
+        stage->used += sizeof(Piece) + size;
     }
-    piece->rank = rank_of(type, data, size);
-    memcpy(stage->bytes + piece->begin, data, size);
+    memcpy(place + sizeof(Piece), data, size);
     return 0;
 }
 
 static void drop_pieces(ShvStage *stage)
 {
-    stage->piece_count = stage->byte_count = 0;
-    stage->overlapping = false;
+    stage->used = stage->journaled = 0;
 }
 
-static int by_rank(const void *a, const void *b)
+static int apply_pieces(ShvStage *stage)
 {
-    const Piece *left = a, *right = b;
-    if (left->rank != right->rank) return left->rank < right->rank ? -1 : 1;
-    return left->sequence < right->sequence ? -1 : left->sequence > right->sequence;
+    int number = 0;
+    for (size_t at = 0; number == 0 && at < stage->used;) {
+        Piece piece;
+        memcpy(&piece, stage->pieces + at, sizeof piece);
+        number = shv_disk_write(stage->descriptor, stage->pieces + at + sizeof piece, piece.size, piece.address);
+        at += sizeof piece + piece.size;
+    }
+    return number;
+}
+
+/* ---- commit ---- */
+
+static int settle(ShvStage *stage)
+{
+    const double start = shv_now();
+    const int number = stage->journal ? shv_journal_settle(stage->journal) : apply_pieces(stage);
+    if (number != 0) return number;
+    drop_pieces(stage);
+    stage->settled = shv_now();
+    const double most = SETTLE_SHARE * (stage->settled - start);
+    stage->due = stage->interval > 0.0 && most > stage->interval ? most : stage->interval;
+    return 0;
+}
+
+static bool is_due(const ShvStage *stage)
+{
+    return !stage->journal || shv_journal_size(stage->journal) > LARGEST_JOURNAL ||
+           shv_now() - stage->settled >= stage->due;
+}
+
+static int write_record(ShvStage *stage)
+{
+    return shv_journal_append(stage->journal, stage->committed, stage->allocated, stage->pieces + stage->journaled,
+                              stage->used - stage->journaled);
 }
 
 static herr_t commit(ShvStage *stage)
 {
-    if (stage->discard) return 0;
-    if (reserve(stage, stage->allocated) < 0) return -1;
-    if (!stage->overlapping && stage->piece_count > 1)
-        qsort(stage->pieces, stage->piece_count, sizeof *stage->pieces, by_rank);
-    for (size_t i = 0; i < stage->piece_count; i++) {
-        const Piece *piece = &stage->pieces[i];
-        const int number = write_all(stage->descriptor, stage->bytes + piece->begin, piece->size, piece->address);
-        if (number != 0) return failed(stage, number);
-    }
-    drop_pieces(stage);
+    if (stage->discard || (stage->used == stage->journaled && stage->allocated == stage->committed)) return 0;
+    int number = shv_disk_reserve(stage->descriptor, &stage->reserved, stage->allocated);
+    if (number == 0 && stage->journal) number = write_record(stage);
+    if (number != 0) return failed(stage, number);
+    stage->journaled = stage->used;
     stage->committed = stage->allocated;
-    return 0;
+    number = is_due(stage) ? settle(stage) : 0;
+    return number == 0 ? 0 : failed(stage, number);
 }
 
 /* ---- what HDF5 calls ---- */
@@ -205,7 +159,10 @@ static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t
     const StageInfo *info = H5Pget_driver_info(access);
     if (!info) return NULL;
     StageFile *file = shv_allocate(info->stage->memory, SHV_PART_RECORD, 1, sizeof *file);
-    if (!file) return NULL;
+    if (!file) {
+        failed(info->stage, ENOMEM);
+        return NULL;
+    }
     file->stage = info->stage;
     return &file->base;
 }
@@ -248,15 +205,17 @@ static herr_t read_file(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t a
 {
     (void)type, (void)transfer;
     const ShvStage *stage = stage_of(file);
-    if (read_all(stage->descriptor, buffer, size, address) != 0) return -1;
-    for (size_t i = 0; i < stage->piece_count; i++) {
-        const Piece *piece = &stage->pieces[i];
-        const haddr_t begin = piece->address > address ? piece->address : address;
-        const haddr_t piece_end = piece->address + piece->size, end_of_buffer = address + size;
+    if (shv_disk_read(stage->descriptor, buffer, size, address) != 0) return -1;
+    for (size_t at = 0; at < stage->used;) {
+        Piece piece;
+        memcpy(&piece, stage->pieces + at, sizeof piece);
+        const unsigned char *bytes = stage->pieces + at + sizeof piece;
+        const haddr_t begin = piece.address > address ? piece.address : address;
+        const haddr_t piece_end = piece.address + piece.size, end_of_buffer = address + size;
         const haddr_t end = piece_end < end_of_buffer ? piece_end : end_of_buffer;
         if (begin < end)
-            memcpy((unsigned char *)buffer + (begin - address), stage->bytes + piece->begin + (begin - piece->address),
-                   (size_t)(end - begin));
+            memcpy((unsigned char *)buffer + (begin - address), bytes + (begin - piece.address), (size_t)(end - begin));
+        at += sizeof piece + piece.size;
     }
     return 0;
 }
@@ -264,12 +223,12 @@ static herr_t read_file(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t a
 static herr_t write_file(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
                          const void *buffer)
 {
-    (void)transfer;
+    (void)type, (void)transfer;
     ShvStage *stage = stage_of(file);
     if (stage->discard) return 0;
-    if (address < stage->committed) return put_piece(stage, type, address, size, buffer);
-    if (reserve(stage, address + size) < 0) return -1;
-    const int number = write_all(stage->descriptor, buffer, size, address);
+    if (address < stage->committed) return put_piece(stage, address, size, buffer);
+    int number = shv_disk_reserve(stage->descriptor, &stage->reserved, address + size);
+    if (number == 0) number = shv_disk_write(stage->descriptor, buffer, size, address);
     return number == 0 ? 0 : failed(stage, number);
 }
 
@@ -298,16 +257,12 @@ static const H5FD_class_t STAGE_CLASS = {
     .fl_map = H5FD_FLMAP_SINGLE,
 };
 
-ShvStatus shv_stage_create(ShvStage **stage, ShvMemory *memory, int descriptor, int64_t size, ShvError *error)
+ShvStatus shv_stage_create(ShvStage **stage, ShvMemory *memory, int descriptor, ShvError *error)
 {
     *stage = NULL;
     ShvStage *made = shv_allocate(memory, SHV_PART_RECORD, 1, sizeof *made);
     if (!made) return shv_fail_memory(error, "the run file", sizeof *made);
-    *made = (ShvStage){.memory = memory,
-                       .descriptor = descriptor,
-                       .allocated = (haddr_t)size,
-                       .committed = (haddr_t)size,
-                       .reserved = (haddr_t)size};
+    *made = (ShvStage){.memory = memory, .descriptor = descriptor};
     made->driver = H5FDregister(&STAGE_CLASS);
     if (made->driver < 0) {
         shv_release(made);
@@ -321,25 +276,61 @@ void shv_stage_release(ShvStage *stage)
 {
     if (!stage) return;
     H5FDunregister(stage->driver);
+    shv_journal_release(stage->journal);
     shv_release(stage->pieces);
-    shv_release(stage->bytes);
+    shv_release(stage->path);
     shv_release(stage);
 }
 
-hid_t shv_stage_access(ShvStage *stage)
+/* The superblock of version 2 (HDF5 1.8) has a checksum and, other than version 3, no mark of an open file that a writer which
+   dies would leave; everything else is as of HDF5 1.10, whose indices of chunks have checksums, too. */
+static hid_t set_versions(hid_t file)
+{
+    if (file < 0 || H5Fset_libver_bounds(file, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0) return file;
+    H5Fclose(file);
+    return -1;
+}
+
+static hid_t make_access(ShvStage *stage)
 {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     const StageInfo info = {stage};
     if (access < 0) return access;
-    if (H5Pset_driver(access, stage->driver, &info) >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
+    if (H5Pset_driver(access, stage->driver, &info) >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110) >= 0)
         return access;
     H5Pclose(access);
     return -1;
 }
 
-int64_t shv_stage_committed(const ShvStage *stage)
+hid_t shv_stage_make(ShvStage *stage, const char *name)
 {
-    return (int64_t)stage->committed;
+    const hid_t access = make_access(stage), list = H5Pcreate(H5P_FILE_CREATE);
+    hid_t file = -1;
+    if (access >= 0 && list >= 0 && H5Pset_obj_track_times(list, false) >= 0)
+        file = H5Fcreate(name, H5F_ACC_TRUNC, list, access);
+    if (list >= 0) H5Pclose(list);
+    if (access >= 0) H5Pclose(access);
+    return set_versions(file);
+}
+
+hid_t shv_stage_open(ShvStage *stage, const char *name)
+{
+    const hid_t access = make_access(stage);
+    if (access < 0) return access;
+    const hid_t file = H5Fopen(name, H5F_ACC_RDWR, access);
+    H5Pclose(access);
+    return set_versions(file);
+}
+
+ShvStatus shv_stage_journal(ShvStage *stage, const char *path, uint64_t place, double interval, ShvError *error)
+{
+    stage->path = shv_copy_text(stage->memory, SHV_PART_RECORD, path);
+    if (!stage->path) return shv_fail_memory(error, "a path", strlen(path) + 1);
+    stage->place = place;
+    stage->interval = stage->due = interval;
+    stage->settled = shv_now();
+    return shv_journal_create(&stage->journal, stage->memory, path, stage->descriptor, place, error);
 }
 
 int shv_stage_failure(const ShvStage *stage)
@@ -352,12 +343,28 @@ void shv_stage_discard(ShvStage *stage)
     stage->discard = true;
 }
 
-ShvStatus shv_stage_rollback(ShvStage *stage, ShvError *error)
+/* What a reader would do that finds the file with its writer gone. */
+ShvStatus shv_stage_restore(ShvStage *stage, ShvError *error)
 {
     drop_pieces(stage);
-    if (ftruncate(stage->descriptor, (off_t)stage->committed) != 0)
-        return shv_fail(error, SHV_FILE_ERROR, "cannot cut the run file to its last whole frame: error %d", errno);
-    stage->allocated = stage->reserved = stage->committed;
+    shv_journal_release(stage->journal);
+    stage->journal = NULL;
+    SHV_TRY(shv_journal_recover(stage->path, stage->descriptor, stage->memory, error));
+    const off_t end = lseek(stage->descriptor, 0, SEEK_END);
+    if (end < 0) return shv_fail(error, SHV_FILE_ERROR, "cannot tell the size of '%s': error %d", stage->path, errno);
+    stage->allocated = stage->committed = stage->reserved = (haddr_t)end;
     stage->discard = false;
-    return SHV_OK;
+    stage->failure = 0;
+    return shv_journal_create(&stage->journal, stage->memory, stage->path, stage->descriptor, stage->place, error);
+}
+
+ShvStatus shv_stage_end(ShvStage *stage, ShvError *error)
+{
+    int number = settle(stage);
+    if (number == 0 && ftruncate(stage->descriptor, (off_t)stage->committed) != 0) number = errno;
+    if (number == 0 && stage->journal) number = shv_journal_finish(stage->journal);
+    if (number == 0) return SHV_OK;
+    char reason[128] = "unknown error";
+    if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
+    return shv_fail(error, SHV_FILE_ERROR, "cannot bring the last changes to the disk: %s", reason);
 }

@@ -1,10 +1,9 @@
-/* A file driver of HDF5 that makes every flush a commit: a process that dies at any moment leaves the file of the last
-   flush, and a full disk is noticed before anything of that file is touched.
+/* A file driver of HDF5 that makes every flush a commit: whatever ends the process, the file of the last flush can be had, and a
+   full disk is noticed before anything of that file is touched.
 
-   HDF5 writes its metadata in the order of addresses, so that a writer killed within a flush may leave an index whose
-   root points to nodes not yet written. Here, what goes to space that the last flush did not know is written at once,
-   after that space was reserved; what overwrites known bytes waits in memory until the flush, and is then written in an
-   order in which every prefix is a valid file: end of allocation, index nodes from the root down, data, object headers. */
+   What goes to space that the last flush did not know is written at once, after that space was reserved. What overwrites known
+   bytes waits in memory; at a flush it goes to the journal, and from time to time to the file (record/journal.h). A file that
+   has no journal, since nobody else knows it yet, is changed at the flush. */
 #ifndef SHV_RECORD_STAGE_H
 #define SHV_RECORD_STAGE_H
 
@@ -15,20 +14,24 @@
 
 typedef struct ShvStage ShvStage;
 
-/* A driver over an open descriptor (read and write, stays the caller's) of a file of `size` committed bytes; 0: new. */
-ShvStatus shv_stage_create(ShvStage **stage, ShvMemory *memory, int descriptor, int64_t size, ShvError *error);
+/* A driver over an open descriptor (read and write, stays the caller's) of an empty file. */
+ShvStatus shv_stage_create(ShvStage **stage, ShvMemory *memory, int descriptor, ShvError *error);
 void shv_stage_release(ShvStage *stage);
-/* A file access property list for H5Fcreate or H5Fopen, or a negative number; the caller closes it. */
-hid_t shv_stage_access(ShvStage *stage);
+/* Makes the HDF5 file, or opens it; a negative number on failure. All its metadata have checksums. */
+hid_t shv_stage_make(ShvStage *stage, const char *name);
+hid_t shv_stage_open(ShvStage *stage, const char *name);
+/* From now on every flush is safe against whatever may happen: `path` is the name of the file, `place` that of the badge; the
+   changes are made in the file at most every `interval` seconds. */
+ShvStatus shv_stage_journal(ShvStage *stage, const char *path, uint64_t place, double interval, ShvError *error);
 
-/* Bytes of the file as of the last flush. */
-int64_t shv_stage_committed(const ShvStage *stage);
-/* The errno of the first write or reservation that failed, 0: none. After a failure every write is dropped silently,
-   so that HDF5 can close its objects; the file on disk stays as of the last flush. */
+/* The errno of the first write or reservation that failed, 0: none. After a failure every write is dropped silently, so that
+   HDF5 can close its objects; HDF5 itself does not tell of all failures. */
 int shv_stage_failure(const ShvStage *stage);
-/* Drops everything since the last flush, from now on and until shv_stage_rollback. */
+/* Drops everything since the last flush, from now on and until shv_stage_restore. */
 void shv_stage_discard(ShvStage *stage);
-/* To be called when HDF5 has closed the file: cuts what was not committed and takes writes again. */
-ShvStatus shv_stage_rollback(ShvStage *stage, ShvError *error);
+/* Both to be called when HDF5 has closed the file. The first brings it to its last flush and takes writes again; the second
+   ends the journal and gives back the space reserved beyond the last flush. */
+ShvStatus shv_stage_restore(ShvStage *stage, ShvError *error);
+ShvStatus shv_stage_end(ShvStage *stage, ShvError *error);
 
 #endif

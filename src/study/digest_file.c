@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/publish.h"
 #include "base/text.h"
-#include "record/publish.h"
 #include "study/digest.h"
 
 #define HEAD "shiver-digest 1"
@@ -87,14 +87,14 @@ ShvStatus shv_digest_save(const ShvDigest *digest, const char *path, ShvError *e
     ShvStatus status = SHV_OK;
     if (stream) {
         put_digest(stream, digest);
-        const bool bad = ferror(stream) != 0;
-        if (fclose(stream) != 0 || bad)
+        if (fflush(stream) != 0 || ferror(stream) != 0)
             status = shv_fail(error, SHV_FILE_ERROR, "cannot write '%s'; make room on the disk", path);
+        if (status == SHV_OK) status = shv_publish_end(temporary, descriptor, path, true, error);
+        fclose(stream);
     } else {
         close(descriptor);
         status = shv_fail_memory(error, "a stream", sizeof(FILE));
     }
-    if (status == SHV_OK) status = shv_publish_end(temporary, path, true, error);
     if (status != SHV_OK) unlink(temporary);
     shv_release(temporary);
     return status;

@@ -215,8 +215,10 @@ static ShvStatus parse_power(Parser *parser, ShvFormulaValue *value)
     return operate(parser, '^', value, &exponent);
 }
 
+/* Every way down leads through here, by parentheses, calls and exponents alike: the depth is counted here. */
 static ShvStatus parse_sign(Parser *parser, ShvFormulaValue *value)
 {
+    if (++parser->depth > DEEPEST) return fail(parser, "too many parentheses or powers within each other");
     bool minus = false;
     while (true) {
         if (take(parser, '-'))
@@ -225,6 +227,7 @@ static ShvStatus parse_sign(Parser *parser, ShvFormulaValue *value)
             break;
     }
     SHV_TRY(parse_power(parser, value));
+    parser->depth--;
     const ShvFormulaValue less = {.number = -1.0};
     return minus ? operate(parser, '*', value, &less) : SHV_OK;
 }
@@ -243,17 +246,14 @@ static ShvStatus parse_product(Parser *parser, ShvFormulaValue *value)
 
 static ShvStatus parse_sum(Parser *parser, ShvFormulaValue *value)
 {
-    if (++parser->depth > DEEPEST) return fail(parser, "too many parentheses");
     SHV_TRY(parse_product(parser, value));
     while (true) {
         const char operation = take(parser, '+') ? '+' : take(parser, '-') ? '-' : '\0';
-        if (!operation) break;
+        if (!operation) return SHV_OK;
         ShvFormulaValue other;
         SHV_TRY(parse_product(parser, &other));
         SHV_TRY(operate(parser, operation, value, &other));
     }
-    parser->depth--;
-    return SHV_OK;
 }
 
 ShvStatus shv_formula_evaluate(const char *text, const ShvFormulaNames *names, ShvFormulaValue *value, ShvError *error)

@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -98,6 +99,20 @@ static void pipes_are_read_to_their_end(void **state)
     close(ends[0]);
 }
 
+/* A named pipe without a writer does not hold the program for ever. */
+static void pipes_without_a_writer_are_left(void **state)
+{
+    (void)state;
+    char path[64], *data;
+    size_t size;
+    ShvError error;
+    snprintf(path, sizeof path, "/tmp/shiver_pipe_%ld", (long)getpid());
+    assert_int_equal(mkfifo(path, 0600), 0);
+    check_fails(shv_read_file(NULL, SHV_PART_SCENE, path, 10, &data, &size, &error), SHV_FILE_ERROR, error,
+                "nothing has been written");
+    unlink(path);
+}
+
 static void unreadable_files_are_named(void **state)
 {
     (void)state;
@@ -106,6 +121,8 @@ static void unreadable_files_are_named(void **state)
     ShvError error;
     check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/nowhere/a.yaml", 10, &data, &size, &error), SHV_FILE_ERROR, error,
                 "/nowhere/a.yaml");
+    check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/dev/zero", 10, &data, &size, &error), SHV_BAD_INPUT, error,
+                "is a device");
     check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/tmp", 10, &data, &size, &error), SHV_FILE_ERROR, error, "'/tmp'");
     assert_null(data);
 }
@@ -242,6 +259,7 @@ int main(void)
         cmocka_unit_test(whole_files_are_read_with_their_zeros),
         cmocka_unit_test(pipes_are_read_to_their_end),
         cmocka_unit_test(unreadable_files_are_named),
+        cmocka_unit_test(pipes_without_a_writer_are_left),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(decimal_numbers_are_read_exactly),
         cmocka_unit_test(other_texts_are_refused),

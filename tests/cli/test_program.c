@@ -255,6 +255,69 @@ static void test_unwritable(void **state)
     shell_fails("$shiver --help >/dev/full", 1, "standard output");
 }
 
+/* What is printed goes nowhere rather than into a file that got the stream's number. */
+static void test_closed_streams(void **state)
+{
+    (void)state;
+    shell_works("$shiver run tiny.yaml --force --output streams.h5 <&- 2>&- && $shiver info --verify streams.h5",
+                "agree with their checksums");
+    shell_fails("$shiver check tiny.yaml >&-", 1, "standard output");
+    shell_works("$shiver run tiny.yaml --force --output streams.h5 --quiet >&- 2>&- <&-; $shiver info streams.h5",
+                "tiny: finished");
+}
+
+/* No --force replaces what a command reads. */
+static void test_inputs_are_kept(void **state)
+{
+    (void)state;
+    shell_works("cp tiny.yaml own.yaml; $shiver run own.yaml --output own.yaml --force; cmp tiny.yaml own.yaml", "");
+    shell_fails("$shiver run own.yaml --output ./own.yaml --force", 2, "is read by this command");
+    shell_works("ln own.yaml other.name", "");
+    shell_fails("$shiver run own.yaml --output other.name --force", 2, "is read by this command");
+    shell_works("printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 0 0 1\\nf 1 3 2\\nf 1 2 4\\nf 2 3 4\\nf 1 4 3\\n' >tet.obj",
+                "");
+    shell_fails("$shiver run tiny.yaml --output tet.obj --force --set "
+                "'obstacles.block={mesh: {file: tet.obj}, position: [9, 9, 9]}'",
+                2, "is read by this command");
+    shell_fails("$shiver mesh tet.obj --edge 0.5 --output tet.obj --force", 2, "is read by this command");
+    shell_works("$shiver run tiny.yaml --force --output a_xdmf.h5 --quiet", "");
+    shell_fails("$shiver export xdmf a_xdmf.h5 --output a --force", 2, "is read by this command");
+}
+
+static void test_permissions_are_kept(void **state)
+{
+    (void)state;
+    shell_works("$shiver run tiny.yaml --output mode.h5 --quiet && chmod 640 mode.h5 && "
+                "$shiver run tiny.yaml --output mode.h5 --quiet --force && stat -c %a mode.h5",
+                "640");
+    shell_works("ls mode.h5*", "mode.h5\n");
+}
+
+/* Devices are no files, and a name cannot write to the terminal. */
+static void test_odd_inputs(void **state)
+{
+    (void)state;
+    shell_fails("$shiver check tiny.yaml --set 'objects.bar.mesh={gmsh: {file: /dev/zero}}'", 2, "is a device");
+    shell_fails("$shiver check /dev/zero", 2, "is a device");
+    shell_fails("$shiver check \"$(printf 'a\\033[31mb\\302\\233c.yaml')\"", 2, "a?[31mb?c.yaml");
+    shell_fails("$shiver run tiny.yaml --output $(printf '%05000d' 0)", 2, "too long");
+    shell_fails("$shiver export csv x.h5 --output $(printf '%05000d' 0)", 2, "too long");
+}
+
+static void test_full_disk_of_an_export(void **state)
+{
+    (void)state;
+    shell_works("$shiver run tiny.yaml --force --output big.h5 --quiet --set output.nodes=true --set output.rate=1e5",
+                "");
+    const char *const formats[] = {"xdmf", "csv", "svg"};
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        char line[128];
+        snprintf(line, sizeof line, "ulimit -f 8; $shiver export %s big.h5 --output small", formats[i]);
+        if (i < 2) shell_fails(line, 1, "make room on the disk");
+        shell_works("ls | grep -c ^small || true", i < 2 ? "0" : "");
+    }
+}
+
 static void test_full_disk(void **state)
 {
     (void)state;
@@ -315,10 +378,22 @@ static void test_mesh(void **state)
     shell_fails("$shiver mesh cube.obj --edge -1", 2, "positive number");
     shell_fails("$shiver mesh nowhere.obj --edge 1", 1, "nowhere.obj");
     shell_fails("PATH=/nonexistent $shiver mesh cube.obj --edge 0.5", 2, "install it");
+    shell_write("evil.geo", "SystemCall \"touch evil.done\";\n");
+    shell_fails("$shiver mesh evil.geo --edge 0.5", 2, "--script");
+    shell_fails("cp evil.geo evil.Step; $shiver mesh evil.Step --edge 0.5", 2, "neither a surface");
+    assert_int_equal(access("evil.done", F_OK), -1);
     shell_write("kept.msh", "precious");
     shell_fails("$shiver mesh cube.obj --edge 0.5 --output kept.msh", 2, "--force");
     shell_works("cat kept.msh", "precious");
     if (shell("command -v gmsh") != 0) return;
+    shell_fails("$shiver mesh cube.obj --edge 1e-9", 2, "choose an edge of at least");
+    /* A mesh that fails leaves the old one; gmsh goes with the program that called it. */
+    shell_works(
+        "printf 'not a mesh' >kept.stp; $shiver mesh kept.stp --edge 0.5 --force --output kept.msh; cat kept.msh",
+        "precious");
+    shell_works("$shiver mesh cube.obj --edge 0.004 --output killed.msh & sleep 2; kill -KILL $!; wait; sleep 1; "
+                "grep -la '^gmsh.*killed.msh' /proc/[0-9]*/cmdline 2>/dev/null | wc -l",
+                "0");
     shell_works("mkdir -p long.folder.name/with.many.parts.to.see.that.no.name.is.cut && "
                 "TMPDIR=$PWD/long.folder.name/with.many.parts.to.see.that.no.name.is.cut $shiver mesh cube.obj --edge "
                 "0.5 --json",
@@ -427,6 +502,11 @@ int main(void)
         cmocka_unit_test(test_default_name),
         cmocka_unit_test(test_existing_output),
         cmocka_unit_test(test_unwritable),
+        cmocka_unit_test(test_closed_streams),
+        cmocka_unit_test(test_inputs_are_kept),
+        cmocka_unit_test(test_permissions_are_kept),
+        cmocka_unit_test(test_odd_inputs),
+        cmocka_unit_test(test_full_disk_of_an_export),
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_interruption),
         cmocka_unit_test(test_export),

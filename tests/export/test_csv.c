@@ -52,16 +52,16 @@ static void check_trajectories(const char *path)
     free(table);
 }
 
-static void test_four_tables(void **state)
+static void test_five_tables(void **state)
 {
     ShvError error;
     ShvRunFile *file = record_run(file_in(*state, "run.h5"));
     check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
-    assert_int_equal(files_in(*state), 5);
+    assert_int_equal(files_in(*state), 6);
     check_trajectories(file_in(*state, "out_trajectories.csv"));
     char *genealogy = read_bytes(file_in(*state, "out_genealogy.csv"));
     assert_int_equal(count_lines(genealogy), 1 + 7);
-    assert_non_null(strstr(genealogy, "\n0,-1,\"wall\",0,0.00833333333333333"));
+    assert_non_null(strstr(genealogy, "\n0,-1,0,\"wall\",0,0.00833333333333333"));
     assert_non_null(strstr(genealogy, ",,2.5,0.5,2\n")); /* alive: no death */
     char *ledger = read_bytes(file_in(*state, "out_ledger.csv"));
     assert_int_equal(count_lines(ledger), 1 + FRAMES);
@@ -70,13 +70,18 @@ static void test_four_tables(void **state)
     assert_int_equal(count_lines(events), 1 + 3);
     assert_non_null(strstr(events, ",split,0,1,2,7,0,"));
     assert_non_null(strstr(events, ",longest,3,8,9,10,11,12,13,14,15,16,17"));
+    char *obstacles = read_bytes(file_in(*state, "out_obstacles.csv"));
+    assert_int_equal(count_lines(obstacles), 1 + 2 * FRAMES);
+    assert_non_null(strstr(obstacles, ",\"floor\",plane,0,0,0,1,0,0,0,"));
+    assert_non_null(strstr(obstacles, ",\"hammer\",mesh,"));
     free(genealogy);
     free(ledger);
     free(events);
+    free(obstacles);
     shv_run_file_close(file);
 }
 
-/* A fifth table where there are probes: known samples alone, an unknown number is an empty field. */
+/* One more table where there are probes: known samples alone, an unknown number is an empty field. */
 static void test_table_of_probes(void **state)
 {
     ShvError error;
@@ -88,7 +93,7 @@ static void test_table_of_probes(void **state)
     check_ok(shv_run_file_open(&file, definition.path, NULL, &error), error);
     check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
     shv_run_file_close(file);
-    assert_int_equal(files_in(*state), 6);
+    assert_int_equal(files_in(*state), 7);
     char *table = read_bytes(file_in(*state, "out_probes.csv"));
     assert_int_equal(count_lines(table), 1 + 4); /* three rows of two; of two the second is unknown */
     assert_non_null(strstr(table, "time [s],probe,displacement.x [m],"));
@@ -100,12 +105,12 @@ static void test_table_of_probes(void **state)
 
 static void test_columns_fit_their_names(void **state)
 {
-    static const char *const names[] = {"out_trajectories.csv", "out_genealogy.csv", "out_ledger.csv",
-                                        "out_events.csv"};
+    static const char *const names[] = {"out_trajectories.csv", "out_genealogy.csv", "out_ledger.csv", "out_events.csv",
+                                        "out_obstacles.csv"};
     ShvError error;
     ShvRunFile *file = record_run(file_in(*state, "run.h5"));
     check_ok(shv_export_csv(file, file_in(*state, "out"), NULL, &error), error);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         char *table = read_bytes(file_in(*state, names[i]));
         int commas = 0, in_line = 0;
         for (const char *c = table; *c; c++) {
@@ -130,7 +135,7 @@ static void test_existing_tables_are_kept(void **state)
     assert_int_equal(files_in(*state), 2);
     options.force = true;
     check_ok(shv_export_csv(file, file_in(*state, "out"), &options, &error), error);
-    assert_int_equal(files_in(*state), 5);
+    assert_int_equal(files_in(*state), 6);
     assert_true(file_size(file_in(*state, "out_events.csv")) > 8);
     check_fails(shv_export_csv(file, file_in(*state, "missing/out"), &options, &error), SHV_FILE_ERROR, error,
                 "missing/out");
@@ -173,14 +178,14 @@ static void test_every_allocation_may_fail(void **state)
             shv_memory_destroy(options.memory);
         }
     }
-    assert_int_equal(files_in(*state), 8);
+    assert_int_equal(files_in(*state), 9);
     shv_run_file_close(file);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_four_tables, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_five_tables, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_table_of_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_columns_fit_their_names, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_existing_tables_are_kept, make_folder, remove_folder),

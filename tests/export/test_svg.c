@@ -34,7 +34,7 @@ static char *draw(void *folder, ShvRunFile *file, const ShvSvgOptions *options)
 }
 
 /* The panel's faces have colours of these fragments and no others, and each fragment is seen. */
-static void check_colours(const char *panel, const int32_t *fragments, int count)
+static void check_colours(const char *panel, const int32_t *lines, int count)
 {
     bool seen[BRICKS] = {false};
     const char *end = strstr(panel, "</svg>");
@@ -45,7 +45,7 @@ static void check_colours(const char *panel, const int32_t *fragments, int count
         bool known = false;
         for (int i = 0; i < count; i++)
             for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
-                if (shv_svg_colour(fragments[i], i == 0, shade) == colour) known = seen[i] = true;
+                if (shv_svg_colour(lines[i], i == 0, shade) == colour) known = seen[i] = true;
         assert_true(known);
     }
     assert_true(paths > 0);
@@ -71,8 +71,9 @@ static void test_panels_and_colours(void **state)
         assert_int_equal(count_text(xml, ">0.02917 s<"), 1); /* 7 / 240 s */
         const char *first = strstr(xml, "class=\"panel\"");
         check_colours(first, (const int32_t[]){0}, 1);
-        /* Fragment 0 became 1 and 2, 1 became 3 and 4, 2 became 5 and 6: equal masses, so the first is the largest. */
-        check_colours(strstr(first + 1, "class=\"panel\""), (const int32_t[]){3, 4, 5, 6}, 4);
+        /* Fragment 0 became 1 and 2, 1 became 3 and 4, 2 became 5 and 6: equal masses, so the first is the
+           largest and goes on in the line of 0, and 5 in that of 2. */
+        check_colours(strstr(first + 1, "class=\"panel\""), (const int32_t[]){0, 4, 2, 6}, 4);
         free(xml);
         shv_run_file_close(file);
     }

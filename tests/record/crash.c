@@ -10,44 +10,75 @@
 #include <unistd.h>
 
 #include "files.h"
+#include "operations.h"
 #include "shiver/run_file.h"
 
 static CrashCounters *counters;
 static int64_t kill_at = -1;
+static bool torn;
+static CrashRefusal refusal;
 
 CrashCounters *crash_counters(void)
 {
     return counters;
 }
 
-ssize_t pwrite(int descriptor, const void *data, size_t size, off_t offset);
-
-/* Stands before the C library's: the run file's bytes all pass here, so that a test can end the process at each. */
-ssize_t pwrite(int descriptor, const void *data, size_t size, off_t offset)
+/* Ends the process before the operation of that number, or within it: what it writes then is torn at a page. */
+static int count_and_kill(const Operation *operation, size_t *size)
 {
-    const bool last = counters && kill_at >= 0 && counters->writes == kill_at;
-    if (counters) counters->writes++;
-    if (lseek(descriptor, offset, SEEK_SET) < 0) return -1;
-    if (last) kill(getpid(), SIGKILL);
-    return write(descriptor, data, size);
+    enum { PAGE = 4096 };
+    const bool last = kill_at >= 0 && counters->operations == kill_at;
+    counters->operations++;
+    if (!last) return 0;
+    if (operation->kind == OPERATION_WRITE && kill_at % 2 == 1 && *size > PAGE) {
+        *size = (*size / 2 + PAGE - operation->offset % PAGE) / PAGE * PAGE;
+        torn = true;
+        return 0;
+    }
+    kill(getpid(), SIGKILL);
+    return 0;
+}
+
+/* The rest of a torn write is asked for next. */
+static int kill_after_torn(const Operation *operation, size_t *size)
+{
+    if (torn) kill(getpid(), SIGKILL);
+    return count_and_kill(operation, size);
+}
+
+static int refuse_one(const Operation *operation, size_t *size)
+{
+    (void)operation, (void)size;
+    const int64_t number = counters->operations++;
+    return number == refusal.at || (refusal.always && number > refusal.at) ? refusal.number : 0;
+}
+
+int crash_frames(const char *path, const FakeSetup *setup, int frames, ShvError *error)
+{
+    ShvRecord *record;
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = path;
+    definition.force = true;
+    definition.sync_interval = setup->sync_interval;
+    ShvSimulation *simulation = fake_create(setup);
+    ShvStatus status = shv_record_create(&record, &definition, simulation, error);
+    for (int i = 0; i < frames && status == SHV_OK; i++) {
+        fake_advance(simulation);
+        status = shv_record_frame(record, simulation, error);
+        if (status == SHV_OK) counters->frames++;
+    }
+    ShvError closing;
+    const ShvStatus closed = shv_record_close(record, status, "", &closing);
+    if (status == SHV_OK && closed != SHV_OK) *error = closing;
+    fake_destroy(simulation);
+    return status == SHV_OK ? (int)closed : (int)status;
 }
 
 static void record_child(const char *path, const FakeSetup *setup, int frames)
 {
     ShvError error;
-    ShvRecord *record;
-    ShvRecordDefinition definition = shv_record_default();
-    definition.path = path;
-    definition.force = true;
-    ShvSimulation *simulation = fake_create(setup);
-    if (shv_record_create(&record, &definition, simulation, &error) != SHV_OK) _exit(1);
-    for (int i = 0; i < frames; i++) {
-        fake_advance(simulation);
-        if (shv_record_frame(record, simulation, &error) != SHV_OK) _exit(2);
-        counters->frames++;
-    }
-    shv_record_close(record, SHV_OK, "", &error);
-    _exit(0);
+    operations_hook(kill_after_torn);
+    _exit(crash_frames(path, setup, frames, &error));
 }
 
 static void share_counters(void)
@@ -70,7 +101,7 @@ void crash_expect(int64_t frames)
 static pid_t start_child(const char *path, const FakeSetup *setup, int frames, int64_t at)
 {
     share_counters();
-    counters->frames = counters->writes = 0;
+    counters->frames = counters->operations = 0;
     fflush(NULL);
     const pid_t child = fork();
     if (child != 0) return child;
@@ -82,6 +113,23 @@ static pid_t start_child(const char *path, const FakeSetup *setup, int frames, i
 void crash_record(const char *path, const FakeSetup *setup, int frames, int64_t at)
 {
     waitpid(start_child(path, setup, frames, at), NULL, 0);
+}
+
+int crash_refuse(const char *path, const FakeSetup *setup, int frames, CrashRefusal refused)
+{
+    int status = 0;
+    share_counters();
+    counters->frames = counters->operations = 0;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        ShvError error;
+        refusal = refused;
+        operations_hook(refuse_one);
+        _exit(crash_frames(path, setup, frames, &error));
+    }
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 void crash_record_after(const char *path, const FakeSetup *setup, int frames, long nanoseconds)
@@ -116,14 +164,18 @@ static const char *check_frame(ShvRunFile *file, int64_t index, const ShvFrameVi
     return NULL;
 }
 
-static const char *check_frames(ShvRunFile *file, const FakeSetup *setup)
+static const char *check_frames(ShvRunFile *file, const FakeSetup *setup, int64_t least)
 {
     static char text[1200];
     ShvError error;
     const ShvRunFileInfo *info = shv_run_file_info(file);
-    if (info->frame_count < counters->frames || info->frame_count > counters->frames + 1) {
+    if (info->frame_count < least || info->frame_count > counters->frames + 1) {
         snprintf(text, sizeof text, "%lld frames in the file, %lld were told of", (long long)info->frame_count,
                  (long long)counters->frames);
+        return text;
+    }
+    if (shv_run_file_verify(file, &error) != SHV_OK) {
+        snprintf(text, sizeof text, "%s", error.message);
         return text;
     }
     int64_t rows = 0; /* of probes, at least those of the frames */
@@ -154,41 +206,46 @@ static const char *check_frames(ShvRunFile *file, const FakeSetup *setup)
     return wrong;
 }
 
-const char *crash_check(const char *path, const FakeSetup *setup)
+const char *crash_check_least(const char *path, const FakeSetup *setup, int64_t least)
 {
     static char text[1200];
     ShvError error;
     ShvRunFile *file;
-    if (access(path, F_OK) != 0) return counters->frames == 0 ? NULL : "no file";
+    if (access(path, F_OK) != 0) return least == 0 ? NULL : "no file";
     if (shv_run_file_open(&file, path, NULL, &error) != SHV_OK) {
         snprintf(text, sizeof text, "%s", error.message);
         return text;
     }
-    const char *wrong = check_frames(file, setup);
+    const char *wrong = check_frames(file, setup, least);
     shv_run_file_close(file);
     return wrong;
 }
 
-int64_t crash_writes(const void *folder, int frames)
+const char *crash_check(const char *path, const FakeSetup *setup)
 {
-    const char *path = file_in(folder, "count.h5");
-    crash_record(path, &CRASH_SETUP, frames, -1);
-    unlink(path);
-    return crash_counters()->writes;
+    return crash_check_least(path, setup, counters->frames);
 }
 
-int64_t crash_at_writes(const void *folder, int64_t first, int64_t stride)
+int64_t crash_operations(const void *folder, const FakeSetup *setup, int frames)
 {
-    enum { END = 8 };
+    const char *path = file_in(folder, "count.h5");
+    crash_record(path, setup, frames, -1);
+    unlink(path);
+    return crash_counters()->operations;
+}
+
+/* The journals of those that were killed before lie in the way: they do no harm. */
+int64_t crash_at_operations(const void *folder, const FakeSetup *setup, int64_t first, int64_t stride)
+{
     int64_t kills = 0;
-    const int64_t all = crash_writes(folder, CRASH_FRAMES);
-    for (int64_t at = first; at < all - END; at += stride, kills++) {
+    const int64_t all = crash_operations(folder, setup, CRASH_FRAMES);
+    for (int64_t at = first; at < all; at += stride, kills++) {
         const char *path = file_in(folder, "run.h5");
         unlink(path);
-        crash_record(path, &CRASH_SETUP, CRASH_FRAMES, at);
-        assert_true(crash_counters()->writes == at + 1);
-        const char *wrong = crash_check(path, &CRASH_SETUP);
-        if (wrong) fail_msg("killed before write %lld: %s", (long long)at, wrong);
+        crash_record(path, setup, CRASH_FRAMES, at);
+        assert_true(crash_counters()->operations == at + 1);
+        const char *wrong = crash_check(path, setup);
+        if (wrong) fail_msg("killed at operation %lld: %s", (long long)at, wrong);
     }
     return kills;
 }

@@ -217,6 +217,25 @@ ShvMeshView shv_simulation_mesh(const ShvSimulation *simulation)
     return (ShvMeshView){5 * bricks, 2 * bricks, simulation->positions, simulation->elements, &simulation->object, 1};
 }
 
+ShvObstacleBody shv_simulation_obstacle(const ShvSimulation *simulation, int32_t index)
+{
+    static const double corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const int32_t triangles[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+    (void)simulation;
+    if (index == 0)
+        return (ShvObstacleBody){
+            .name = "floor", .shape = SHV_OBSTACLE_PLANE, .normal = {0, 0, 1}, .mass = (double)INFINITY};
+    return (ShvObstacleBody){.name = "hammer",
+                             .shape = SHV_OBSTACLE_MESH,
+                             .motion = SHV_OBSTACLE_FREE,
+                             .mass = 2.5,
+                             .friction = 0.25,
+                             .positions = corners,
+                             .triangles = triangles,
+                             .node_count = 4,
+                             .triangle_count = 4};
+}
+
 int32_t shv_simulation_material_count(const ShvSimulation *simulation)
 {
     (void)simulation;

@@ -3,10 +3,11 @@
 #include "crash.h"
 #include "files.h"
 
-/* 11 has no factor in common with the number of writes of a frame: all kinds of writes are met. */
+/* 11 has no factor in common with the number of operations of a frame: all kinds of operations are met. */
 static void test_killed_anywhere(void **state)
 {
-    assert_true(crash_at_writes(*state, 0, 11) > 100);
+    assert_true(crash_at_operations(*state, &CRASH_SETUP, 0, 11) > 100);
+    assert_true(crash_at_operations(*state, &CRASH_LAZY, 0, 11) > 100);
 }
 
 int main(void)

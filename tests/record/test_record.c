@@ -260,6 +260,75 @@ static void test_nodes(void **state)
     shv_run_file_close(file);
 }
 
+static void test_obstacles(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    ShvObstacleBody body;
+    const ShvRecordDefinition definition = define(path);
+    record_frames(&definition, &BREAKING, 2, SHV_OK, NULL);
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    check_ok(shv_run_file_obstacle(file, 0, &body, &error), error);
+    assert_string_equal(body.name, "floor");
+    assert_true(body.shape == SHV_OBSTACLE_PLANE && body.motion == SHV_OBSTACLE_FIXED && isinf(body.mass));
+    assert_true(body.normal[2] == 1.0 && body.node_count == 0 && body.triangle_count == 0);
+    check_ok(shv_run_file_obstacle(file, 1, &body, &error), error);
+    assert_string_equal(body.name, "hammer");
+    assert_true(body.shape == SHV_OBSTACLE_MESH && body.motion == SHV_OBSTACLE_FREE);
+    assert_true(body.mass == 2.5 && body.friction == 0.25 && body.node_count == 4 && body.triangle_count == 4);
+    const ShvObstacleBody wanted = shv_simulation_obstacle(NULL, 1);
+    assert_memory_equal(body.positions, wanted.positions, 12 * sizeof(double));
+    assert_memory_equal(body.triangles, wanted.triangles, 12 * sizeof(int32_t));
+    check_fails(shv_run_file_obstacle(file, 2, &body, &error), SHV_BAD_INPUT, error, "no obstacle 2");
+    shv_run_file_close(file);
+}
+
+/* Numbers that mean something have names in the file. */
+static void test_names_of_numbers(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    const ShvRecordDefinition definition = define(path);
+    record_frames(&definition, &BREAKING, 4, SHV_OK, NULL);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), events = H5Dopen2(file, "/events", H5P_DEFAULT);
+    const hid_t type = H5Dget_type(events),
+                kind = H5Tget_member_type(type, (unsigned)H5Tget_member_index(type, "kind"));
+    assert_int_equal(H5Tget_class(kind), H5T_ENUM);
+    int32_t value = -1;
+    assert_true(H5Tenum_valueof(kind, "split", &value) >= 0);
+    assert_int_equal(value, SHV_RUN_SPLIT);
+    H5Tclose(kind);
+    H5Tclose(type);
+    H5Dclose(events);
+    H5Fclose(file);
+    assert_string_equal(shv_run_event_name(SHV_RUN_SPLIT), "split");
+    assert_string_equal(shv_switch_reason_name(SHV_REASON_QUIET), "quiet");
+}
+
+/* The bricks' halves weigh the same: the left one has the lower tet and goes on in its parent's line. */
+static void test_lineages(void **state)
+{
+    enum { FRAMES = 20 };
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    const ShvRecordDefinition definition = define(path);
+    record_frames(&definition, &BREAKING, FRAMES, SHV_OK, NULL);
+    ShvRunFile *file;
+    int32_t lines[64];
+    ShvFragmentView fragments[64];
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    const int32_t count = shv_run_file_info(file)->fragment_count;
+    assert_in_range(count, 5, 64);
+    check_ok(shv_run_file_lineages(file, lines, &error), error);
+    check_ok(shv_run_file_fragments(file, fragments, &error), error);
+    shv_run_file_close(file);
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t parent = fragments[i].parent;
+        const bool left = parent >= 0 && fragments[i - 1].parent != parent;
+        assert_int_equal(lines[i], left ? lines[parent] : i);
+    }
+}
+
 /* ---- names of files ---- */
 
 static void test_probes(void **state)
@@ -385,7 +454,7 @@ static void test_same_run_same_size(void **state)
     char *a = read_bytes(first), *b = read_bytes(second);
     long different = 0;
     for (long i = 0; i < size; i++) different += a[i] != b[i];
-    assert_true(different <= 20 * (long)sizeof(double));
+    assert_true(different <= 20 * (long)sizeof(double) + 4); /* and the checksum of their chunk */
     free(a);
     free(b);
 }
@@ -463,6 +532,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_nodes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_no_probes, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_obstacles, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_names_of_numbers, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_lineages, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_existing_file_is_kept_until_the_first_frame, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_file_that_appears_later_is_kept, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_bad_names, make_folder, remove_folder),

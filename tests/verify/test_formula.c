@@ -122,18 +122,35 @@ static void test_faults(void **state)
         ShvError error = {SHV_OK, ""};
         check_fails(evaluate(cases[i].text, &number, &error), SHV_BAD_INPUT, error, cases[i].part);
     }
-    char deep[300];
-    memset(deep, '(', 200);
-    strcpy(deep + 200, "1");
+}
+
+/* Whatever leads further down: it ends with a message long before the stack does. */
+static void test_depth(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {"(", "2^", "2^-", "sqrt(", "1+(", "-("};
+    enum { TIMES = 30000 };
+    static char deep[TIMES * 8];
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        char *end = deep;
+        for (int k = 0; k < TIMES; k++) end += sprintf(end, "%s", ways[i]);
+        strcpy(end, "1");
+        double number;
+        ShvError error = {SHV_OK, ""};
+        check_fails(evaluate(deep, &number, &error), SHV_BAD_INPUT, error, "within each other");
+    }
     double number;
     ShvError error = {SHV_OK, ""};
-    check_fails(evaluate(deep, &number, &error), SHV_BAD_INPUT, error, "too many parentheses");
+    char *end = deep;
+    for (int k = 0; k < TIMES; k++) end += sprintf(end, "-+1%s", k + 1 < TIMES ? "+" : "");
+    check_ok(evaluate(deep, &number, &error), error);
+    assert_true(number == -TIMES); /* signs and sums go on as long as they like */
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_arithmetic), cmocka_unit_test(test_measures),
-                                       cmocka_unit_test(test_faults)};
+                                       cmocka_unit_test(test_faults), cmocka_unit_test(test_depth)};
     for (int i = 0; i < SAMPLES; i++) {
         wave_times[i] = i / 64.0;
         wave[i] = i == 4 ? (double)NAN : 3.0 + 2.0 * sin(2.0 * 3.14159265358979323846 * wave_times[i]);
