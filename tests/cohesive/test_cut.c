@@ -75,7 +75,7 @@ static double brute_force(const Case *c)
 static uint32_t found_group(const Case *c)
 {
     uint32_t group = 0;
-    for (int32_t i = 0; i < c->cut.member_count; i++) group |= (uint32_t)c->members[i].in_group << i;
+    for (int32_t i = 0; i < c->cut.member_count && i < MEMBERS; i++) group |= (uint32_t)c->members[i].in_group << i;
     return group;
 }
 
