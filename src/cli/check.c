@@ -25,8 +25,10 @@ static void warn_mesh(const ShvPreflight *p)
 static void warn_bonds(const ShvPreflight *p)
 {
     if (!p->never_parts) return;
-    printf("  warning: a facet fails only when it is open by %.3g m, more than its edge of %.3g m: its bonds hold for all\n"
-           "           that happens, and nothing comes apart. Give a smaller fracture_energy or a larger cohesive_strength,\n"
+    printf("  warning: a facet fails only when it is open by %.3g m, more than its edge of %.3g m: its bonds hold for "
+           "all\n"
+           "           that happens, and nothing comes apart. Give a smaller fracture_energy or a larger "
+           "cohesive_strength,\n"
            "           or 'fracture: {connectivity: nodes}', under which a crack cuts as soon as it is inserted\n",
            p->final_opening, p->mean_edge);
 }
