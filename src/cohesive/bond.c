@@ -47,18 +47,14 @@ static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)
     }
 }
 
-static bool rests(const ShvCohesive *cohesive, const ShvState *state, int32_t index, const uint8_t *awake)
-{
-    const int32_t *elements = cohesive->sides[index].elements;
-    return awake && !(awake[state->element_fragment[elements[0]]] && awake[state->element_fragment[elements[1]]]);
-}
-
 void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger)
 {
     cohesive->failed_count = 0;
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
-        if (!cohesive->bonded[index] || !cohesive->sides[index].split || rests(cohesive, state, index, awake)) continue;
+        if (!cohesive->bonded[index] || !cohesive->sides[index].split ||
+            shv_cohesive_rests(cohesive, state, index, awake))
+            continue;
         const bool torn = is_torn(cohesive, index);
         if (!torn && holds(cohesive, index)) continue;
         if (torn) tear(cohesive, index, ledger);

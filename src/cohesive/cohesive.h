@@ -256,6 +256,13 @@ double shv_cohesive_residual(const ShvCohesive *cohesive, int32_t cohesive_facet
 double shv_cohesive_dissipated(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
 /* Widest opening of the cohesive facets inside a fragment, in edges of the facet (of an equilateral triangle of its area). */
 double shv_cohesive_widest(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements, int32_t count);
+/* Whether either side of a cohesive facet is in a fragment that is not awake. */
+static inline bool shv_cohesive_rests(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet,
+                                      const uint8_t *awake)
+{
+    const int32_t *elements = cohesive->sides[cohesive_facet].elements;
+    return awake && !(awake[state->element_fragment[elements[0]]] && awake[state->element_fragment[elements[1]]]);
+}
 /* Whether the two tets of a facet of the adjacency are joined across it. */
 static inline bool shv_cohesive_joins(const ShvCohesive *cohesive, int32_t facet)
 {

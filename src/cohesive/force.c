@@ -26,12 +26,6 @@ static ShvVec3 opening_rate(const ShvState *state, const ShvCohesivePoint *point
     return shv_sub(rate, point->carried);
 }
 
-static bool rests(const ShvCohesive *cohesive, const ShvState *state, int32_t index, const uint8_t *awake)
-{
-    const int32_t *elements = cohesive->sides[index].elements;
-    return awake && !(awake[state->element_fragment[elements[0]]] && awake[state->element_fragment[elements[1]]]);
-}
-
 /* ---- wear ---- */
 
 /* What a cluster's points may keep, and where the last step led them. */
@@ -199,7 +193,7 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint
 {
     const int32_t index = cohesive->live[place];
     ShvCohesivePoint *points = cohesive->points + 3 * (int64_t)place;
-    if (!cohesive->sides[index].split || rests(cohesive, state, index, awake)) {
+    if (!cohesive->sides[index].split || shv_cohesive_rests(cohesive, state, index, awake)) {
         for (int i = 0; i < 3; i++) points[i].first = points[i].second = 0;
         cohesive->turns[place].turns = false;
         return;

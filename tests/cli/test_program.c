@@ -63,9 +63,10 @@ static void test_check_and_plan(void **state)
     (void)state;
     shell_works("$shiver check tiny.yaml", "stable step");
     shell_works("$shiver check tiny.yaml --set materials.chalk.fracture_energy=1e9", "fracture: {connectivity: nodes}");
-    shell_works("! $shiver check tiny.yaml --set materials.chalk.fracture_energy=1e9 --set fracture.connectivity=nodes | "
-                "grep connectivity",
-                "");
+    shell_works(
+        "! $shiver check tiny.yaml --set materials.chalk.fracture_energy=1e9 --set fracture.connectivity=nodes | "
+        "grep connectivity",
+        "");
     shell_fails("$shiver check tiny.yaml --set fracture.connectivity=bond", 2, "fracture.connectivity");
     shell_works("$shiver check tiny.yaml", "cohesive zone");
     shell_works("$shiver check tiny.yaml", "snap-back length");
