@@ -99,10 +99,11 @@ static ShvStatus relabel_cracked(ShvHybrid *hybrid, int32_t first_copy, ShvError
 
 ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
 {
-    if (!hybrid->fragments.bonds) return SHV_OK;
+    if (!hybrid->model.can_break) return SHV_OK;
     const double start = shv_now();
     ShvCohesive *cohesive = &hybrid->cohesive;
     shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->ledger);
+    if (!hybrid->fragments.bonds) return SHV_OK; /* failed facets are counted, but it is nodes that join */
     const int32_t before = hybrid->fragments.count;
     const ShvParting parting = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
     for (int32_t i = 0; i < cohesive->failed_count; i++) {

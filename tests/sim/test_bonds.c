@@ -204,6 +204,7 @@ static void nodes_cut_what_holds(void **unused)
     ShvSimulation *simulation = stage_start(&stage);
     const ShvFrameView *frame = stage_finish(simulation);
     assert_true(frame->alive_count > frame->pieces[0]);
+    assert_true(frame->failed > 0 && frame->failed < frame->inserted && frame->pieces[0] > 1);
     shv_simulation_destroy(simulation);
 }
 
