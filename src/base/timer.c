@@ -28,6 +28,8 @@ const char *shv_cost_name(ShvCost cost)
         return "stress";
     case SHV_COST_INSERT:
         return "insert";
+    case SHV_COST_PARTS:
+        return "parts";
     case SHV_COST_COHESIVE:
         return "cohesive";
     case SHV_COST_MOTION:

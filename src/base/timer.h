@@ -13,12 +13,13 @@ typedef enum ShvCost {
     SHV_COST_FORCE,    /* internal force */
     SHV_COST_STRESS,   /* nodal or facet stress and the criterion */
     SHV_COST_INSERT,   /* insertion and node duplication */
+    SHV_COST_PARTS,    /* bonds that fail, and the pieces that come apart */
     SHV_COST_COHESIVE, /* cohesive tractions and crack closure */
     SHV_COST_MOTION,   /* kick, drift, supports */
     SHV_COST_BARS,     /* projections and damping */
     SHV_COST_CONTACT,  /* obstacles and fragments */
     SHV_COST_FLIGHT,   /* rigid backend */
-    SHV_COST_HANDOVER, /* components, mass properties, poses */
+    SHV_COST_HANDOVER, /* mass properties, poses */
     SHV_COST_RECORD,   /* run file */
     SHV_COST_COUNT
 } ShvCost;

@@ -76,10 +76,17 @@ double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, 
     return shv_ppr_mean(law, history, SHV_SHEAR, from, to);
 }
 
+/* Of the larger strength: a steep envelope ((1 − x)^199 at shape 200) fades to numbers whose reciprocals overflow long before it
+   ends. */
+static const double nothing_left = 1e-12;
+
 double shv_law_peak(const ShvLaw *law, ShvHistory history)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_peak(law, history);
-    return shv_larger(shv_ppr_branch(law, history, SHV_NORMAL).peak, shv_ppr_branch(law, history, SHV_SHEAR).peak);
+    const double peak =
+        shv_larger(shv_ppr_branch(law, history, SHV_NORMAL).peak, shv_ppr_branch(law, history, SHV_SHEAR).peak);
+    const double strength = shv_larger(law->strength[SHV_NORMAL], law->strength[SHV_SHEAR]);
+    return peak > nothing_left * strength ? peak : 0.0;
 }
 
 static double counted_slip(const ShvLaw *law, double opening)
@@ -165,6 +172,15 @@ double shv_law_residual(const ShvLaw *law, ShvHistory history)
 {
     const double strength = law->strength[SHV_NORMAL];
     return strength > 0.0 ? shv_law_normal_branch(law, history, 0.0).peak / strength : 0.0;
+}
+
+double shv_law_remaining(const ShvLaw *law, ShvHistory history)
+{
+    const ShvLawBranch branch = shv_law_normal_branch(law, history, 0.0);
+    const double last = law->final_opening[SHV_NORMAL];
+    if (!isfinite(last)) return (double)INFINITY;
+    const double open = last > branch.limit ? last - branch.limit : 0.0;
+    return 0.5 * branch.peak * branch.limit + shv_law_normal_mean(law, history, 0.0, branch.limit, last) * open;
 }
 
 ShvHistory shv_law_tear(const ShvLaw *law, ShvHistory history)

@@ -83,7 +83,7 @@ double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, 
 /* Traction at an opening given the largest openings so far. Where a component's opening and history are both zero, the
    peak. */
 ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double normal, double shear);
-/* Largest traction of either component still to come, Pa; 0 exactly when nothing is left. */
+/* Largest traction of either component still to come, Pa; 0 exactly when nothing (or 1e-12 of the strength) is left. */
 double shv_law_peak(const ShvLaw *law, ShvHistory history);
 /* Largest openings after one more opening; nothing is dissipated here. */
 ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear);
@@ -95,6 +95,8 @@ double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal,
 /* Share of the normal strength that is left at zero slip, 0…1: what still joins the two sides. Unlike damage it falls with the
    largest slip at any ratio of the energies; 0 for a law without strength or energy. */
 double shv_law_residual(const ShvLaw *law, ShvHistory history);
+/* Work that it would take to open the point from closed, without slip, J/m². */
+double shv_law_remaining(const ShvLaw *law, ShvHistory history);
 /* History of a point that can carry nothing any more, whatever it was; nothing is dissipated. */
 ShvHistory shv_law_tear(const ShvLaw *law, ShvHistory history);
 /* Share of the work of separation that is gone for good, 0…1; exactly 1 when no traction is left. */

@@ -380,6 +380,13 @@ void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger
     shv_ledger_book(ledger, SHV_WORK_FRICTION, contact->friction_work[0], contact->friction_work[1]);
 }
 
+/* Rigid bodies that will touch in the next step: what wakes them has to do so before a rigid impulse takes the energy that
+   would break them. Pairs are listed as far ahead as that (find_horizon). */
+static bool touches_next(const ShvFacetPair *pair)
+{
+    return !pair->deforming && pair->gap > 0.0 && pair->gap < -2.0 * pair->step * shv_dot(pair->relative, pair->normal);
+}
+
 static void add_touch(ShvFragmentTouch *sum, const ShvFacetPair *pair, double own, double other)
 {
     sum->impulse += shv_norm(shv_madd(pair->friction, pair->normal_impulse, pair->normal));
@@ -397,7 +404,7 @@ void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, const dou
 {
     for (int32_t k = 0; k < contact->pair_count; k++) {
         const ShvFacetPair *pair = &contact->pairs[k];
-        if (!has_impulse(pair)) continue;
+        if (!has_impulse(pair) && !touches_next(pair)) continue;
         const double own = masses[pair->fragments[0]];
         const double other = pair->element < 0 ? (double)INFINITY : masses[pair->fragments[1]];
         add_touch(&fragments[pair->fragments[0]], pair, own, other);

@@ -47,7 +47,7 @@ enum { SHV_SURFACE_BEAT = 8 };
 /* What touches one fragment in a step. */
 typedef struct ShvFragmentTouch {
     double impulse; /* Σ of magnitudes, N·s */
-    /* of the touch from a gap with the largest speed × √max(1, mass of the other/own); 0 where there is none: */
+    /* of the touch from a gap, of rigid bodies also of one that is to come in the next step, with the largest speed × √max(1, mass of the other/own); 0 where there is none: */
     double closing_speed; /* m/s */
     double other_mass;    /* kg; infinite: an obstacle */
     double severity;      /* m/s: that product */
@@ -154,7 +154,7 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
 /* Works of this step's impulses with the velocities as they are now. */
 void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 void shv_surface_contact_book_ledger(const ShvSurfaceContact *contact, ShvLedger *ledger);
-/* Adds this step's touches to `fragments`, on both sides; masses of fragments, kg. */
+/* Adds this step's touches, and those of rigid bodies in the next, to `fragments`, on both sides; masses of fragments, kg. */
 void shv_surface_contact_by_fragment(const ShvSurfaceContact *contact, const double *masses,
                                      ShvFragmentTouch *fragments);
 

@@ -57,7 +57,7 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
         const int32_t element = hybrid->model.adjacency.facet_elements[2 * (int64_t)hybrid->candidates[k]];
         const int32_t index = hybrid->state.element_fragment[element];
         ShvFragment *fragment = &hybrid->fragments.items[index];
-        fragment->last_insertion = hybrid->state.time;
+        fragment->last_insertion = fragment->last_crack = hybrid->state.time;
         fragment->impact = fragment->borne_impact = 0.0;
         fragment->quiet = 0;
         hybrid->missed += fragment->audited;
@@ -109,6 +109,8 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
     for (int32_t i = 0; i < cohesive->failed_count; i++) {
         const int32_t *elements = cohesive->sides[cohesive->failed[i]].elements;
         const int32_t *fragment = hybrid->state.element_fragment;
+        for (int side = 0; side < 2; side++)
+            hybrid->fragments.items[fragment[elements[side]]].last_crack = hybrid->state.time;
         /* one search a fragment: those after it find its parts apart already, or whole */
         if (fragment[elements[0]] != fragment[elements[1]]) continue;
         if (fragment[elements[0]] >= before) continue;
@@ -117,8 +119,9 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
         whole->searched = hybrid->state.step + 1;
         SHV_TRY(relabel_fragment(hybrid, fragment[elements[0]], &parting, error));
     }
-    shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
-    return hybrid->fragments.count > before ? shv_awake_follow(hybrid, error) : SHV_OK;
+    if (hybrid->fragments.count > before) SHV_TRY(shv_awake_follow(hybrid, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
+    return SHV_OK;
 }
 
 /* Internal forces of split nodes are shared among their copies. */
@@ -140,7 +143,7 @@ static ShvStatus share_forces(ShvHybrid *hybrid, int32_t first_copy, ShvError *e
 
 static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
 {
-    const double start = shv_now();
+    double start = shv_now();
     int32_t duplicated = 0;
     SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count,
                                 &duplicated, error));
@@ -148,8 +151,9 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
     SHV_TRY(note_insertions(hybrid, count, error));
     const int32_t first_copy = hybrid->state.node_count - duplicated;
     if (duplicated > 0 && hybrid->forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     if (duplicated > 0) SHV_TRY(relabel_cracked(hybrid, first_copy, error));
-    shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
+    shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
     return SHV_OK;
 }
 

@@ -257,7 +257,7 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
 ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error)
 {
     ShvCompanions *companions = &hybrid->companions;
-    if (companions->count == 0 || hybrid->surface.touching == 0) return SHV_OK;
+    if (companions->count == 0 || hybrid->surface.pair_count == 0) return SHV_OK;
     memset(companions->touches, 0, (size_t)hybrid->fragments.count * sizeof *companions->touches);
     for (int32_t i = 0; i < hybrid->fragments.count; i++) companions->masses[i] = hybrid->fragments.items[i].mass;
     shv_surface_contact_by_fragment(&hybrid->surface, companions->masses, companions->touches);

@@ -47,6 +47,8 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
                                        fragment->element_count)
                 : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
+        fragment->longest = shv_hybrid_longest(hybrid, fragment);
+        shv_hybrid_begin_growth(hybrid, fragment);
         if (starts_stretching(hybrid, fragment) ||
             shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
             fragment->mode = SHV_MODE_FRACTURE;

@@ -204,6 +204,10 @@ void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
 /* rest.c; and between which moments an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
    it). */
+/* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
+void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
+/* How long after its last crack a body that wakes now goes to rest at the latest, s. */
+double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
 /* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to

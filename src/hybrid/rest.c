@@ -10,6 +10,8 @@
 /* Damage that grows is activity when it takes more than this share of the energy with which the body woke in two transits of the
    bar wave. */
 static const double growth_share = 1e-3;
+/* What a rigid body cannot carry is small below this share. */
+static const double carried_share = 0.05;
 /* Cracks open wider than this share of an edge are not closed again by going to rest. */
 static const double widest_closed = 0.01;
 
@@ -25,32 +27,73 @@ static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, 
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
+/* When it cracked last or, if it has not since, was touched by what woke it. */
+static double last_change(const ShvFragment *fragment)
+{
+    return fmax(fragment->last_insertion, fragment->last_crack);
+}
+
+/* The energy against which what a body carries is small or not: that with which it woke and, where cracks have moved since,
+   what its cheapest cut would take. A bound by the energy of the impact alone would stop cracks that go on: a piece of a hard
+   impact carries many times what its section costs, and one that hangs by a last bond comes off with next to nothing. */
+static double telling_energy(const ShvFragment *fragment)
+{
+    const double wake = fragment->wake_energy * fragment->mass;
+    return fragment->cut_time >= last_change(fragment) ? fmin(wake, fragment->cut_energy) : wake;
+}
+
+/* The cheapest cut is looked for anew when something has cracked since; what woke it without moving a crack leaves too little for
+   that. */
+static ShvStatus find_cheapest_cut(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[index];
+    ShvResidual residual;
+    if (!hybrid->model.can_break || !(fragment->last_crack > -HUGE_VAL) || fragment->cut_time >= last_change(fragment))
+        return SHV_OK;
+    SHV_TRY(
+        shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index, &residual, error));
+    fragment->cut_time = hybrid->state.time;
+    fragment->cut_energy = residual.energy;
+    return SHV_OK;
+}
+
+static double dissipated(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return shv_cohesive_dissipated(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
+                                   fragment->element_count);
+}
+
+void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    fragment->growth_time = fragment->last_insertion;
+    fragment->last_crack = fragment->cut_time = -HUGE_VAL;
+    fragment->growth_sum = fragment->cracked && hybrid->fragments.bonds ? dissipated(hybrid, fragment) : 0.0;
+}
+
 /* Whether damage has grown little since it was looked at last, two transits of the bar wave ago or earlier. */
 static bool damage_rests(const ShvHybrid *hybrid, const ShvFragment *fragment, double bar)
 {
     if (!fragment->cracked || !hybrid->fragments.bonds) return true;
     if (!(hybrid->state.time - fragment->growth_time >= 2.0 * bar)) return false;
-    const double sum = shv_cohesive_dissipated(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
-                                               fragment->element_count);
-    return sum - fragment->growth_sum <= growth_share * fragment->wake_energy * fragment->mass;
+    return dissipated(hybrid, fragment) - fragment->growth_sum <= growth_share * fragment->wake_energy * fragment->mass;
 }
 
-/* Looks at the damage of fragments in which something has been inserted since the last look, or which were kept from rest by
-   damage that grew: from now on they are to be quiet. */
+/* Looks at the damage of fragments in which something has been inserted since the last look, or whose damage has grown: from now
+   on they are to be quiet. */
 static void look_at_damage(ShvHybrid *hybrid)
 {
+    const double now = hybrid->state.time;
     for (int32_t i = 0; i < hybrid->fragments.count && hybrid->fragments.bonds; i++) {
         ShvFragment *fragment = &hybrid->fragments.items[i];
         double bar, bending;
-        if (fragment->mode != SHV_MODE_FRACTURE || !fragment->cracked) continue;
+        if (fragment->mode != SHV_MODE_FRACTURE || !fragment->cracked || fragment->last_insertion > now) continue;
         transit_times(hybrid, fragment, &bar, &bending);
-        const bool old = hybrid->state.time - fragment->growth_time >= 2.0 * bar;
-        if (fragment->last_insertion <= fragment->growth_time && (!old || damage_rests(hybrid, fragment, bar)))
-            continue;
-        if (fragment->last_insertion > hybrid->state.time) continue;
-        fragment->growth_time = hybrid->state.time;
-        fragment->growth_sum = shv_cohesive_dissipated(
-            &hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
+        const bool inserted = fragment->last_insertion > fragment->growth_time;
+        const bool grown = now - fragment->growth_time >= 2.0 * bar && !damage_rests(hybrid, fragment, bar);
+        if (!inserted && !grown) continue;
+        if (grown) fragment->last_crack = now;
+        fragment->growth_time = now;
+        fragment->growth_sum = dissipated(hybrid, fragment);
     }
 }
 
@@ -62,15 +105,21 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     double bar, bending;
     transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double age = hybrid->state.time - fragment->last_insertion;
-    const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
-    if (age >= longest) return SHV_REASON_LONGEST;
+    const double age = hybrid->state.time - last_change(fragment);
+    if (age >= fragment->longest) return SHV_REASON_LONGEST;
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
     if (age < 2.0 * bar || !shv_waking_contact_is_over(hybrid, fragment, bar)) return SHV_REASON_NONE;
-    const bool little = carried <= 0.05 * fragment->wake_energy * fragment->mass;
+    const bool little = carried <= carried_share * telling_energy(fragment);
     return little && damage_rests(hybrid, fragment, bar) ? SHV_REASON_QUIET : SHV_REASON_NONE;
+}
+
+double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double bar, bending;
+    transit_times(hybrid, fragment, &bar, &bending);
+    return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : 20.0 * bending;
 }
 
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
@@ -83,10 +132,9 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     transit_times(hybrid, fragment, &bar, &bending);
     const int32_t checks = fracture->quiet_checks - fragment->quiet;
     const double counted = now + (checks > 0 ? checks : 0) * hybrid->clock.due * hybrid->step;
-    const double longest = fracture->longest > 0.0 ? fracture->longest : 20.0 * bending;
     const bool by_checks = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
-    *soonest = by_checks ? counted : fmax(counted, fragment->last_insertion + 2.0 * bar);
-    *latest = fmax(now, fragment->last_insertion + longest);
+    *soonest = by_checks ? counted : fmax(counted, last_change(fragment) + 2.0 * bar);
+    *latest = fmax(now, last_change(fragment) + fragment->longest);
     if (by_checks) *latest = fmin(*latest, counted);
     *soonest = fmin(*soonest, *latest);
 }
@@ -208,6 +256,15 @@ static bool loses_a_bond(const ShvHybrid *hybrid, const ShvFragment *fragment)
                                    hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
 }
 
+static ShvStatus note_strength(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    ShvResidual residual;
+    SHV_TRY(
+        shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index, &residual, error));
+    hybrid->fragments.items[index].strength = residual.strength;
+    return SHV_OK;
+}
+
 static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[index];
@@ -216,15 +273,15 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     shv_fragment_fit(fragment, &hybrid->fragments, &hybrid->state);
     rest_energies(hybrid, fragment, taker, &event);
     const double rigid = taker == TAKER_NODES ? event.kinetic_after : shv_fragment_kinetic(fragment);
-    event.reason =
-        reason_to_rest(hybrid, fragment, event.kinetic_before - rigid + event.strain_before + event.cohesive_before);
+    const double carried = event.kinetic_before - rigid + event.strain_before + event.cohesive_before;
+    if (reason_to_rest(hybrid, fragment, carried) == SHV_REASON_NONE) return SHV_OK;
+    SHV_TRY(find_cheapest_cut(hybrid, index, error));
+    event.reason = reason_to_rest(hybrid, fragment, carried);
     if (event.reason == SHV_REASON_NONE || loses_a_bond(hybrid, fragment)) return SHV_OK;
 
     shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
     if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
-    if (hybrid->model.can_break)
-        SHV_TRY(shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index,
-                                               &fragment->strength, error));
+    if (hybrid->model.can_break) SHV_TRY(note_strength(hybrid, index, error));
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
@@ -257,7 +314,7 @@ static bool carries_little(const ShvHybrid *hybrid, const ShvFragment *fragment)
     shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
     carried_energy(hybrid, fragment, &kinetic, &strain);
     const double carried = kinetic - shv_fragment_kinetic(&fitted) + strain + shv_audit_cohesive(hybrid, fragment);
-    return carried <= 0.05 * fragment->wake_energy * fragment->mass;
+    return carried <= carried_share * telling_energy(fragment);
 }
 
 /* For how long a fragment stays awake, s. What carries little goes to rest unless it breaks again or is met again, which puts it

@@ -222,7 +222,8 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);
     shv_waking_contact_begin(hybrid, fragment, contact);
-    fragment->growth_time = -HUGE_VAL;
+    fragment->longest = shv_hybrid_longest(hybrid, fragment);
+    shv_hybrid_begin_growth(hybrid, fragment);
     hybrid->awake.stale = true;
     shv_check_clock_start(&hybrid->clock);
     step_back(hybrid, fragment);

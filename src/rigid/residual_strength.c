@@ -10,7 +10,9 @@ static const double least_section = 0.1;
 
 typedef struct Cut {
     double force, area;  /* N, m² */
-    int32_t unbreakable; /* facets in it without a finite strength, whose force is not counted */
+    double energy;       /* J */
+    int32_t unbreakable; /* facets in it without a finite strength, whose force is not counted, */
+    int32_t endless;     /* and without a finite energy */
 } Cut;
 
 /* An interior facet of the fragment. */
@@ -19,6 +21,7 @@ typedef struct Joint {
     ShvVec3 area;     /* m² */
     double strength;  /* Pa: that of the facet without cracks, */
     double residual;  /* and what is left of it */
+    double energy;    /* J: work to open it from closed */
     bool inserted;
 } Joint;
 
@@ -30,6 +33,7 @@ typedef struct Station {
 typedef struct Search {
     const ShvCohesive *cohesive;
     const ShvState *state;
+    int32_t object;
     const int32_t *elements; /* of the fragment, increasing */
     int32_t count;
     Joint *joints;
@@ -38,13 +42,14 @@ typedef struct Search {
     Cut *cuts;
     Station *stations;
     int32_t *rank;
-    double strength; /* Pa, the least so far */
+    ShvResidual least; /* so far */
 } Search;
 
 static void offer(Search *search, Cut cut)
 {
-    if (cut.area > 0.0 && cut.unbreakable == 0)
-        search->strength = shv_smaller(search->strength, shv_larger(cut.force, 0.0) / cut.area);
+    if (!(cut.area > 0.0) || cut.unbreakable > 0) return;
+    search->least.strength = shv_smaller(search->least.strength, shv_larger(cut.force, 0.0) / cut.area);
+    if (cut.endless == 0) search->least.energy = shv_smaller(search->least.energy, shv_larger(cut.energy, 0.0));
 }
 
 /* `sign`: −1 takes it out again. */
@@ -55,6 +60,10 @@ static void add(Cut *cut, const Joint *joint, double area, int sign)
         cut->force += sign * area * joint->residual;
     else
         cut->unbreakable += sign;
+    if (isfinite(joint->energy))
+        cut->energy += sign * area / shv_norm(joint->area) * joint->energy;
+    else
+        cut->endless += sign;
 }
 
 static int32_t place_of(const Search *search, int32_t element)
@@ -80,6 +89,20 @@ static double residual(const ShvCohesive *cohesive, int32_t index)
     return cohesive->law[index].strength[SHV_NORMAL] * sum / 3.0;
 }
 
+/* Work to open a facet from closed, J; an inserted one as its points are, one without cracks with the whole of its energy. */
+static double opening_work(const Search *search, int32_t index, double area)
+{
+    const ShvCohesive *cohesive = search->cohesive;
+    if (index < 0) {
+        const int32_t object = search->object;
+        return area * cohesive->model->materials[cohesive->model->objects[object].material].fracture_energy[SHV_NORMAL];
+    }
+    double sum = 0.0;
+    for (int64_t k = 3 * (int64_t)index; cohesive->bonded[index] && k < 3 * (int64_t)index + 3; k++)
+        sum += shv_law_remaining(&cohesive->law[index], cohesive->history[k]);
+    return area * sum / 3.0;
+}
+
 /* Each facet once, from the tet of lower number. */
 static void list_joints(Search *search)
 {
@@ -94,11 +117,13 @@ static void list_joints(Search *search)
         const int32_t other = sides[0] == element ? sides[1] : sides[0], index = cohesive->facet_cohesive[facet];
         if (other < element || owner[other] != owner[element]) continue;
         const double strength = cohesive->facet_strength[facet];
-        search->joints[search->joint_count++] = (Joint){{i / 4, place_of(search, other)},
-                                                        shv_cohesive_reference_area(cohesive->model, facet),
-                                                        strength,
-                                                        index < 0 ? strength : residual(cohesive, index),
-                                                        index >= 0};
+        const ShvVec3 area = shv_cohesive_reference_area(cohesive->model, facet);
+        search->joints[search->joint_count++] = (Joint){.sides = {i / 4, place_of(search, other)},
+                                                        .area = area,
+                                                        .strength = strength,
+                                                        .residual = index < 0 ? strength : residual(cohesive, index),
+                                                        .energy = opening_work(search, index, shv_norm(area)),
+                                                        .inserted = index >= 0};
     }
 }
 
@@ -159,7 +184,9 @@ static void cut_across(Search *search, ShvVec3 axis)
     for (int32_t i = 0; i < search->count; i++) {
         if (i > 0) search->cuts[i].area += search->cuts[i - 1].area;
         if (i > 0) search->cuts[i].force += search->cuts[i - 1].force;
+        if (i > 0) search->cuts[i].energy += search->cuts[i - 1].energy;
         if (i > 0) search->cuts[i].unbreakable += search->cuts[i - 1].unbreakable;
+        if (i > 0) search->cuts[i].endless += search->cuts[i - 1].endless;
         largest = shv_larger(largest, search->cuts[i].area);
     }
     for (int32_t i = 0; i < search->count; i++)
@@ -187,15 +214,17 @@ static void release(Search *search)
 }
 
 ShvStatus shv_fragment_residual_strength(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,
-                                         int32_t index, double *strength, ShvError *error)
+                                         int32_t index, ShvResidual *residual, ShvError *error)
 {
     const ShvFragment *fragment = &fragments->items[index];
     const size_t count = (size_t)fragment->element_count;
     Search search = {.cohesive = cohesive,
                      .state = state,
+                     .object = fragment->object,
                      .elements = fragments->elements + fragment->element_begin,
                      .count = fragment->element_count};
-    *strength = search.strength = shv_cohesive_weakest(cohesive, search.elements, search.count);
+    search.least = (ShvResidual){shv_cohesive_weakest(cohesive, search.elements, search.count), (double)INFINITY};
+    *residual = search.least;
     if (!fragment->cracked || !fragments->bonds) return SHV_OK;
     search.joints = shv_allocate(fragments->memory, SHV_PART_RIGID, 4 * count, sizeof *search.joints);
     search.root = shv_allocate(fragments->memory, SHV_PART_RIGID, count, sizeof *search.root);
@@ -204,7 +233,7 @@ ShvStatus shv_fragment_residual_strength(ShvFragments *fragments, const ShvCohes
     search.rank = shv_allocate(fragments->memory, SHV_PART_RIGID, count, sizeof *search.rank);
     const bool room = search.joints && search.root && search.cuts && search.stations && search.rank;
     if (room) search_cuts(&search, &fragment->inertia);
-    if (room) *strength = search.strength;
+    if (room) *residual = search.least;
     release(&search);
     return room ? SHV_OK
                 : shv_fail_memory(error, "the strength of a cracked body",

@@ -1,10 +1,16 @@
-/* What a cracked fragment still bears, as one stress: the least residual force of a cut over that cut's area. */
+/* What a cracked fragment still bears: the least residual force of a cut over that cut's area, and the least work to open one. */
 #ifndef SHV_RIGID_RESIDUAL_STRENGTH_H
 #define SHV_RIGID_RESIDUAL_STRENGTH_H
 
 #include "rigid/fragment.h"
 
-/* Pa; infinite where nothing can break. The least of
+typedef struct ShvResidual {
+    double strength; /* Pa; infinite where nothing can break */
+    double
+        energy; /* J: work of opening the cheapest cut; infinite in a body without cracks and where nothing can break */
+} ShvResidual;
+
+/* The least of
    - the weakest intact facet, as for a body without cracks;
    - the cuts round parts that hang on by bonds alone: groups of tets that intact facets, and bonds above a share of their
      strength, hold together, for a few such shares;
@@ -13,6 +19,6 @@
    Of a cut, Σ strength × area over Σ area of the facets that it crosses (of sections: of their projections). Failed facets
    bear nothing. An oblique or winding crack that intact tets bridge is seen only in part by a plane section. */
 ShvStatus shv_fragment_residual_strength(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,
-                                         int32_t fragment, double *strength, ShvError *error);
+                                         int32_t fragment, ShvResidual *residual, ShvError *error);
 
 #endif

@@ -103,6 +103,25 @@ static void fact_4_monotone_paths_do_the_energy(void **state)
     check_near(work, 22.0, 1e-4);
 }
 
+/* What is left is what opening on takes, by the midpoint rule. */
+static void what_remains_is_the_work_to_come(void **state)
+{
+    (void)state;
+    const ShvMaterial camacho = material_of(SHV_CAMACHO_ORTIZ, 22.0, 44.0, 8e6, 9e6, 2.0, 2.0);
+    const ShvLaw laws[] = {concrete(), ppr(20.0, 50.0, 8e6, 4e6, 3.0, 2.0), shv_law_make(&camacho, 1.0)};
+    for (int i = 0; i < 3; i++) {
+        const ShvLaw *law = &laws[i];
+        const double end = law->final_opening[SHV_NORMAL];
+        check_near(shv_law_remaining(law, (ShvHistory){0}), law->energy[SHV_NORMAL], 1e-9);
+        for (int part = 1; part < 10; part++) {
+            ShvHistory history = shv_law_grow(law, (ShvHistory){0}, 0.1 * part * end, 0.02 * part * end);
+            const double left = shv_law_remaining(law, history);
+            check_near(work_along(law, &history, (ShvOpening){0}, (ShvOpening){end, 0.0}, 4000), left, 1e-3);
+        }
+        assert_true(shv_law_remaining(law, shv_law_tear(law, (ShvHistory){0})) == 0.0);
+    }
+}
+
 static void fact_5_unequal_energies(void **state)
 {
     (void)state;
@@ -318,6 +337,7 @@ int main(void)
         cmocka_unit_test(fact_2_half_way),
         cmocka_unit_test(fact_3_mixed_values),
         cmocka_unit_test(fact_4_monotone_paths_do_the_energy),
+        cmocka_unit_test(what_remains_is_the_work_to_come),
         cmocka_unit_test(fact_5_unequal_energies),
         cmocka_unit_test(fact_6_gradient_and_decay),
         cmocka_unit_test(fact_7_cycle),

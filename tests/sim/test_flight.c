@@ -161,6 +161,36 @@ static void test_turned_body_stays_whole(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* Beside a body in fracture mode another lands on the floor. It wakes before it touches: a rigid impulse would take the energy
+   that is to break it. */
+static void test_wakes_before_it_is_struck(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_weightless(&stage);
+    stage.objects[0].placement.position[2] = 0.02;
+    stage_support(&stage, "hold", "box");
+    ShvObjectDefinition *second = stage_box(&stage, "second", cube, 0.005, 0.02);
+    second->placement.position[0] = 0.025;
+    second->placement.rotation_axis[0] = 1.0;
+    second->placement.rotation_degrees = 20.0;
+    second->placement.velocity[2] = -2.0;
+    stage_floor(&stage);
+    stage.scene.rigid.engine = SHV_RIGID_BULLET;
+    ShvSimulation *simulation = stage_start(&stage);
+    const double start = stage_next(simulation)->ledger.kinetic;
+    int32_t woken = 0;
+    while (!shv_simulation_finished(simulation)) {
+        const ShvFrameView *frame = stage_next(simulation);
+        for (int32_t i = 0; i < frame->event_count; i++) {
+            if (frame->events[i].kind != SHV_RUN_WAKE) continue;
+            if (woken++ == 0) check_near(frame->events[i].kinetic_before, start, 1e-9);
+        }
+    }
+    assert_true(woken > 0);
+    shv_simulation_destroy(simulation);
+}
+
 static void test_separate_meshes(void **state)
 {
     (void)state;
@@ -190,6 +220,7 @@ int main(void)
         cmocka_unit_test(test_awake_rest_without_gravity),
         cmocka_unit_test(test_flying_rest_without_gravity),
         cmocka_unit_test(test_turned_body_stays_whole),
+        cmocka_unit_test(test_wakes_before_it_is_struck),
         cmocka_unit_test(test_separate_meshes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
