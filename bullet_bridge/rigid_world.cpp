@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "bullet_bridge/box_tree.hpp"
+#include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
@@ -37,17 +37,7 @@ struct ShvBulletWorld {
     std::vector<ShvBulletBody *> moved, firsts, seconds;
 };
 
-// Nothing thrown in here may cross into C.
-template <class Work> static ShvStatus guarded(ShvError *error, const Work &work)
-{
-    try {
-        return work();
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for Bullet; use a coarser mesh or fewer fragments");
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "Bullet failed: %s; use rigid.engine analytic", problem.what());
-    }
-}
+using shiver::guarded;
 
 static btVector3 scaled(const ShvBulletWorld *world, const double *p)
 {

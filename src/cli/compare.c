@@ -31,16 +31,17 @@ static ShvStatus read_steps(const char *text, ShvCompareOptions *options, ShvErr
 
 static ShvStatus read_engine(const char *word, ShvCompareOptions *options, ShvError *error)
 {
-    static const ShvRigidEngine engines[] = {SHV_RIGID_BULLET, SHV_RIGID_PBD, SHV_RIGID_ANALYTIC};
-    const char *names[3];
-    for (int i = 0; i < 3; i++) {
+    static const ShvRigidEngine engines[SHV_MOST_COMPARED_ENGINES] = {SHV_RIGID_BULLET, SHV_RIGID_BULLET_PLAIN,
+                                                                      SHV_RIGID_PBD, SHV_RIGID_ANALYTIC};
+    const char *names[SHV_MOST_COMPARED_ENGINES];
+    for (int i = 0; i < SHV_MOST_COMPARED_ENGINES; i++) {
         names[i] = shv_rigid_engine_name(engines[i]);
         if (strcmp(word, names[i]) != 0) continue;
         options->engines[options->engine_count++] = engines[i];
         return SHV_OK;
     }
-    const char *near = shv_nearest_name(word, names, 3);
-    return shv_fail(error, SHV_BAD_INPUT, "there is no rigid engine '%s'%s%s%s; give bullet, pbd or analytic", word,
+    const char *near = shv_nearest_name(word, names, SHV_MOST_COMPARED_ENGINES);
+    return shv_fail(error, SHV_BAD_INPUT, "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
                     near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
 }
 
@@ -206,7 +207,7 @@ const ShvCommand shv_command_compare = {
     .most_positional = 1,
     .takes_scene = true,
     .options = {{"--steps", "A,B,…", "time steps of rigid flight, s; 1e-2,1e-3,1e-4 unless given"},
-                {"--engines", "A,B,…", "among bullet, pbd, analytic; all unless given"},
+                {"--engines", "A,B,…", "among bullet, bullet_plain, pbd, analytic; all unless given"},
                 {"--output", "PREFIX", "beginning of the file names; the scene file's name unless given"},
                 {"--force", NULL, "replace existing files"},
                 {"--json", NULL, "print as JSON"}},
