@@ -83,7 +83,6 @@ ShvDynamicsWorld::ShvDynamicsWorld(const ShvDynamicsSettings &given) : settings(
 {
     world.owner = this;
     btContactSolverInfo &info = world.getSolverInfo();
-    info.m_numIterations = settings.iterations;
     if (settings.sharp_impacts) info.m_splitImpulsePenetrationThreshold = 0;
     world.getDispatchInfo().m_deterministicOverlappingPairs = settings.sorted_pairs;
 }

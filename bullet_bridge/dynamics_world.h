@@ -18,7 +18,6 @@ typedef struct ShvDynamicsSettings {
     double unit;   /* m: what Bullet takes for 1; its thresholds (0.02 and 0.04 of length, 0.2 and 0.8 of speed) are of that */
     double margin; /* round every hull, in those units */
     double friction, restitution; /* between two bodies neither of which is an obstacle */
-    int32_t iterations;           /* of the solver */
     bool exact_flight;            /* no gyroscopic term: free rotation is the caller's, by shv_dynamics_world_correct */
     bool sharp_impacts;           /* points of a rebounding pair that have a gap yet are left out, and overlaps undone by split
                                      impulses, however small: a rebound neither brakes before the touch nor gains from depth */

@@ -251,7 +251,6 @@ typedef struct ShvPbdDefinition {
 typedef struct ShvBulletPlainDefinition {
     double unit;        /* m: what Bullet takes for 1 */
     double margin;      /* round convex hulls, in those units */
-    int32_t iterations; /* of the solver, ≥ 1 */
     bool exact_flight;  /* parabola and free rotation in closed form between contacts */
     bool sharp_impacts; /* rebounds at the touch: gaps do not brake them, depth does not feed them */
     bool sorted_pairs;  /* the order of pairs is that of the bodies' numbers */

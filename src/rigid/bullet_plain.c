@@ -338,7 +338,6 @@ static ShvStatus fill(BulletPlain *plain, ShvError *error)
                                           .margin = settings->margin,
                                           .friction = plain->backend.fragment_friction,
                                           .restitution = plain->backend.fragment_restitution,
-                                          .iterations = settings->iterations,
                                           .exact_flight = settings->exact_flight,
                                           .sharp_impacts = settings->sharp_impacts,
                                           .sorted_pairs = settings->sorted_pairs,

@@ -781,8 +781,6 @@ static const ShvKey bullet_plain_keys[] = {
                  "nothing slower than 0.2 units a second."},
     {"margin", SHV_KEY_NUMBER, .range = &not_negative, .offset = SCENE(bullet_plain.margin),
      .sentence = "Thickness, in those units, of the skin that Bullet lays round convex hulls: bodies meet earlier by it."},
-    {"iterations", SHV_KEY_INT32, .range = &at_least_one, .offset = SCENE(bullet_plain.iterations),
-     .sentence = "Iterations of Bullet's solver."},
     {"exact_flight", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.exact_flight),
      .sentence = "Between contacts a parabola, and free rotation that keeps angular momentum and energy, in place of "
                  "Bullet's integrator."},

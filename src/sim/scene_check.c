@@ -62,7 +62,6 @@ static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
         {"pbd.damping", scene->pbd.damping, 0.0, 1.0, false},
         {"bullet_plain.unit", scene->bullet_plain.unit, 0.0, any, true},
         {"bullet_plain.margin", scene->bullet_plain.margin, 0.0, any, false},
-        {"bullet_plain.iterations", scene->bullet_plain.iterations, 1.0, any, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) SHV_TRY(check_number(&rules[i], error));
     return SHV_OK;
