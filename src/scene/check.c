@@ -476,14 +476,6 @@ static void check_pbd(Checker *checker)
                   of_rigid_mode[i]);
 }
 
-static void check_bullet_plain(Checker *checker)
-{
-    const ShvNode *root = checker->scene->head.node;
-    if (!checker->scene->head.good || !shv_tree_find(root, "bullet_plain")) return;
-    if (checker->scene->definition.rigid.engine != SHV_RIGID_BULLET_PLAIN)
-        doubt(checker, root, "bullet_plain", "nothing uses bullet_plain; give 'rigid: {engine: bullet_plain}'");
-}
-
 void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, const char *folder, ShvPool *work,
                      ShvDiagnostics *diagnostics)
 {
@@ -499,6 +491,5 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_reference(&checker);
     check_fracture(&checker);
     check_pbd(&checker);
-    check_bullet_plain(&checker);
     check_dust(&checker);
 }
