@@ -83,7 +83,12 @@ ShvDynamicsWorld::ShvDynamicsWorld(const ShvDynamicsSettings &given) : settings(
 {
     world.owner = this;
     btContactSolverInfo &info = world.getSolverInfo();
-    if (settings.sharp_impacts) info.m_splitImpulsePenetrationThreshold = 0;
+    if (settings.sharp_impacts) {
+        info.m_splitImpulsePenetrationThreshold = 0;
+        // Otherwise a manifold gets a point a step, and what lands flat is thrown back by one corner.
+        configuration.setPlaneConvexMultipointIterations();
+        configuration.setConvexConvexMultipointIterations();
+    }
     world.getDispatchInfo().m_deterministicOverlappingPairs = settings.sorted_pairs;
 }
 

@@ -236,15 +236,28 @@ static double energy(const BulletPlain *plain, int32_t number)
     return kinetic - body->mass * shv_dot(plain->gravity, body->position);
 }
 
-static void begin(BulletPlain *plain, ShvVec3 gravity)
+static ShvStatus check_motion(const BulletPlain *plain, int32_t number, ShvError *error)
+{
+    const PlainBody *body = &plain->bodies[number];
+    if (shv_finite3(body->position) && shv_finite3(body->velocity) && shv_finite3(body->spin)) return SHV_OK;
+    const bool fragment = fragment_of(plain, number) != NULL;
+    return shv_fail(error, SHV_DIVERGED,
+                    "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
+                    "velocities.",
+                    fragment ? "fragment" : "obstacle", (int)(fragment ? number - obstacle_count(plain) : number));
+}
+
+static ShvStatus begin(BulletPlain *plain, ShvVec3 gravity, ShvError *error)
 {
     if (!same_vector(gravity, plain->gravity)) shv_dynamics_world_wake_all(plain->bullet);
     plain->gravity = gravity;
     for (int32_t i = 0; i < plain->body_count; i++) {
         if (!plain->bodies[i].present || !read_record(plain, i)) continue;
+        SHV_TRY(check_motion(plain, i, error));
         const ShvDynamicsMotion motion = motion_of(&plain->bodies[i]);
         shv_dynamics_world_place(plain->bullet, i, &motion);
     }
+    return SHV_OK;
 }
 
 /* Between contacts a parabola, and free rotation whose angular momentum is the state. */
@@ -265,18 +278,8 @@ static void fly_exactly(BulletPlain *plain, int32_t number, double step, const P
     shv_dynamics_world_correct(plain->bullet, number, &motion);
 }
 
-static ShvStatus check_motion(const BulletPlain *plain, int32_t number, ShvError *error)
-{
-    const PlainBody *body = &plain->bodies[number];
-    if (shv_finite3(body->position) && shv_finite3(body->velocity) && shv_finite3(body->spin)) return SHV_OK;
-    const bool fragment = fragment_of(plain, number) != NULL;
-    return shv_fail(error, SHV_DIVERGED,
-                    "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
-                    "velocities.",
-                    fragment ? "fragment" : "obstacle", (int)(fragment ? number - obstacle_count(plain) : number));
-}
-
-/* A body's motion over the step into its record; what contacts did to its energy. */
+/* A body's motion over the step into its record; what contacts did to its energy. (What Bullet's integrator does to that of a
+   free one is an error, and nobody's work.) */
 static ShvStatus end_body(BulletPlain *plain, int32_t number, double step, double *work, ShvError *error)
 {
     PlainBody *body = &plain->bodies[number];
@@ -294,7 +297,7 @@ static ShvStatus end_body(BulletPlain *plain, int32_t number, double step, doubl
         body->velocity = shv_madd(body->velocity, -step, plain->gravity);
     }
     write_record(plain, number);
-    *work += energy(plain, number) - earlier;
+    if (shv_dynamics_world_touch(plain->bullet, number) != SHV_DYNAMICS_FREE) *work += energy(plain, number) - earlier;
     return SHV_OK;
 }
 
@@ -304,7 +307,7 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
 {
     BulletPlain *plain = (BulletPlain *)backend;
     if (!(step > 0.0)) return SHV_OK;
-    begin(plain, shv_load3(gravity));
+    SHV_TRY(begin(plain, shv_load3(gravity), error));
     plain->time = time;
     plain->judge = judge;
     plain->judge_data = judge_data;
