@@ -163,8 +163,7 @@ static void make_triangles(Body *body, const ShvBulletShape &shape, btScalar uni
     body->triangles = std::make_unique<btTriangleMesh>();
     for (int32_t t = 0; t < shape.triangle_count; t++) {
         btVector3 corner[3];
-        for (int k = 0; k < 3; k++)
-            corner[k] = load(shape.vertices + 3 * size_t(shape.triangles[3 * t + k])) / unit;
+        for (int k = 0; k < 3; k++) corner[k] = load(shape.vertices + 3 * size_t(shape.triangles[3 * t + k])) / unit;
         body->triangles->addTriangle(corner[0], corner[1], corner[2]);
     }
     body->shape = std::make_unique<btBvhTriangleMeshShape>(body->triangles.get(), true);
@@ -267,7 +266,7 @@ ShvStatus shv_dynamics_world_add(ShvDynamicsWorld *world, int32_t number, const 
         const int group = made->layer == SHV_BULLET_OBSTACLE ? OBSTACLE
                           : made->layer == SHV_BULLET_BODY   ? FRAGMENT
                                                              : PARTICLE;
-        const int mask = group == OBSTACLE ? FRAGMENT | OBSTACLE | PARTICLE
+        const int mask = group == OBSTACLE   ? FRAGMENT | OBSTACLE | PARTICLE
                          : group == FRAGMENT ? FRAGMENT | OBSTACLE
                                              : OBSTACLE;
         world->world.addRigidBody(made->body.get(), group, mask);
@@ -505,8 +504,7 @@ static double book_contacts(ShvDynamicsWorld *world)
     const ShvDynamicsSettings &settings = world->settings;
     btScalar work = 0;
     for (int i = 0; i < world->dispatcher.getNumManifolds(); i++) {
-        const btPersistentManifold *manifold =
-            world->dispatcher.getManifoldByIndexInternal(i);
+        const btPersistentManifold *manifold = world->dispatcher.getManifoldByIndexInternal(i);
         Body &a = world->of(manifold->getBody0()), &b = world->of(manifold->getBody1());
         if (!a.body->isActive() && !b.body->isActive()) continue;
         const auto mean = [](const Body &own, const btVector3 &point) {

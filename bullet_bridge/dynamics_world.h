@@ -15,20 +15,22 @@ extern "C" {
 typedef struct ShvDynamicsWorld ShvDynamicsWorld;
 
 typedef struct ShvDynamicsSettings {
-    double unit;   /* m: what Bullet takes for 1; its thresholds (0.02 and 0.04 of length, 0.2 and 0.8 of speed) are of that */
-    double margin; /* round every hull, in those units */
+    double
+        unit; /* m: what Bullet takes for 1; its thresholds (0.02 and 0.04 of length, 0.2 and 0.8 of speed) are of that */
+    double margin;                /* round every hull, in those units */
     double friction, restitution; /* between two bodies neither of which is an obstacle */
     bool exact_flight;            /* no gyroscopic term: free rotation is the caller's, by shv_dynamics_world_correct */
-    bool sharp_impacts;           /* points of a rebounding pair that have a gap yet are left out, and overlaps undone by split
+    bool sharp_impacts; /* points of a rebounding pair that have a gap yet are left out, and overlaps undone by split
                                      impulses, however small: a rebound neither brakes before the touch nor gains from depth */
-    bool sorted_pairs;            /* pairs in the order of the bodies' numbers, whatever happened before */
-    bool keep_overlaps;           /* that bodies have when one of them comes are let be, and shrink as they part */
+    bool sorted_pairs;  /* pairs in the order of the bodies' numbers, whatever happened before */
+    bool keep_overlaps; /* that bodies have when one of them comes are let be, and shrink as they part */
 } ShvDynamicsSettings;
 
 typedef struct ShvDynamicsBody {
     ShvBulletShape shape;
-    double inverse_mass, inverse_moment[3]; /* 1/kg, 1/(kg m²), principal; 0 of the mass: moved by its velocities alone */
-    double friction, restitution;           /* of an obstacle */
+    double inverse_mass,
+        inverse_moment[3];        /* 1/kg, 1/(kg m²), principal; 0 of the mass: moved by its velocities alone */
+    double friction, restitution; /* of an obstacle */
 } ShvDynamicsBody;
 
 typedef struct ShvDynamicsMotion {

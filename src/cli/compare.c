@@ -41,7 +41,8 @@ static ShvStatus read_engine(const char *word, ShvCompareOptions *options, ShvEr
         return SHV_OK;
     }
     const char *near = shv_nearest_name(word, names, SHV_MOST_COMPARED_ENGINES);
-    return shv_fail(error, SHV_BAD_INPUT, "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
                     near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
 }
 
@@ -75,7 +76,7 @@ static void print_run(const ShvComparedRun *run)
 {
     const double numbers[] = {run->position, run->orientation, run->velocity,
                               run->energy,   run->energy_gain, run->angular_momentum};
-    printf("%-9s %-8g", shv_rigid_engine_name(run->engine), run->step);
+    printf("%-12s %-8g", shv_rigid_engine_name(run->engine), run->step);
     if (run->status != SHV_OK) {
         printf(" failed: %s\n", run->message);
         return;
@@ -95,9 +96,9 @@ static void print_run(const ShvComparedRun *run)
 static void print_table(const ShvComparison *comparison)
 {
     printf("errors from the %s\n", shv_comparison_reference(comparison));
-    printf("%-9s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "engine", "step", "position", "turn",
+    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "engine", "step", "position", "turn",
            "velocity", "energy", "gain", "|dL|/|L|", "moments", "moment", "apex", "run time", "per step");
-    printf("%-9s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "", "s", "m", "rad", "m/s", "", "", "",
+    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "", "s", "m", "rad", "m/s", "", "", "",
            "", "s", "", "s", "s");
     for (int32_t i = 0; i < shv_comparison_count(comparison); i++) print_run(shv_comparison_run(comparison, i));
 }

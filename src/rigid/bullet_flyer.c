@@ -6,8 +6,8 @@ static ShvStatus add_pieces(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, ShvEr
 {
     ShvBodyShape body;
     SHV_TRY(shv_body_shape_of_pieces(&body, &flyer->pieces, &flyer->rotation.axes, flyer->dust, error));
-    const ShvStatus status = shv_bullet_world_add(bullet, flyer->number, &body.shape, 1.0 / flyer->mass,
-                                                  flyer->rotation.inverse, error);
+    const ShvStatus status =
+        shv_bullet_world_add(bullet, flyer->number, &body.shape, 1.0 / flyer->mass, flyer->rotation.inverse, error);
     shv_body_shape_release(&body);
     return status;
 }

@@ -67,7 +67,8 @@ static bool read_record(const BulletPlain *plain, int32_t number)
     body->velocity = fragment ? fragment->velocity : obstacle->velocity;
     body->spin = fragment ? fragment->angular_velocity : obstacle->angular_velocity;
     body->orientation = fragment ? fragment->orientation : obstacle->orientation;
-    const bool turned = !same_vector(body->spin, before.spin) || !same_quaternion(body->orientation, before.orientation);
+    const bool turned =
+        !same_vector(body->spin, before.spin) || !same_quaternion(body->orientation, before.orientation);
     if (turned && body->moves)
         body->angular_momentum = shv_free_rotation_momentum(&body->rotation, body->orientation, body->spin);
     return turned || !same_vector(body->position, before.position) || !same_vector(body->velocity, before.velocity);
@@ -265,10 +266,9 @@ static void fly_exactly(BulletPlain *plain, int32_t number, double step, const P
 {
     PlainBody *body = &plain->bodies[number];
     const ShvVec3 change = shv_sub(body->spin, before->spin);
-    body->angular_momentum = shv_add(before->angular_momentum,
-                                     shv_free_rotation_momentum(&body->rotation, before->orientation, change));
-    body->orientation =
-        shv_free_rotation_advance(&body->rotation, before->orientation, body->angular_momentum, step);
+    body->angular_momentum =
+        shv_add(before->angular_momentum, shv_free_rotation_momentum(&body->rotation, before->orientation, change));
+    body->orientation = shv_free_rotation_advance(&body->rotation, before->orientation, body->angular_momentum, step);
     body->spin = shv_free_rotation_velocity(&body->rotation, body->orientation, body->angular_momentum);
     const ShvDynamicsTouch touch = shv_dynamics_world_touch(plain->bullet, number);
     if (touch == SHV_DYNAMICS_FREE) body->velocity = shv_madd(before->velocity, step, plain->gravity);
@@ -278,8 +278,8 @@ static void fly_exactly(BulletPlain *plain, int32_t number, double step, const P
     shv_dynamics_world_correct(plain->bullet, number, &motion);
 }
 
-/* A body's motion over the step into its record; what contacts did to its energy. (What Bullet's integrator does to that of a
-   free one is an error, and nobody's work.) */
+/* A body's motion over the step into its record; what the step did to its energy. That is the work of contacts, and of Bullet's
+   integrator where flight is not exact: nobody can tell them apart where both act. */
 static ShvStatus end_body(BulletPlain *plain, int32_t number, double step, double *work, ShvError *error)
 {
     PlainBody *body = &plain->bodies[number];
@@ -297,7 +297,8 @@ static ShvStatus end_body(BulletPlain *plain, int32_t number, double step, doubl
         body->velocity = shv_madd(body->velocity, -step, plain->gravity);
     }
     write_record(plain, number);
-    if (shv_dynamics_world_touch(plain->bullet, number) != SHV_DYNAMICS_FREE) *work += energy(plain, number) - earlier;
+    const bool touched = shv_dynamics_world_touch(plain->bullet, number) != SHV_DYNAMICS_FREE;
+    if (touched || !plain->settings.exact_flight) *work += energy(plain, number) - earlier;
     return SHV_OK;
 }
 
@@ -314,8 +315,8 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     plain->wakes = wakes;
     plain->wake_count = wake_count;
     double friction, work = 0.0;
-    SHV_TRY(shv_dynamics_world_step(plain->bullet, step, gravity, judge ? judge_contacts : NULL, plain, &friction,
-                                    error));
+    SHV_TRY(
+        shv_dynamics_world_step(plain->bullet, step, gravity, judge ? judge_contacts : NULL, plain, &friction, error));
     for (int32_t i = 0; i < plain->body_count; i++)
         if (plain->bodies[i].present && plain->bodies[i].moves) SHV_TRY(end_body(plain, i, step, &work, error));
     backend->friction_work += friction;

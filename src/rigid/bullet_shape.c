@@ -4,8 +4,8 @@ ShvStatus shv_body_shape_of_pieces(ShvBodyShape *body, const ShvConvexPieces *pi
                                    ShvError *error)
 {
     const int32_t count = pieces->vertex_begin[pieces->count];
-    *body = (ShvBodyShape){
-        .vertices = shv_allocate(pieces->memory, SHV_PART_RIGID, 3 * (size_t)count, sizeof *body->vertices)};
+    *body = (ShvBodyShape){.vertices =
+                               shv_allocate(pieces->memory, SHV_PART_RIGID, 3 * (size_t)count, sizeof *body->vertices)};
     if (!body->vertices)
         return shv_fail_memory(error, "the hulls of a fragment", 3 * (size_t)count * sizeof *body->vertices);
     for (int32_t i = 0; i < count; i++)

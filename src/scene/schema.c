@@ -633,8 +633,11 @@ static const ShvTable probe_table = {
 /* ---- the rest of the top level ------------------------------------------------------------------------ */
 
 #define SCENE(member) offsetof(ShvSceneItem, definition.member)
-static const ShvChoice engine_choices[] = {
-    {"bullet", SHV_RIGID_BULLET}, {"bullet_plain", SHV_RIGID_BULLET_PLAIN}, {"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
+static const ShvChoice engine_choices[] = {{"bullet", SHV_RIGID_BULLET},
+                                           {"bullet_plain", SHV_RIGID_BULLET_PLAIN},
+                                           {"analytic", SHV_RIGID_ANALYTIC},
+                                           {"pbd", SHV_RIGID_PBD},
+                                           {NULL, 0}};
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
 static const ShvChoice dust_choices[] = {
     {"keep", SHV_DUST_KEEP}, {"particles", SHV_DUST_PARTICLE}, {"bin", SHV_DUST_BIN}, {NULL, 0}};
@@ -642,8 +645,10 @@ static const ShvKey rigid_keys[] = {
     {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
      .sentence =
          "What moves bodies between impacts. `bullet`: convex pieces that meet obstacles and each other, by Bullet, "
-         "with flight and free rotation in closed form. `bullet_plain`: the same pieces in a Bullet world as it comes, to "
-         "compare with (docs/rigid_engines.md); it has no contact with bodies in fracture mode. `analytic`: flight in closed form, nodes against obstacles, "
+         "with flight and free rotation in closed form. `bullet_plain`: the same pieces in a Bullet world as it comes, "
+         "to "
+         "compare with (docs/rigid_engines.md); it has no contact with bodies in fracture mode. `analytic`: flight in "
+         "closed form, nodes against obstacles, "
          "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},
@@ -777,20 +782,24 @@ static const ShvTable pbd_table = {.name = "pbd",
                                    .key_count = LENGTH_OF(pbd_keys)};
 static const ShvKey bullet_plain_keys[] = {
     {"unit", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &positive, .offset = SCENE(bullet_plain.unit),
-     .sentence = "What Bullet takes for a length of 1. Its thresholds are made for bodies of about that size: it bounces "
-                 "nothing slower than 0.2 units a second."},
+     .sentence =
+         "What Bullet takes for a length of 1. Its thresholds are made for bodies of about that size: it bounces "
+         "nothing slower than 0.2 units a second."},
     {"margin", SHV_KEY_NUMBER, .range = &not_negative, .offset = SCENE(bullet_plain.margin),
-     .sentence = "Thickness, in those units, of the skin that Bullet lays round convex hulls: bodies meet earlier by it."},
+     .sentence =
+         "Thickness, in those units, of the skin that Bullet lays round convex hulls: bodies meet earlier by it."},
     {"exact_flight", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.exact_flight),
      .sentence = "Between contacts a parabola, and free rotation that keeps angular momentum and energy, in place of "
                  "Bullet's integrator."},
     {"sharp_impacts", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.sharp_impacts),
-     .sentence = "Contacts that rebound take part once they touch, not before, and overlaps are undone without leaving a "
-                 "velocity, however small they are."},
+     .sentence =
+         "Contacts that rebound take part once they touch, not before, and overlaps are undone without leaving a "
+         "velocity, however small they are."},
     {"sorted_pairs", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.sorted_pairs),
      .sentence = "Pairs are solved in the order of the bodies' numbers, whatever came and went before."},
     {"keep_overlaps", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.keep_overlaps),
-     .sentence = "Overlaps that a body comes with are let be, and shrink as the pair parts; otherwise Bullet pushes it out."},
+     .sentence =
+         "Overlaps that a body comes with are let be, and shrink as the pair parts; otherwise Bullet pushes it out."},
 };
 static const ShvTable bullet_plain_table = {
     .name = "bullet_plain",
@@ -809,7 +818,8 @@ static const ShvKey audit_keys[] = {
                  "it carries, potential energy aside, or of what it woke with, where that was more."},
     {"hull_error", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive, .offset = SCENE(audit.hull_error),
      .sentence = "Space in the convex pieces that no tet fills, and of tets in none of them, as a share of the body's "
-                 "volume. Boxes and other convex bodies have none; only the engines `bullet` and `bullet_plain` make convex pieces."},
+                 "volume. Boxes and other convex bodies have none; only the engines `bullet` and `bullet_plain` make "
+                 "convex pieces."},
 };
 static const ShvTable audit_table = {
     .name = "audit",

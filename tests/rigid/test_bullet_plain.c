@@ -297,7 +297,8 @@ static void test_refusals(void **unused)
     world_box(&world, 0.02, 0.02, 0.02, 0.02);
     world_build(&world);
     begin_under(&world, &stock);
-    check_fails(world.backend->functions->add(world.backend, 0, &error), SHV_BAD_INPUT, error, "fragment 0: its radius");
+    check_fails(world.backend->functions->add(world.backend, 0, &error), SHV_BAD_INPUT, error,
+                "fragment 0: its radius");
     world.backend->functions->destroy(world.backend);
     begin_under(&world, &fitting);
     world.fragments.items[0].mass = 0.0;
