@@ -138,6 +138,50 @@ static void test_sleep(void **unused)
     world_end(&world);
 }
 
+/* A cube of 1 mm falls on to the floor and stays there, in units of its size; in metres it is refused (test_refusals). */
+static void test_millimetres(void **unused)
+{
+    (void)unused;
+    World world;
+    world_begin(&world);
+    world_box(&world, 1e-3, 1e-3, 1e-3, 1e-3)->placement.position[2] = 1.5e-3;
+    world_floor(&world, 0.5, 0.0);
+    world_build(&world);
+    const ShvBulletPlainDefinition settings = {.unit = 1e-3};
+    fly_plain(&world, &settings);
+    for (int i = 0; i < 2000; i++) world_advance(&world, i * 1e-4, 1e-4, earth, NULL, NULL, NULL);
+    check_near(world.fragments.items[0].position.z, 0.5e-3, 1e-5);
+    world_end(&world);
+}
+
+/* Splinters: a fan of tets that share an edge, in so many hulls as it takes, falls whole. */
+static void test_many_hulls(void **unused)
+{
+    (void)unused;
+    enum { BLADES = 24 };
+    double points[3 * (2 + 2 * BLADES)] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.02};
+    int32_t tets[4 * BLADES];
+    for (int b = 0; b < BLADES; b++) {
+        for (int side = 0; side < 2; side++) {
+            const double angle = 2.0 * 3.14159265358979 * (b + 0.3 * side) / BLADES;
+            const double place[3] = {0.05 * cos(angle), 0.05 * sin(angle), 0.01};
+            memcpy(points + 3 * (2 + 2 * b + side), place, sizeof place);
+        }
+        const int32_t tet[4] = {0, 2 + 2 * b, 3 + 2 * b, 1};
+        memcpy(tets + 4 * b, tet, sizeof tet);
+    }
+    World world;
+    world_begin(&world);
+    world_floor(&world, 0.5, 0.0);
+    world_tets(&world, points, 2 + 2 * BLADES, tets, BLADES);
+    fly_plain(&world, &fitting);
+    assert_true(world.fragments.items[0].hulls > 1);
+    world.fragments.items[0].position.z += 0.05;
+    go(&world, 0, 500);
+    assert_true(world.fragments.items[0].position.z > 0.005 && world.fragments.items[0].position.z < 0.03);
+    world_end(&world);
+}
+
 /* What somebody else changes in a record wakes the body and counts. */
 static void test_events(void **unused)
 {
@@ -318,7 +362,7 @@ int main(void)
         cmocka_unit_test(test_free_fall), cmocka_unit_test(test_free_rotation), cmocka_unit_test(test_rebound),
         cmocka_unit_test(test_sleep),     cmocka_unit_test(test_events),        cmocka_unit_test(test_overlaps),
         cmocka_unit_test(test_obstacles), cmocka_unit_test(test_wake),          cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_millimetres),   cmocka_unit_test(test_many_hulls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
