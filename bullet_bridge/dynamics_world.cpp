@@ -11,6 +11,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/layers.hpp"
 #include "bullet_bridge/rigid_convex.hpp"
 
 namespace
@@ -29,8 +30,6 @@ struct Body {
     bool born = true;                           // since the last step
     ShvDynamicsTouch touch = SHV_DYNAMICS_FREE;
 };
-
-enum Group { FRAGMENT = 1, OBSTACLE = 2, PARTICLE = 4 };
 
 class World final : public btDiscreteDynamicsWorld
 {
@@ -263,13 +262,8 @@ ShvStatus shv_dynamics_world_add(ShvDynamicsWorld *world, int32_t number, const 
         place(made->body.get(), *motion, world->settings.unit);
         if (size_t(number) >= world->bodies.size()) world->bodies.resize(size_t(number) + 1);
         if (world->settings.sorted_pairs) world->broadphase.m_gid = number; // numbers the new body one more
-        const int group = made->layer == SHV_BULLET_OBSTACLE ? OBSTACLE
-                          : made->layer == SHV_BULLET_BODY   ? FRAGMENT
-                                                             : PARTICLE;
-        const int mask = group == OBSTACLE   ? FRAGMENT | OBSTACLE | PARTICLE
-                         : group == FRAGMENT ? FRAGMENT | OBSTACLE
-                                             : OBSTACLE;
-        world->world.addRigidBody(made->body.get(), group, mask);
+        const shiver::Filter filter = shiver::filter_of(made->layer, given->inverse_mass > 0);
+        world->world.addRigidBody(made->body.get(), filter.group, filter.mask);
         world->bodies[size_t(number)] = std::move(made);
         return SHV_OK;
     });

@@ -7,6 +7,7 @@
 #include <LinearMath/btAabbUtil2.h>
 
 #include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/layers.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
@@ -181,21 +182,6 @@ static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 
     if (body->proxy) world->broadphase.setAabb(body->proxy, body->box_low, body->box_high, nullptr);
 }
 
-// Particles meet obstacles alone, and what has no mass none of its kind.
-static btBroadphaseProxy *make_proxy(ShvBulletWorld *world, ShvBulletBody *body)
-{
-    enum { FRAGMENT = 1, FREE = 2, FIXED = 4, PARTICLE = 8 };
-    const int group = body->layer == SHV_BULLET_PARTICLE ? PARTICLE
-                      : body->layer == SHV_BULLET_BODY   ? FRAGMENT
-                      : body->body                       ? FREE
-                                                         : FIXED;
-    const int mask = group == PARTICLE   ? FREE | FIXED
-                     : group == FRAGMENT ? FRAGMENT | FREE | FIXED
-                     : group == FREE     ? FRAGMENT | FREE | FIXED | PARTICLE
-                                         : FRAGMENT | FREE | PARTICLE;
-    return world->broadphase.createProxy(body->box_low, body->box_high, 0, body, group, mask, nullptr);
-}
-
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
                                const double inverse_moment[3], ShvError *error)
 {
@@ -212,7 +198,9 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
             world->planes.push_back(body.get());
         } else {
             set_box(world, body.get(), btVector3(0, 0, 0), 0, 0);
-            body->proxy = make_proxy(world, body.get());
+            const shiver::Filter filter = shiver::filter_of(body->layer, body->body != nullptr);
+            body->proxy = world->broadphase.createProxy(body->box_low, body->box_high, 0, body.get(), filter.group,
+                                                        filter.mask, nullptr);
         }
         world->bodies[size_t(number)] = std::move(body);
         return SHV_OK;

@@ -5,6 +5,7 @@
 
 typedef struct PlainBody {
     bool present, moves;
+    bool joined; /* since the last step */
     double mass;
     ShvFreeRotation rotation;
     /* as the record was left: events of the time line change it */
@@ -20,6 +21,7 @@ typedef struct BulletPlain {
     PlainBody *bodies; /* by number: obstacles by their index, then fragments by theirs */
     int32_t body_count, body_room;
     ShvVec3 gravity;
+    double end; /* s: of the last step */
     /* one step, for the judge */
     double time;
     ShvWakeJudge judge;
@@ -124,7 +126,7 @@ static ShvStatus add_body(BulletPlain *plain, int32_t number, const PlainBody *m
     }
     const ShvDynamicsMotion motion = motion_of(body);
     SHV_TRY(shv_dynamics_world_add(plain->bullet, number, &given, &motion, error));
-    body->present = true;
+    body->present = body->joined = true;
     return SHV_OK;
 }
 
@@ -302,14 +304,36 @@ static ShvStatus end_body(BulletPlain *plain, int32_t number, double step, doubl
     return SHV_OK;
 }
 
+/* Bullet takes whole steps: what joins in the midst of one flies freely to its end. */
+static ShvStatus catch_up(BulletPlain *plain, double step, ShvError *error)
+{
+    for (int32_t i = obstacle_count(plain); i < plain->body_count; i++) {
+        PlainBody *body = &plain->bodies[i];
+        if (!body->present || !body->joined) continue;
+        body->joined = false;
+        read_record(plain, i);
+        SHV_TRY(check_motion(plain, i, error));
+        body->velocity = shv_madd(body->velocity, step, plain->gravity);
+        body->position = shv_madd(shv_madd(body->position, step, body->velocity), -0.5 * step * step, plain->gravity);
+        body->orientation = shv_free_rotation_advance(&body->rotation, body->orientation, body->angular_momentum, step);
+        body->spin = shv_free_rotation_velocity(&body->rotation, body->orientation, body->angular_momentum);
+        write_record(plain, i);
+        const ShvDynamicsMotion motion = motion_of(body);
+        shv_dynamics_world_place(plain->bullet, i, &motion);
+    }
+    return SHV_OK;
+}
+
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error)
 {
     BulletPlain *plain = (BulletPlain *)backend;
     if (!(step > 0.0)) return SHV_OK;
+    if (time < plain->end - 1e-9 * step) return catch_up(plain, step, error);
     SHV_TRY(begin(plain, shv_load3(gravity), error));
     plain->time = time;
+    plain->end = time + step;
     plain->judge = judge;
     plain->judge_data = judge_data;
     plain->wakes = wakes;
@@ -317,8 +341,10 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     double friction, work = 0.0;
     SHV_TRY(
         shv_dynamics_world_step(plain->bullet, step, gravity, judge ? judge_contacts : NULL, plain, &friction, error));
-    for (int32_t i = 0; i < plain->body_count; i++)
+    for (int32_t i = 0; i < plain->body_count; i++) {
+        plain->bodies[i].joined = false;
         if (plain->bodies[i].present && plain->bodies[i].moves) SHV_TRY(end_body(plain, i, step, &work, error));
+    }
     backend->friction_work += friction;
     backend->contact_work += work - friction;
     return SHV_OK;
@@ -362,7 +388,8 @@ ShvStatus shv_bullet_plain_create(ShvRigidBackend **backend, const ShvRigidWorld
     plain->settings = *settings;
     plain->backend.functions = &functions;
     plain->backend.world = *world;
-    plain->backend.moves_obstacles = plain->backend.whole_steps = true;
+    plain->backend.moves_obstacles = true;
+    plain->end = -(double)INFINITY;
     plain->backend.fragment_friction = world->settings->friction;
     plain->backend.fragment_restitution = world->settings->restitution;
     const ShvStatus status = fill(plain, error);

@@ -295,6 +295,27 @@ static void test_wake(void **unused)
     world_end(&world);
 }
 
+/* What joins when the others have taken a step already flies freely to its end, and they stay where they are. */
+static void test_latecomer(void **unused)
+{
+    (void)unused;
+    World world;
+    world_begin(&world);
+    box_at(&world, 0.0, 1.0)->placement.velocity[0] = 1.0;
+    box_at(&world, 1.0, 1.0)->placement.velocity[0] = 1.0;
+    world_build(&world);
+    begin_under(&world, &fitting);
+    add_fragment(&world, 0);
+    world_advance(&world, 0.0, 1e-3, no_gravity, NULL, NULL, NULL);
+    add_fragment(&world, 1);
+    world_advance(&world, 4e-4, 6e-4, no_gravity, NULL, NULL, NULL);
+    check_near(world.fragments.items[0].position.x, 1e-3, 1e-12);
+    check_near(world.fragments.items[1].position.x, 1.0 + 6e-4, 1e-12);
+    world_advance(&world, 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+    for (int f = 0; f < 2; f++) check_near(world.fragments.items[f].position.x, f + 2e-3 - 4e-4 * f, 1e-12);
+    world_end(&world);
+}
+
 /* ---- determinism ---- */
 
 static void tumble(bool sorted, int order, ShvVec3 positions[3])
@@ -363,6 +384,7 @@ int main(void)
         cmocka_unit_test(test_sleep),     cmocka_unit_test(test_events),        cmocka_unit_test(test_overlaps),
         cmocka_unit_test(test_obstacles), cmocka_unit_test(test_wake),          cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_refusals),  cmocka_unit_test(test_millimetres),   cmocka_unit_test(test_many_hulls),
+        cmocka_unit_test(test_latecomer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
