@@ -1,5 +1,5 @@
 /* Speed of rigid flight: bench_rigid [SECONDS [CASE]]. Each case flies for that long (1 s) in steps of 1 ms, with the Bullet
-   backend and, with the same hulls, masses, friction and step, in a plain btDiscreteDynamicsWorld. One line of CSV each:
+   backend and, with the same hulls, masses, friction and step, in a plain btDiscreteDynamicsWorld (bullet_plain). One line of CSV each:
 
      flight     200 convex pieces that tumble, and meet nothing
      pile       200 convex pieces that fall into a bin of 0.5 m
@@ -17,13 +17,11 @@
 #include "base/random.h"
 #include "base/text.h"
 #include "broken_ball.h"
-#include "bullet_bridge/bench/plain_world.h"
 #include "rigid/backend.h"
-#include "rigid/convex_pieces.h"
-#include "rigid/free_rotation.h"
 
 enum { PIECES = 200, PLANES = 5 };
 static const double step = 1e-3, friction = 0.5, bin = 0.5;
+static const double plain_margin = 0.04; /* Bullet's own, of the mean radius */
 static const double earth[3] = {0.0, 0.0, -9.81};
 
 typedef struct Case {
@@ -33,8 +31,8 @@ typedef struct Case {
     BrokenBall bodies;
     ShvObstacles obstacles;
     ShvObstacleDefinition definitions[PLANES];
-    ShvRigidBackend *backend;
-    PlainWorld *plain;
+    ShvFragments plain_fragments;
+    ShvRigidBackend *backend, *plain;
     int32_t hulls;
 } Case;
 
@@ -103,7 +101,7 @@ static void set_motions(const Case *bench)
 
 static const double normals[PLANES][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
 
-static ShvStatus make_backend(Case *bench, ShvError *error)
+static ShvStatus make_obstacles(Case *bench, ShvError *error)
 {
     static const char *const names[PLANES] = {"floor", "left", "right", "front", "back"};
     for (int i = 0; i < bench->planes; i++) {
@@ -120,58 +118,43 @@ static ShvStatus make_backend(Case *bench, ShvError *error)
     ShvSceneDefinition scene = shv_scene_default();
     scene.obstacles = bench->definitions;
     scene.obstacle_count = bench->planes;
-    SHV_TRY(shv_obstacles_create(&bench->obstacles, NULL, &scene, NULL, error));
-    const ShvRigidWorld world = {&bench->bodies.model, &bench->bodies.state, &bench->bodies.fragments,
-                                 &bench->obstacles, &scene.rigid};
-    SHV_TRY(shv_bullet_create(&bench->backend, &world, error));
-    bench->backend->fragment_friction = friction;
-    for (int32_t f = 0; f < bench->bodies.fragments.count; f++)
-        if (bench->bodies.fragments.items[f].mode != SHV_MODE_DEAD)
-            SHV_TRY(bench->backend->functions->add(bench->backend, f, error));
+    return shv_obstacles_create(&bench->obstacles, NULL, &scene, NULL, error);
+}
+
+/* Records of plain Bullet's own; the lists are shared. */
+static ShvStatus copy_fragments(Case *bench, ShvError *error)
+{
+    const ShvFragments *fragments = &bench->bodies.fragments;
+    const size_t count = (size_t)fragments->count;
+    bench->plain_fragments = *fragments;
+    bench->plain_fragments.items = shv_allocate(NULL, SHV_PART_GENERAL, count, sizeof *fragments->items);
+    if (!bench->plain_fragments.items) return shv_fail_memory(error, "plain Bullet", count * sizeof *fragments->items);
+    memcpy(bench->plain_fragments.items, fragments->items, count * sizeof *fragments->items);
     return SHV_OK;
 }
 
-static bool add_plain(Case *bench, const ShvFragment *fragment, const ShvConvexPieces *pieces)
-{
-    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
-    const int32_t count = pieces->vertex_begin[pieces->count];
-    double *vertices = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)count, sizeof *vertices);
-    if (!vertices) return false;
-    for (int32_t i = 0; i < count; i++)
-        shv_store3(vertices + 3 * (int64_t)i,
-                   shv_apply_transposed(&rotation.axes, shv_load3(pieces->vertices + 3 * (int64_t)i)));
-    PlainBody body = {
-        .hulls = pieces->count, .vertex_begin = pieces->vertex_begin, .vertices = vertices, .mass = fragment->mass};
-    const ShvMat3 turned = shv_quat_to_matrix(fragment->orientation), axes = shv_multiply(&turned, &rotation.axes);
-    for (int i = 0; i < 9; i++) body.axes[i] = axes.m[i / 3][i % 3];
-    for (int i = 0; i < 3; i++) body.moments[i] = 1.0 / rotation.inverse[i];
-    shv_store3(body.position, fragment->position);
-    shv_store3(body.velocity, fragment->velocity);
-    shv_store3(body.spin, fragment->angular_velocity);
-    const bool added = plain_world_add_body(bench->plain, &body);
-    shv_release(vertices);
-    bench->hulls += pieces->count;
-    return added;
-}
-
-static ShvStatus make_plain(Case *bench, ShvError *error)
+static ShvStatus make_worlds(Case *bench, ShvError *error)
 {
     double length = 0.0;
-    for (int32_t f = 0; f < bench->bodies.fragments.count; f++)
-        if (bench->bodies.fragments.items[f].mode != SHV_MODE_DEAD) length += bench->bodies.fragments.items[f].radius;
-    bench->plain = plain_world_create(bench->gravity, friction, length / bench->bodies.fragments.alive);
-    bool good = bench->plain != NULL;
-    for (int i = 0; good && i < bench->planes; i++)
-        good = plain_world_add_plane(bench->plain, normals[i], i ? -0.5 * bin : 0.0);
-    const BrokenBall *bodies = &bench->bodies;
-    for (int32_t f = 0; good && f < bodies->fragments.count; f++) {
+    BrokenBall *bodies = &bench->bodies;
+    SHV_TRY(make_obstacles(bench, error));
+    for (int32_t f = 0; f < bodies->fragments.count; f++)
+        if (bodies->fragments.items[f].mode != SHV_MODE_DEAD) length += bodies->fragments.items[f].radius;
+    const ShvBulletPlainDefinition settings = {.unit = length / bodies->fragments.alive, .margin = plain_margin};
+    SHV_TRY(copy_fragments(bench, error));
+    const ShvRigidDefinition rigid = {.friction = friction};
+    const ShvRigidWorld world = {&bodies->model, &bodies->state, &bodies->fragments, &bench->obstacles, &rigid};
+    ShvRigidWorld plain_world = world;
+    plain_world.fragments = &bench->plain_fragments;
+    SHV_TRY(shv_bullet_create(&bench->backend, &world, error));
+    SHV_TRY(shv_bullet_plain_create(&bench->plain, &plain_world, &settings, error));
+    for (int32_t f = 0; f < bodies->fragments.count; f++) {
         if (bodies->fragments.items[f].mode == SHV_MODE_DEAD) continue;
-        ShvConvexPieces pieces;
-        SHV_TRY(shv_convex_pieces_make(&pieces, &bodies->fragments, &bodies->model, &bodies->state, f, error));
-        good = add_plain(bench, &bodies->fragments.items[f], &pieces);
-        shv_convex_pieces_release(&pieces);
+        SHV_TRY(bench->backend->functions->add(bench->backend, f, error));
+        SHV_TRY(bench->plain->functions->add(bench->plain, f, error));
+        bench->hulls += bodies->fragments.items[f].hulls;
     }
-    return good ? SHV_OK : shv_fail_memory(error, "plain Bullet", 0);
+    return SHV_OK;
 }
 
 /* ---- runs ---- */
@@ -200,7 +183,8 @@ static ShvStatus run_both(Case *bench, int32_t steps, Times *own, Times *plain, 
                                                    &wake_count, error));
         count(own, start, last);
         start = now();
-        if (!plain_world_step(bench->plain, step)) return shv_fail_memory(error, "plain Bullet", 0);
+        SHV_TRY(bench->plain->functions->advance(bench->plain, i * step, step, bench->gravity, NULL, NULL, NULL,
+                                                 &wake_count, error));
         count(plain, start, last);
     }
     return SHV_OK;
@@ -220,15 +204,14 @@ static void report(const Case *bench, int32_t steps, const Times *own, const Tim
     shv_print(stdout, "%s,%d,%d,%.4f,%.4f,%.3f,%.4f,%.4f,%.3f,%.3g,%.3g\n", bench->name,
               (int)bench->bodies.fragments.alive, (int)bench->hulls, all * own->all, all * plain->all,
               own->all / plain->all, end * own->end, end * plain->end, own->end / plain->end,
-              kinetic(&bench->bodies.fragments), plain_world_kinetic(bench->plain));
+              kinetic(&bench->bodies.fragments), kinetic(&bench->plain_fragments));
     fflush(stdout);
 }
 
 static ShvStatus run(Case *bench, int32_t steps, ShvError *error)
 {
     set_motions(bench);
-    SHV_TRY(make_backend(bench, error));
-    SHV_TRY(make_plain(bench, error));
+    SHV_TRY(make_worlds(bench, error));
     Times own = {0}, plain = {0};
     SHV_TRY(run_both(bench, steps, &own, &plain, error));
     report(bench, steps, &own, &plain);
@@ -249,7 +232,8 @@ static ShvStatus measure(const char *name, int32_t steps, ShvError *error)
     bench.planes = !strcmp(name, "flight") ? 0 : !strcmp(name, "pile") ? PLANES : 1;
     if (status == SHV_OK) status = run(&bench, steps, error);
     if (bench.backend) bench.backend->functions->destroy(bench.backend);
-    plain_world_destroy(bench.plain);
+    if (bench.plain) bench.plain->functions->destroy(bench.plain);
+    shv_release(bench.plain_fragments.items);
     shv_obstacles_release(&bench.obstacles);
     broken_ball_release(&bench.bodies);
     return status;

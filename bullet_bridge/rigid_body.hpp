@@ -12,6 +12,7 @@
 
 struct ShvBulletBody {
     int32_t number = 0;
+    btBroadphaseProxy *proxy = nullptr; // the world's; planes have none
     ShvBulletKind kind = SHV_BULLET_PLANE;
     ShvBulletLayer layer = SHV_BULLET_BODY;
     btVector3 normal{0, 0, 0}; // plane, scaled offset

@@ -2,52 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
-#include "bullet_bridge/box_tree.hpp"
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/layers.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
-
-namespace
-{
-struct Extent {
-    btVector3 low, high;
-    const ShvBulletBody *body;
-};
-} // namespace
 
 struct ShvBulletWorld {
     explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale) {}
     btScalar scale;
-    std::vector<Extent>
-        extents; // of all bodies but planes and particles, by their lower ends on one axis; since the last call for pairs
-    int axis = 0;
-    std::vector<Extent> particles, obstacles; // but planes
+    btDbvtBroadphase broadphase; // of all bodies but planes
     std::vector<const ShvBulletBody *> planes;
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
-    // Of what is near a box, all bodies but planes: made when first asked for after boxes have changed.
-    shiver::BoxTree tree;
-    std::vector<shiver::Box> boxes;
-    std::vector<int32_t> boxed; // number of the body of each
-    bool tree_stale = true;
-    std::vector<int32_t> found, others;
+    std::vector<int32_t> others;
     ShvCollider collider;
     ShvSolver solver;
+    ~ShvBulletWorld();
     std::vector<ShvBulletBody *> moved, firsts, seconds;
 };
 
-// Nothing thrown in here may cross into C.
-template <class Work> static ShvStatus guarded(ShvError *error, const Work &work)
-{
-    try {
-        return work();
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for Bullet; use a coarser mesh or fewer fragments");
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "Bullet failed: %s; use rigid.engine analytic", problem.what());
-    }
-}
+using shiver::guarded;
 
 static btVector3 scaled(const ShvBulletWorld *world, const double *p)
 {
@@ -65,6 +43,12 @@ ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvErro
         *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))));
         return SHV_OK;
     });
+}
+
+ShvBulletWorld::~ShvBulletWorld()
+{
+    for (const auto &body : bodies)
+        if (body && body->proxy) broadphase.destroyProxy(body->proxy, nullptr);
 }
 
 void shv_bullet_world_destroy(ShvBulletWorld *world)
@@ -183,7 +167,7 @@ void ShvBulletBody::yield(btScalar share)
     body->setInvInertiaDiagLocal(inverse_moment * share);
 }
 
-static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &way, double drift, double turn)
+static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &way, double drift, double turn)
 {
     body->way = way;
     body->ball = body->radius + drift * world->scale;
@@ -195,6 +179,7 @@ static void set_box(const ShvBulletWorld *world, ShvBulletBody *body, const btVe
     ahead.setMax(none);
     body->box_low += back;
     body->box_high += ahead;
+    if (body->proxy) world->broadphase.setAabb(body->proxy, body->box_low, body->box_high, nullptr);
 }
 
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
@@ -213,9 +198,11 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
             world->planes.push_back(body.get());
         } else {
             set_box(world, body.get(), btVector3(0, 0, 0), 0, 0);
+            const shiver::Filter filter = shiver::filter_of(body->layer, body->body != nullptr);
+            body->proxy = world->broadphase.createProxy(body->box_low, body->box_high, 0, body.get(), filter.group,
+                                                        filter.mask, nullptr);
         }
         world->bodies[size_t(number)] = std::move(body);
-        world->tree_stale = true;
         return SHV_OK;
     });
 }
@@ -229,7 +216,7 @@ void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
     const ShvBulletBody *body = body_of(world, number);
     world->planes.erase(std::remove(world->planes.begin(), world->planes.end(), body), world->planes.end());
-    world->tree_stale = true;
+    if (body->proxy) world->broadphase.destroyProxy(body->proxy, nullptr);
     world->bodies[size_t(number)].reset();
 }
 
@@ -253,7 +240,6 @@ ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const do
         ShvBulletBody *body = body_of(world, number);
         if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
         set_box(world, body, scaled(world, way), drift, turn);
-        world->tree_stale = true;
         return SHV_OK;
     });
 }
@@ -271,37 +257,9 @@ static bool balls_meet(const ShvBulletBody &a, const ShvBulletBody &b, btScalar 
     return (apart + share * way).length2() <= reach * reach;
 }
 
-static bool boxes_meet(const Extent &a, const Extent &b, int axis)
+static bool boxes_meet(const ShvBulletBody &a, const ShvBulletBody &b)
 {
-    return a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
-}
-
-// In the order of their lower ends on the axis along which they are scattered most. (A tree of boxes costs more: in rubble
-// everything moves in every step.)
-static void sort_extents(ShvBulletWorld *world)
-{
-    world->extents.clear();
-    world->particles.clear();
-    world->obstacles.clear();
-    btVector3 sum(0, 0, 0), squares(0, 0, 0);
-    for (const auto &body : world->bodies) {
-        if (!body || body->kind == SHV_BULLET_PLANE) continue;
-        const Extent extent = {body->box_low, body->box_high, body.get()};
-        if (body->layer == SHV_BULLET_PARTICLE) {
-            world->particles.push_back(extent);
-            continue;
-        }
-        if (body->layer == SHV_BULLET_OBSTACLE) world->obstacles.push_back(extent);
-        world->extents.push_back(extent);
-        const btVector3 centre = (body->box_low + body->box_high) / 2;
-        sum += centre;
-        squares += centre * centre;
-    }
-    const btScalar count = btScalar(btMax(size_t(1), world->extents.size()));
-    const int axis = world->axis = (squares / count - sum * sum / (count * count)).maxAxis();
-    std::sort(world->extents.begin(), world->extents.end(), [axis](const Extent &a, const Extent &b) {
-        return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.body->number < b.body->number;
-    });
+    return TestAabbAgainstAabb2(a.box_low, a.box_high, b.box_low, b.box_high);
 }
 
 static void add_pair(ShvBulletWorld *world, const ShvBulletBody *a, const ShvBulletBody *b)
@@ -309,28 +267,17 @@ static void add_pair(ShvBulletWorld *world, const ShvBulletBody *a, const ShvBul
     world->pairs.push_back({std::min(a->number, b->number), std::max(a->number, b->number)});
 }
 
-static void sweep(ShvBulletWorld *world)
+// Of the pairs whose boxes in the tree meet, which are a little larger: those whose own boxes and balls do. Which they are, and
+// their order, does not depend on the tree's past.
+static void list_pairs(ShvBulletWorld *world)
 {
-    const std::vector<Extent> &extents = world->extents;
-    const int axis = world->axis, second = (axis + 1) % 3, third = (axis + 2) % 3;
-    for (size_t i = 0; i < extents.size(); i++) {
-        const Extent &own = extents[i];
-        for (size_t k = i + 1; k < extents.size() && extents[k].low[axis] <= own.high[axis]; k++) {
-            const Extent &other = extents[k];
-            if (!boxes_meet(own, other, second) || !boxes_meet(own, other, third)) continue;
-            if (!own.body->body && !other.body->body) continue;
-            if (balls_meet(*own.body, *other.body, world->scale)) add_pair(world, own.body, other.body);
-        }
+    world->broadphase.calculateOverlappingPairs(nullptr);
+    const btBroadphasePairArray &found = world->broadphase.getOverlappingPairCache()->getOverlappingPairArray();
+    for (int i = 0; i < found.size(); i++) {
+        const auto *a = static_cast<const ShvBulletBody *>(found[i].m_pProxy0->m_clientObject);
+        const auto *b = static_cast<const ShvBulletBody *>(found[i].m_pProxy1->m_clientObject);
+        if (boxes_meet(*a, *b) && balls_meet(*a, *b, world->scale)) add_pair(world, a, b);
     }
-}
-
-static void pair_particles(ShvBulletWorld *world)
-{
-    for (const Extent &particle : world->particles)
-        for (const Extent &obstacle : world->obstacles)
-            if (boxes_meet(particle, obstacle, 0) && boxes_meet(particle, obstacle, 1) &&
-                boxes_meet(particle, obstacle, 2) && balls_meet(*particle.body, *obstacle.body, world->scale))
-                add_pair(world, particle.body, obstacle.body);
 }
 
 static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)
@@ -343,9 +290,7 @@ ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pa
 {
     return guarded(error, [&] {
         world->pairs.clear();
-        sort_extents(world);
-        sweep(world);
-        pair_particles(world);
+        list_pairs(world);
         for (const auto &body : world->bodies) {
             if (!body || !body->body) continue;
             for (const ShvBulletBody *plane : world->planes)
@@ -358,40 +303,29 @@ ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pa
     });
 }
 
-static shiver::Box box_of(const ShvBulletBody &body)
+namespace
 {
-    shiver::Box box;
-    for (int k = 0; k < 3; k++) {
-        box.low[k] = body.box_low[k];
-        box.high[k] = body.box_high[k];
+struct Neighbours final : btBroadphaseAabbCallback {
+    Neighbours(const ShvBulletBody &body, std::vector<int32_t> &list) : own(body), others(list) {}
+    bool process(const btBroadphaseProxy *proxy) override
+    {
+        const auto *other = static_cast<const ShvBulletBody *>(proxy->m_clientObject);
+        if (other != &own && boxes_meet(own, *other)) others.push_back(other->number);
+        return true;
     }
-    return box;
-}
-
-static void grow_tree(ShvBulletWorld *world)
-{
-    world->boxes.clear();
-    world->boxed.clear();
-    for (const auto &body : world->bodies) {
-        if (!body || body->kind == SHV_BULLET_PLANE) continue;
-        world->boxes.push_back(box_of(*body));
-        world->boxed.push_back(body->number);
-    }
-    world->tree.build(world->boxes);
-    world->tree_stale = false;
-}
+    const ShvBulletBody &own;
+    std::vector<int32_t> &others;
+};
+} // namespace
 
 ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int32_t **others, int32_t *count,
                                 ShvError *error)
 {
     return guarded(error, [&] {
         const ShvBulletBody *body = body_of(world, number);
-        if (world->tree_stale) grow_tree(world);
-        world->found.clear();
         world->others.clear();
-        world->tree.find(box_of(*body), world->found);
-        for (const int32_t item : world->found)
-            if (world->boxed[size_t(item)] != number) world->others.push_back(world->boxed[size_t(item)]);
+        Neighbours neighbours(*body, world->others);
+        world->broadphase.aabbTest(body->box_low, body->box_high, neighbours);
         for (const ShvBulletBody *plane : world->planes)
             if (reaches(*body, *plane)) world->others.push_back(plane->number);
         std::sort(world->others.begin(), world->others.end());

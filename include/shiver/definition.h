@@ -228,7 +228,8 @@ ShvEventDefinition shv_event_default(void);
 typedef enum ShvRigidEngine {
     SHV_RIGID_ANALYTIC, /* flight in closed form; contacts with obstacles by impulses, none between fragments */
     SHV_RIGID_PBD,      /* nodes held together by bars and damped towards rigid motion; none between fragments */
-    SHV_RIGID_BULLET /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
+    SHV_RIGID_BULLET, /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
+    SHV_RIGID_BULLET_PLAIN /* the same pieces in a stock Bullet world, which integrates, detects and solves by itself */
 } ShvRigidEngine;
 
 typedef enum ShvBarForm {
@@ -245,6 +246,16 @@ typedef struct ShvPbdDefinition {
     double damping;      /* k of the damping in rigid mode, 0…1 */
     bool exact_rotation; /* rigid mode: nodes turn on circles instead of tangents, so that radii do not drift */
 } ShvPbdDefinition;
+
+/* What departs from Bullet's defaults with rigid.engine bullet_plain. */
+typedef struct ShvBulletPlainDefinition {
+    double unit;        /* m: what Bullet takes for 1 */
+    double margin;      /* round convex hulls, in those units */
+    bool exact_flight;  /* parabola and free rotation in closed form between contacts */
+    bool sharp_impacts; /* rebounds at the touch: gaps do not brake them, depth does not feed them */
+    bool sorted_pairs;  /* the order of pairs is that of the bodies' numbers */
+    bool keep_overlaps; /* overlaps that a body comes with are let be */
+} ShvBulletPlainDefinition;
 
 typedef enum ShvWake {
     SHV_WAKE_CONTACT, /* every new contact wakes */
@@ -378,6 +389,7 @@ typedef struct ShvSceneDefinition {
     double gravity[3];
     ShvRigidDefinition rigid;
     ShvPbdDefinition pbd;
+    ShvBulletPlainDefinition bullet_plain;
     ShvFractureDefinition fracture;
     ShvAuditDefinition audit;
     ShvOutputDefinition output;

@@ -12,7 +12,7 @@ extern "C" {
 
 /* ---- rigid engines compared ---- */
 
-enum { SHV_MOST_COMPARED_STEPS = 16, SHV_MOST_COMPARED_ENGINES = 3 };
+enum { SHV_MOST_COMPARED_STEPS = 16, SHV_MOST_COMPARED_ENGINES = 4 };
 
 typedef struct ShvCompareOptions {
     uint32_t cookie;
@@ -25,7 +25,7 @@ typedef struct ShvCompareOptions {
     void (*begins)(void *data, ShvRigidEngine engine, double step); /* told before every run; may be NULL */
     void *data;
 } ShvCompareOptions;
-/* Bullet, position based dynamics and closed form ("analytic") at 10, 1 and 0.1 ms. */
+/* Bullet, plain Bullet, position based dynamics and closed form ("analytic") at 10, 1 and 0.1 ms. */
 ShvCompareOptions shv_compare_default(void);
 
 /* One run. Errors are the largest over time and over the bodies compared; NaN where a figure has no meaning. */
@@ -62,7 +62,7 @@ int32_t shv_comparison_count(const ShvComparison *comparison);
 const ShvComparedRun *shv_comparison_run(const ShvComparison *comparison, int32_t index);
 /* What errors are taken from, in words: "closed form (bounce of ball on floor)", "finest run (bullet at 0.0001 s)". */
 const char *shv_comparison_reference(const ShvComparison *comparison);
-/* "bullet", "pbd", "analytic". */
+/* "bullet", "bullet_plain", "pbd", "analytic". */
 const char *shv_rigid_engine_name(ShvRigidEngine engine);
 
 /* PREFIX_compare.csv: every frame of every run: state of the first body compared, of its reference, errors, energies, momenta.

@@ -99,6 +99,7 @@ ShvSceneDefinition shv_scene_default(void)
                                 .gravity = {0.0, 0.0, -9.81},
                                 .rigid = rigid_default(),
                                 .pbd = {.stiffness = 1.0, .iterations = 4, .damping = 1.0},
+                                .bullet_plain = {.unit = 1.0, .margin = 0.04},
                                 .fracture = fracture_default(),
                                 .audit = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
                                 .output = {.rate = 240.0, .probe_every = 1},

@@ -31,16 +31,18 @@ static ShvStatus read_steps(const char *text, ShvCompareOptions *options, ShvErr
 
 static ShvStatus read_engine(const char *word, ShvCompareOptions *options, ShvError *error)
 {
-    static const ShvRigidEngine engines[] = {SHV_RIGID_BULLET, SHV_RIGID_PBD, SHV_RIGID_ANALYTIC};
-    const char *names[3];
-    for (int i = 0; i < 3; i++) {
+    static const ShvRigidEngine engines[SHV_MOST_COMPARED_ENGINES] = {SHV_RIGID_BULLET, SHV_RIGID_BULLET_PLAIN,
+                                                                      SHV_RIGID_PBD, SHV_RIGID_ANALYTIC};
+    const char *names[SHV_MOST_COMPARED_ENGINES];
+    for (int i = 0; i < SHV_MOST_COMPARED_ENGINES; i++) {
         names[i] = shv_rigid_engine_name(engines[i]);
         if (strcmp(word, names[i]) != 0) continue;
         options->engines[options->engine_count++] = engines[i];
         return SHV_OK;
     }
-    const char *near = shv_nearest_name(word, names, 3);
-    return shv_fail(error, SHV_BAD_INPUT, "there is no rigid engine '%s'%s%s%s; give bullet, pbd or analytic", word,
+    const char *near = shv_nearest_name(word, names, SHV_MOST_COMPARED_ENGINES);
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
                     near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
 }
 
@@ -74,7 +76,7 @@ static void print_run(const ShvComparedRun *run)
 {
     const double numbers[] = {run->position, run->orientation, run->velocity,
                               run->energy,   run->energy_gain, run->angular_momentum};
-    printf("%-9s %-8g", shv_rigid_engine_name(run->engine), run->step);
+    printf("%-12s %-8g", shv_rigid_engine_name(run->engine), run->step);
     if (run->status != SHV_OK) {
         printf(" failed: %s\n", run->message);
         return;
@@ -94,9 +96,9 @@ static void print_run(const ShvComparedRun *run)
 static void print_table(const ShvComparison *comparison)
 {
     printf("errors from the %s\n", shv_comparison_reference(comparison));
-    printf("%-9s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "engine", "step", "position", "turn",
+    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "engine", "step", "position", "turn",
            "velocity", "energy", "gain", "|dL|/|L|", "moments", "moment", "apex", "run time", "per step");
-    printf("%-9s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "", "s", "m", "rad", "m/s", "", "", "",
+    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "", "s", "m", "rad", "m/s", "", "", "",
            "", "s", "", "s", "s");
     for (int32_t i = 0; i < shv_comparison_count(comparison); i++) print_run(shv_comparison_run(comparison, i));
 }
@@ -206,7 +208,7 @@ const ShvCommand shv_command_compare = {
     .most_positional = 1,
     .takes_scene = true,
     .options = {{"--steps", "A,B,…", "time steps of rigid flight, s; 1e-2,1e-3,1e-4 unless given"},
-                {"--engines", "A,B,…", "among bullet, pbd, analytic; all unless given"},
+                {"--engines", "A,B,…", "among bullet, bullet_plain, pbd, analytic; all unless given"},
                 {"--output", "PREFIX", "beginning of the file names; the scene file's name unless given"},
                 {"--force", NULL, "replace existing files"},
                 {"--json", NULL, "print as JSON"}},

@@ -68,11 +68,17 @@ static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, S
     const ShvSceneDefinition *scene = hybrid->scene;
     const bool contact = scene->obstacle_count > 0 || hybrid->fragments.count > 1 || hybrid->model.can_break;
     if (scene->rigid.engine == SHV_RIGID_PBD) return shv_pbd_create(&hybrid->backend, world, &scene->pbd, error);
+    const bool handed_over = hybrid->model.can_break || scene->rigid.wake == SHV_WAKE_CONTACT;
+    if (scene->rigid.engine == SHV_RIGID_BULLET_PLAIN) {
+        SHV_TRY(shv_bullet_plain_create(&hybrid->backend, world, &scene->bullet_plain, error));
+        hybrid->backend->leaves_obstacles = handed_over;
+        return SHV_OK;
+    }
     if (scene->rigid.engine == SHV_RIGID_BULLET && contact) {
         hybrid->mutual = true;
         SHV_TRY(shv_bullet_create(&hybrid->backend, world, error));
         /* Who wakes in mid-step must find free obstacles where they are at that moment. */
-        hybrid->backend->leaves_obstacles = hybrid->model.can_break || scene->rigid.wake == SHV_WAKE_CONTACT;
+        hybrid->backend->leaves_obstacles = handed_over;
         return SHV_OK;
     }
     return shv_analytic_create(&hybrid->backend, world, error);

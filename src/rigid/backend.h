@@ -99,4 +99,11 @@ ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *wo
    Free obstacles of triangles count as their convex hull; two obstacles meet only if one is free. */
 ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error);
 
+/* Plain Bullet: the same hulls, masses and pair laws in a btDiscreteDynamicsWorld that integrates, detects, puts to sleep and solves
+   as it comes, save the overrides asked for. `judge` is asked between detection and solution, once a step for each side of
+   every pair that touches or will in the step; what wakes leaves with the state of the step's start. What joins in the midst of
+   a step flies freely to its end. No companions: what flies goes through what is awake. */
+ShvStatus shv_bullet_plain_create(ShvRigidBackend **backend, const ShvRigidWorld *world,
+                                  const ShvBulletPlainDefinition *settings, ShvError *error);
+
 #endif

@@ -2,24 +2,13 @@
 
 /* ---- shapes ---- */
 
-static ShvStatus piece_shape(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvRigidWorld *world,
-                             const double inverse_moment[3], ShvError *error)
+static ShvStatus add_pieces(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, ShvError *error)
 {
-    const ShvConvexPieces *pieces = &flyer->pieces;
-    const int32_t count = pieces->vertex_begin[pieces->count];
-    double *vertices = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 3 * (size_t)count, sizeof *vertices);
-    if (!vertices) return shv_fail_memory(error, "the hulls of a fragment", 3 * (size_t)count * sizeof *vertices);
-    for (int32_t i = 0; i < count; i++)
-        shv_store3(vertices + 3 * (int64_t)i,
-                   shv_apply_transposed(&flyer->rotation.axes, shv_load3(pieces->vertices + 3 * (int64_t)i)));
-    const ShvBulletShape shape = {.kind = SHV_BULLET_HULLS,
-                                  .layer = flyer->dust ? SHV_BULLET_PARTICLE : SHV_BULLET_BODY,
-                                  .hull_count = pieces->count,
-                                  .hull_begin = pieces->vertex_begin,
-                                  .vertices = vertices};
+    ShvBodyShape body;
+    SHV_TRY(shv_body_shape_of_pieces(&body, &flyer->pieces, &flyer->rotation.axes, flyer->dust, error));
     const ShvStatus status =
-        shv_bullet_world_add(bullet, flyer->number, &shape, 1.0 / flyer->mass, inverse_moment, error);
-    shv_release(vertices);
+        shv_bullet_world_add(bullet, flyer->number, &body.shape, 1.0 / flyer->mass, flyer->rotation.inverse, error);
+    shv_body_shape_release(&body);
     return status;
 }
 
@@ -40,7 +29,7 @@ ShvStatus shv_bullet_flyer_fragment(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
                         (int)record->id, record->mass);
     flyer->rotation = shv_free_rotation_make(&record->inertia);
     SHV_TRY(shv_convex_pieces_make(&flyer->pieces, world->fragments, world->model, world->state, fragment, error));
-    const ShvStatus status = piece_shape(flyer, bullet, world, flyer->rotation.inverse, error);
+    const ShvStatus status = add_pieces(flyer, bullet, error);
     if (status != SHV_OK) {
         shv_convex_pieces_release(&flyer->pieces);
         return status == SHV_NO_MEMORY ? status : shv_fail_within(error, status, "fragment %d", (int)record->id);
@@ -48,39 +37,6 @@ ShvStatus shv_bullet_flyer_fragment(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
     flyer->radius = shv_bullet_world_radius(bullet, flyer->number);
     shv_bullet_flyer_read(flyer, world);
     return SHV_OK;
-}
-
-static const double box_corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
-                                         {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
-
-static ShvStatus obstacle_shape(const ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvObstacle *obstacle,
-                                double *vertices, ShvError *error)
-{
-    ShvBulletShape shape = {
-        .layer = SHV_BULLET_OBSTACLE, .vertices = vertices, .offset = obstacle->offset, .radius = obstacle->radius};
-    shv_store3(shape.normal, obstacle->normal);
-    int32_t begin[2] = {0, 8};
-    shape.hull_begin = begin;
-    shape.hull_count = 1;
-    switch (obstacle->shape) {
-    case SHV_OBSTACLE_PLANE:
-        shape.kind = SHV_BULLET_PLANE;
-        break;
-    case SHV_OBSTACLE_SPHERE:
-        shape.kind = SHV_BULLET_SPHERE;
-        break;
-    case SHV_OBSTACLE_BOX:
-        shape.kind = SHV_BULLET_HULLS;
-        break;
-    case SHV_OBSTACLE_MESH:
-        shape.kind = flyer->moves ? SHV_BULLET_HULLS : SHV_BULLET_TRIANGLES;
-        begin[1] = shape.vertex_count = obstacle->surface.node_count;
-        shape.triangle_count = obstacle->surface.triangle_count;
-        shape.triangles = obstacle->surface.triangles;
-        break;
-    }
-    return shv_bullet_world_add(bullet, flyer->number, &shape, flyer->moves ? 1.0 / flyer->mass : 0.0,
-                                flyer->rotation.inverse, error);
 }
 
 ShvStatus shv_bullet_flyer_obstacle(ShvBulletFlyer *flyer, ShvBulletWorld *bullet, const ShvRigidWorld *world,
@@ -99,19 +55,11 @@ ShvStatus shv_bullet_flyer_obstacle(ShvBulletFlyer *flyer, ShvBulletWorld *bulle
                               .born = true};
     flyer->rotation = shv_free_rotation_make(&obstacle->inertia);
     if (!flyer->moves) flyer->rotation.axes = shv_identity();
-    const bool mesh = obstacle->shape == SHV_OBSTACLE_MESH;
-    const int32_t count = mesh ? obstacle->surface.node_count : 8;
-    double *vertices = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 3 * (size_t)count, sizeof *vertices);
-    if (!vertices) return shv_fail_memory(error, "the shape of an obstacle", 3 * (size_t)count * sizeof *vertices);
-    for (int32_t i = 0; i < count; i++) {
-        const double *c = box_corners[i % 8];
-        const ShvVec3 corner =
-            mesh ? shv_surface_position(&obstacle->surface, i)
-                 : shv_vec3(c[0] * obstacle->half.x, c[1] * obstacle->half.y, c[2] * obstacle->half.z);
-        shv_store3(vertices + 3 * (int64_t)i, shv_apply_transposed(&flyer->rotation.axes, corner));
-    }
-    const ShvStatus status = obstacle_shape(flyer, bullet, obstacle, vertices, error);
-    shv_release(vertices);
+    ShvBodyShape body;
+    SHV_TRY(shv_body_shape_of_obstacle(&body, obstacle, &flyer->rotation.axes, world->fragments->memory, error));
+    const ShvStatus status = shv_bullet_world_add(bullet, index, &body.shape, flyer->moves ? 1.0 / flyer->mass : 0.0,
+                                                  flyer->rotation.inverse, error);
+    shv_body_shape_release(&body);
     if (status == SHV_NO_MEMORY) return status;
     if (status != SHV_OK) return shv_fail_within(error, status, "obstacle %s", obstacle->definition->name);
     flyer->radius = shv_bullet_world_radius(bullet, flyer->number);

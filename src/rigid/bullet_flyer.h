@@ -3,10 +3,8 @@
 #define SHV_RIGID_BULLET_FLYER_H
 
 #include "bullet_bridge/impact_time.h"
-#include "bullet_bridge/rigid_world.h"
 #include "rigid/backend.h"
-#include "rigid/convex_pieces.h"
-#include "rigid/free_rotation.h"
+#include "rigid/bullet_shape.h"
 
 enum { SHV_LOAD_STEPS = 8 /* steps over which contact forces are averaged */ };
 

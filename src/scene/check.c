@@ -476,6 +476,20 @@ static void check_pbd(Checker *checker)
                   of_rigid_mode[i]);
 }
 
+static void check_bullet_plain(Checker *checker)
+{
+    const ShvSceneDefinition *scene = &checker->scene->definition;
+    if (scene->rigid.engine != SHV_RIGID_BULLET_PLAIN || !scene->fracture.enabled) return;
+    const ShvMaterialItem *materials = checker->scene->materials.data;
+    for (int32_t i = 0; i < checker->scene->materials.count; i++) {
+        if (!materials[i].definition.breakable || isinf(materials[i].definition.cohesive_strength)) continue;
+        doubt(
+            checker, checker->scene->head.node, "rigid.engine",
+            "bodies that fly in bullet_plain go through those in fracture mode; give 'engine: bullet' for what breaks");
+        return;
+    }
+}
+
 void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, const char *folder, ShvPool *work,
                      ShvDiagnostics *diagnostics)
 {
@@ -492,4 +506,5 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_fracture(&checker);
     check_pbd(&checker);
     check_dust(&checker);
+    check_bullet_plain(&checker);
 }

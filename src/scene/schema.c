@@ -633,8 +633,11 @@ static const ShvTable probe_table = {
 /* ---- the rest of the top level ------------------------------------------------------------------------ */
 
 #define SCENE(member) offsetof(ShvSceneItem, definition.member)
-static const ShvChoice engine_choices[] = {
-    {"bullet", SHV_RIGID_BULLET}, {"analytic", SHV_RIGID_ANALYTIC}, {"pbd", SHV_RIGID_PBD}, {NULL, 0}};
+static const ShvChoice engine_choices[] = {{"bullet", SHV_RIGID_BULLET},
+                                           {"bullet_plain", SHV_RIGID_BULLET_PLAIN},
+                                           {"analytic", SHV_RIGID_ANALYTIC},
+                                           {"pbd", SHV_RIGID_PBD},
+                                           {NULL, 0}};
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
 static const ShvChoice dust_choices[] = {
     {"keep", SHV_DUST_KEEP}, {"particles", SHV_DUST_PARTICLE}, {"bin", SHV_DUST_BIN}, {NULL, 0}};
@@ -642,7 +645,10 @@ static const ShvKey rigid_keys[] = {
     {"engine", SHV_KEY_CHOICE, .choices = engine_choices, .offset = SCENE(rigid.engine),
      .sentence =
          "What moves bodies between impacts. `bullet`: convex pieces that meet obstacles and each other, by Bullet, "
-         "with flight and free rotation in closed form. `analytic`: the same flight, nodes against obstacles, "
+         "with flight and free rotation in closed form. `bullet_plain`: the same pieces in a Bullet world as it comes, "
+         "to "
+         "compare with (docs/rigid_engines.md); it has no contact with bodies in fracture mode. `analytic`: flight in "
+         "closed form, nodes against obstacles, "
          "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},
@@ -655,7 +661,7 @@ static const ShvKey rigid_keys[] = {
     {"friction", SHV_KEY_NUMBER, .range = &not_negative, .offset = SCENE(rigid.friction),
      .sentence =
          "Coefficient of friction between fragments, where they meet each other: with `engine: bullet`, in flight "
-         "and in fracture mode."},
+         "and in fracture mode; with `bullet_plain`, in flight."},
     {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = SCENE(rigid.restitution),
      .sentence = "Coefficient of restitution between fragments in flight. In fracture mode they rebound by their own "
                  "elasticity."},
@@ -774,6 +780,33 @@ static const ShvTable pbd_table = {.name = "pbd",
                                        "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
                                    .keys = pbd_keys,
                                    .key_count = LENGTH_OF(pbd_keys)};
+static const ShvKey bullet_plain_keys[] = {
+    {"unit", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &positive, .offset = SCENE(bullet_plain.unit),
+     .sentence =
+         "What Bullet takes for a length of 1. Its thresholds are made for bodies of about that size: it bounces "
+         "nothing slower than 0.2 units a second."},
+    {"margin", SHV_KEY_NUMBER, .range = &not_negative, .offset = SCENE(bullet_plain.margin),
+     .sentence =
+         "Thickness, in those units, of the skin that Bullet lays round convex hulls: bodies meet earlier by it."},
+    {"exact_flight", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.exact_flight),
+     .sentence = "Between contacts a parabola, and free rotation that keeps angular momentum and energy, in place of "
+                 "Bullet's integrator."},
+    {"sharp_impacts", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.sharp_impacts),
+     .sentence =
+         "Contacts that rebound take part once they touch, not before, and overlaps are undone without leaving a "
+         "velocity, however small they are."},
+    {"sorted_pairs", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.sorted_pairs),
+     .sentence = "Pairs are solved in the order of the bodies' numbers, whatever came and went before."},
+    {"keep_overlaps", SHV_KEY_BOOLEAN, .offset = SCENE(bullet_plain.keep_overlaps),
+     .sentence =
+         "Overlaps that a body comes with are let be, and shrink as the pair parts; otherwise Bullet pushes it out."},
+};
+static const ShvTable bullet_plain_table = {
+    .name = "bullet_plain",
+    .sentence = "What departs from Bullet's defaults with `rigid.engine: bullet_plain`; each entry is an override by "
+                "itself.",
+    .keys = bullet_plain_keys,
+    .key_count = LENGTH_OF(bullet_plain_keys)};
 static const ShvKey audit_keys[] = {
     {"momentum", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive, .offset = SCENE(audit.momentum),
      .sentence = "Change of momentum and of angular momentum about the origin, as shares of Σ m|v| and Σ m|r||v| over "
@@ -785,7 +818,8 @@ static const ShvKey audit_keys[] = {
                  "it carries, potential energy aside, or of what it woke with, where that was more."},
     {"hull_error", SHV_KEY_NUMBER, .flags = SHV_KEY_INFINITE, .range = &positive, .offset = SCENE(audit.hull_error),
      .sentence = "Space in the convex pieces that no tet fills, and of tets in none of them, as a share of the body's "
-                 "volume. Boxes and other convex bodies have none; only `engine: bullet` makes convex pieces."},
+                 "volume. Boxes and other convex bodies have none; only the engines `bullet` and `bullet_plain` make "
+                 "convex pieces."},
 };
 static const ShvTable audit_table = {
     .name = "audit",
@@ -871,6 +905,7 @@ static const ShvKey scene_keys[] = {
     {"probes", SHV_KEY_NAMED, .table = &probe_table, .offset = ITEMS(probes), .sentence = "Probes by name."},
     {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
     {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
+    {"bullet_plain", SHV_KEY_MAPPING, .table = &bullet_plain_table, .sentence = "Overrides of plain Bullet."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
     {"audit", SHV_KEY_MAPPING, .table = &audit_table, .sentence = "Bounds on mode switches."},
     {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},

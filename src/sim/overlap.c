@@ -294,6 +294,11 @@ const char *shv_simulation_overlap_course(const ShvSimulation *simulation, const
     case SHV_RIGID_BULLET:
         return hybrid->mutual ? "the run lets it be: neither is pushed out, and it goes as they part or slide"
                               : "the run does not see it";
+    case SHV_RIGID_BULLET_PLAIN:
+        return hybrid->scene->bullet_plain.keep_overlaps
+                   ? "the run lets it be: neither is pushed out, and it goes as they part"
+                   : "the run pushes both out, by a fifth of the depth a rigid step, and may leave them the speed of "
+                     "that";
     case SHV_RIGID_PBD:
         return overlap->obstacle
                    ? "the run moves the nodes out in the first step, with the energy that takes"

@@ -27,6 +27,8 @@ static const char *why_flight(const ShvHybrid *hybrid)
         return "fragments; nodes that bars keep rigid";
     case SHV_RIGID_BULLET:
         return hybrid->mutual ? "fragments, convex pieces, contacts between them" : "fragments in free flight";
+    case SHV_RIGID_BULLET_PLAIN:
+        return "fragments, convex pieces in a Bullet world";
     case SHV_RIGID_ANALYTIC:
         break;
     }
@@ -59,15 +61,17 @@ static void list_fracture(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan 
 static void list_movers(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
 {
     const bool pbd = hybrid->scene->rigid.engine == SHV_RIGID_PBD, bars = hybrid->relaxed || pbd;
-    const bool asked = hybrid->scene->rigid.engine == SHV_RIGID_BULLET;
+    const ShvRigidEngine engine = hybrid->scene->rigid.engine;
+    const bool plain = engine == SHV_RIGID_BULLET_PLAIN;
     add_part(plan, "bars", bars, bytes[SHV_PART_BARS],
              pbd    ? "rigid.engine is pbd"
              : bars ? "fracture.stabiliser is bars"
                     : "neither rigid.engine is pbd nor fracture.stabiliser bars");
-    add_part(plan, "bullet", hybrid->mutual, 0,
-             hybrid->mutual ? "bodies may meet; Bullet's own memory is not counted"
-             : asked        ? "nothing can meet anything"
-                            : "rigid.engine is not bullet");
+    add_part(plan, "bullet", hybrid->mutual || plain, 0,
+             hybrid->mutual               ? "bodies may meet; Bullet's own memory is not counted"
+             : plain                      ? "rigid.engine is bullet_plain; Bullet's own memory is not counted"
+             : engine == SHV_RIGID_BULLET ? "nothing can meet anything"
+                                          : "rigid.engine is not bullet");
 }
 
 void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)

@@ -60,6 +60,8 @@ static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
         {"pbd.stiffness", scene->pbd.stiffness, 0.0, 1.0, false},
         {"pbd.iterations", scene->pbd.iterations, 1.0, any, false},
         {"pbd.damping", scene->pbd.damping, 0.0, 1.0, false},
+        {"bullet_plain.unit", scene->bullet_plain.unit, 0.0, any, true},
+        {"bullet_plain.margin", scene->bullet_plain.margin, 0.0, any, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) SHV_TRY(check_number(&rules[i], error));
     return SHV_OK;

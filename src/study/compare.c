@@ -6,7 +6,10 @@
 static const struct {
     ShvRigidEngine engine;
     const char *name;
-} engines[] = {{SHV_RIGID_BULLET, "bullet"}, {SHV_RIGID_PBD, "pbd"}, {SHV_RIGID_ANALYTIC, "analytic"}};
+} engines[] = {{SHV_RIGID_BULLET, "bullet"},
+               {SHV_RIGID_BULLET_PLAIN, "bullet_plain"},
+               {SHV_RIGID_PBD, "pbd"},
+               {SHV_RIGID_ANALYTIC, "analytic"}};
 
 const char *shv_rigid_engine_name(ShvRigidEngine engine)
 {
@@ -17,9 +20,10 @@ const char *shv_rigid_engine_name(ShvRigidEngine engine)
 
 ShvCompareOptions shv_compare_default(void)
 {
-    ShvCompareOptions options = {.cookie = SHV_DEFINITION_COOKIE, .engine_count = 3, .steps = {1e-2, 1e-3, 1e-4}};
+    ShvCompareOptions options = {
+        .cookie = SHV_DEFINITION_COOKIE, .engine_count = SHV_MOST_COMPARED_ENGINES, .steps = {1e-2, 1e-3, 1e-4}};
     options.step_count = 3;
-    for (int i = 0; i < 3; i++) options.engines[i] = engines[i].engine;
+    for (int i = 0; i < SHV_MOST_COMPARED_ENGINES; i++) options.engines[i] = engines[i].engine;
     return options;
 }
 

@@ -7,7 +7,7 @@ typedef struct Fineness {
     double step;       /* of fracture mode: in stable steps, or s, or the share of the stable step */
     double rigid;      /* s */
     double stabiliser; /* bars come after none */
-    double engine;     /* analytic, then bullet, then pbd */
+    double engine;     /* analytic, then bullet, then the others */
 } Fineness;
 
 static Fineness fineness_of(const ShvSceneDefinition *scene, const ShvStudySetting *setting)

@@ -24,9 +24,10 @@ static void test_table(void **state)
     (void)state;
     shell_works("$shiver compare bounce.yaml --steps 1e-2,1e-3",
                 "errors from the closed form (bounce of box on floor)");
-    assert_non_null(strstr(output.out, "\nbullet    0.01 "));
-    assert_non_null(strstr(output.out, "\npbd       0.001 "));
-    assert_non_null(strstr(output.out, "\nanalytic  0.001 "));
+    assert_non_null(strstr(output.out, "\nbullet       0.01 "));
+    assert_non_null(strstr(output.out, "\nbullet_plain 0.001 "));
+    assert_non_null(strstr(output.out, "\npbd          0.001 "));
+    assert_non_null(strstr(output.out, "\nanalytic     0.001 "));
     assert_non_null(strstr(output.out, "wrote bounce_compare.csv and .svg"));
     assert_non_null(strstr(output.err, "running pbd at 0.001 s"));
     shell_works("head -n 1 bounce_compare.csv", "engine,step [s],time [s],error of position [m]");
@@ -35,7 +36,7 @@ static void test_table(void **state)
     /* What is there is kept, and nothing is run for it. */
     shell_fails("$shiver compare bounce.yaml", 2, "--force");
     assert_null(strstr(output.err, "running"));
-    shell_works("$shiver compare bounce.yaml --steps .01 --engines analytic --force", "analytic  0.01");
+    shell_works("$shiver compare bounce.yaml --steps .01 --engines analytic --force", "analytic     0.01");
     assert_null(strstr(output.out, "bullet"));
     shell_works("$shiver compare bounce.yaml --steps 0.01 --engines analytic --output other --set duration=0.1 --json",
                 "\"moments\": 0");
@@ -78,7 +79,7 @@ static void test_bad_input(void **state)
         {"--engines ''", "no rigid engine ''"},
         {"--engines bulet", "did you mean bullet?"},
         {"--engines bullet,bullet", "given twice"},
-        {"--engines bullet,pbd,analytic,pbd", "at most 3"},
+        {"--engines bullet,bullet_plain,pbd,analytic,pbd", "at most 4"},
         {"--set reference.law=fly", "flight"},
         {"--set reference.body=bax", "did you mean 'box'"},
         {"--set reference.body=floor", "not free to move"},
@@ -113,6 +114,9 @@ static void test_rigid_scenes(void **state)
     } cases[] = {
         {"free_fall", "bullet,analytic", "$6 < 1e-10"},
         {"torque_free_top", "bullet,analytic", "$6 < 1e-6 && $8 < 1e-8 && $9 == \"3/3\" && $10 < 1e-3"},
+        {"torque_free_top --set bullet_plain.exact_flight=true", "bullet_plain", "$6 < 1e-9 && $9 == \"3/3\""},
+        {"bouncing_ball --set bullet_plain.exact_flight=true --set bullet_plain.sharp_impacts=true", "bullet_plain",
+         "$7 < 1e-9 && $9 == \"4/4\""},
         {"bouncing_ball", "bullet,analytic", "$9 == \"4/4\" && $10 < 4.5e-3 && $11 < 0.01"},
         {"block_on_incline", "bullet,analytic", "$3 < 0.0118"},
         {"block_on_incline --set obstacles.slope.friction=0.6", "bullet,analytic", "$3 < 1e-4"},

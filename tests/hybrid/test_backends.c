@@ -21,6 +21,15 @@ static ShvStatus create_bullet(ShvRigidBackend **backend, const ShvRigidWorld *w
     return shv_bullet_create(backend, world, error);
 }
 
+/* In units of the box and without a skin, so that it meets the floor where it is. */
+static ShvStatus create_bullet_plain(ShvRigidBackend **backend, const ShvRigidWorld *world,
+                                     const ShvSceneDefinition *scene, ShvError *error)
+{
+    (void)scene;
+    const ShvBulletPlainDefinition settings = {.unit = 0.1, .exact_flight = true, .sharp_impacts = true};
+    return shv_bullet_plain_create(backend, world, &settings, error);
+}
+
 static ShvStatus create_pbd(ShvRigidBackend **backend, const ShvRigidWorld *world, const ShvSceneDefinition *scene,
                             ShvError *error)
 {
@@ -36,11 +45,12 @@ typedef struct Case {
     bool rests;         /* goes to sleep: the energy is exactly 0 */
 } Case;
 
-/* Nodes of PBD carry round-off of their own positions, its contacts are judged at the step's start, and its bars swallow most
+/* Plain Bullet sleeps after 2 s, and finds impacts in whole steps. Nodes of PBD carry round-off of their own positions, its contacts are judged at the step's start, and its bars swallow most
    of a rebound. */
 static const Case cases[] = {
     {"analytic", create_analytic, 1e-12, 1e-3, true, true},
     {"bullet", create_bullet, 1e-12, 1e-3, true, true},
+    {"bullet_plain", create_bullet_plain, 1e-12, 1.0, true, false},
     {"pbd", create_pbd, 1e-9, 1.0, false, false},
 };
 enum { CASES = sizeof cases / sizeof *cases };

@@ -73,7 +73,8 @@ static void values_of_a_wrong_kind(void **state)
         {"name: {a: 1}\n", "s.yaml:7:7: error: name is a mapping; expected a text"},
         {"name: ~\n", "s.yaml:7:7: error: name has no value; expected a text"},
         {"rigid: {wake: touch}\n", "s.yaml:7:15: error: wake is 'touch'; expected stress or contact"},
-        {"rigid: {engine: newton}\n", "s.yaml:7:17: error: engine is 'newton'; expected bullet, analytic or pbd"},
+        {"rigid: {engine: newton}\n",
+         "s.yaml:7:17: error: engine is 'newton'; expected bullet, bullet_plain, analytic or pbd"},
         {"rigid: {friction: -0.1}\n", "s.yaml:7:19: error: friction is '-0.1'; expected a number, at least 0"},
         {"rigid: {restitution: 1.1}\n",
          "s.yaml:7:22: error: restitution is '1.1'; expected a number, at least 0 and at most 1"},
@@ -147,6 +148,9 @@ static void references_and_fits(void **state)
          "s.yaml:7:16: warning: damping acts in rigid mode alone; give 'rigid: {engine: pbd}'"},
         {"rigid: {engine: pbd}\npbd: {stiffness: 0}\n",
          "s.yaml:8:18: warning: with stiffness 0 the bars hold nothing together"},
+        {"rigid: {engine: bullet_plain}\n",
+         "s.yaml:7:17: warning: bodies that fly in bullet_plain go through those in fracture mode; give 'engine: "
+         "bullet' for what breaks"},
         {"rigid: {dust: bin}\n",
          "s.yaml:7:15: error: nothing is dust without a size; give dust_size, the diameter below "
          "which a piece is, or 'dust: keep'"},

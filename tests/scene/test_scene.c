@@ -281,6 +281,10 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->pbd.form, SHV_BARS_ELEMENT);
     same(scene->pbd.damping, 0.5);
     assert_true(scene->pbd.exact_rotation);
+    same(scene->bullet_plain.unit, 0.05);
+    same(scene->bullet_plain.margin, 0.001);
+    assert_true(scene->bullet_plain.exact_flight && scene->bullet_plain.sharp_impacts);
+    assert_true(scene->bullet_plain.sorted_pairs && scene->bullet_plain.keep_overlaps);
     assert_string_equal(scene->output.file, "out/run.h5");
     same(scene->output.rate, 1000.0);
     assert_int_equal(scene->output.fracture_every, 50);

@@ -47,16 +47,16 @@ static void test_bounce(void **state)
     ShvComparison *comparison;
     ShvError error;
     check_ok(shv_compare(&comparison, shv_scene_definition(scene), &options, &error), error);
-    assert_int_equal(shv_comparison_count(comparison), 6);
+    assert_int_equal(shv_comparison_count(comparison), 8);
     assert_string_equal(shv_comparison_reference(comparison), "closed form (bounce of box on floor)");
-    for (int32_t i = 0; i < 6; i++) {
+    for (int32_t i = 0; i < 8; i++) {
         const ShvComparedRun *run = shv_comparison_run(comparison, i);
         assert_int_equal(run->engine, options.engines[i / 2]);
         assert_true(run->step == options.steps[i % 2] && run->status == SHV_OK && !run->is_reference);
         assert_true(run->seconds > 0.0 && run->seconds_per_step > 0.0 && run->seconds_per_step < run->seconds);
         /* Falls 0.2 m: impacts at 0.2019 and 0.4038 s, the second after the end. */
         assert_int_equal(run->reference_moments, 1);
-        if (run->engine == SHV_RIGID_PBD) continue;
+        if (run->engine == SHV_RIGID_PBD || run->engine == SHV_RIGID_BULLET_PLAIN) continue;
         assert_int_equal(run->moments, 1);
         /* The floor is met within the backends' slack, which is far below 1 µm for a box of 10 cm. */
         assert_true(run->position < 1e-6 && run->velocity < 1e-5 && run->moment < 1e-6 && run->energy < 1e-5);
@@ -79,9 +79,9 @@ static void test_finest(void **state)
     ShvError error;
     check_ok(shv_compare(&comparison, &definition, &options, &error), error);
     assert_string_equal(shv_comparison_reference(comparison), "finest run (analytic at 0.001 s)");
-    for (int32_t i = 0; i < 6; i++) {
+    for (int32_t i = 0; i < 8; i++) {
         const ShvComparedRun *run = shv_comparison_run(comparison, i);
-        assert_true(run->is_reference == (i == 5));
+        assert_true(run->is_reference == (i == 7));
         assert_int_equal(run->reference_moments, 0);
         if (run->is_reference) assert_true(run->position == 0.0 && run->energy == 0.0);
     }
@@ -221,7 +221,7 @@ static void test_files(void **state)
     check_fails(shv_comparison_write(comparison, prefix, false, &error), SHV_BAD_INPUT, error, "--force");
     check_ok(shv_comparison_write(comparison, prefix, true, &error), error);
     char *table = read_text(csv), *drawing = read_text(svg);
-    /* 0.4 s at 100 frames/s (the longest step is 10 ms) is 41 frames, of six runs. */
+    /* 0.4 s at 100 frames/s (the longest step is 10 ms) is 41 frames, of eight runs. */
     int lines = 0, commas = 0, columns = 0;
     for (const char *c = table; *c; c++) {
         commas += *c == ',';
@@ -230,13 +230,13 @@ static void test_files(void **state)
         assert_int_equal(commas, columns);
         commas = 0;
     }
-    assert_int_equal(lines, 1 + 6 * 41);
+    assert_int_equal(lines, 1 + 8 * 41);
     assert_int_equal(columns, 41);
     assert_non_null(strstr(table, "\npbd,0.001,0.4,"));
     check_well_formed(drawing);
     assert_int_equal(count_text(drawing, "<title>drop &amp; bounce</title>"), 1);
-    assert_int_equal(count_text(drawing, ">0.01 s<"), 3);
-    assert_int_equal(count_text(drawing, "<polyline"), 3);
+    assert_int_equal(count_text(drawing, ">0.01 s<"), 4);
+    assert_int_equal(count_text(drawing, "<polyline"), 4);
     free(table);
     free(drawing);
     unlink(csv);
