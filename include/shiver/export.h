@@ -8,6 +8,11 @@
 extern "C" {
 #endif
 
+/* Of an object's material: stresses are computed from it where the run recorded nodes. */
+typedef struct ShvElasticity {
+    double youngs_modulus, poissons_ratio; /* Pa */
+} ShvElasticity;
+
 typedef struct ShvExportOptions {
     uint32_t cookie;
     bool force;               /* replace existing files */

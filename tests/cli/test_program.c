@@ -31,7 +31,7 @@ static void test_usage(void **state)
     assert_string_equal(output.out, "");
     shell_works("$shiver --help", "usage: shiver COMMAND");
     shell_works("$shiver --version", "shiver 0.");
-    const char *commands[] = {"run", "check", "plan", "mesh", "info", "export", "compare", "study"};
+    const char *commands[] = {"run", "check", "plan", "mesh", "info", "view", "export", "compare", "study"};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         char line[64], usage[64];
         snprintf(line, sizeof line, "$shiver %s --help", commands[i]);
