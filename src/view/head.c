@@ -1,175 +1,100 @@
 /* What a page holds beside the frames: a JSON text, then arrays whose lengths it tells, in the order of these functions. */
-#include <math.h>
 #include <string.h>
 
 #include "base/ledger_fields.h"
 #include "base/memory.h"
-#include "base/text.h"
-#include "export/output.h"
+#include "export/json.h"
 #include "view/data.h"
 
-/* ---- JSON ---- */
-
-/* The text grows as it is written: its length stands before it. */
-typedef struct Json {
-    struct ShvMemory *memory;
-    char *text;
-    size_t length, room;
-    bool failed;
-} Json;
-
-static void add(Json *json, const char *part, size_t length)
-{
-    if (json->failed) return;
-    if (json->length + length + 1 > json->room) {
-        const size_t room = 2 * (json->length + length) + 4096;
-        char *text = shv_reallocate(json->memory, SHV_PART_RECORD, json->text, room, 1);
-        json->failed = !text;
-        if (!text) return;
-        json->text = text;
-        json->room = room;
-    }
-    memcpy(json->text + json->length, part, length);
-    json->length += length;
-}
-
-static void add_plain(Json *json, const char *part)
-{
-    add(json, part, strlen(part));
-}
-
-static void add_text(Json *json, const char *text)
-{
-    add_plain(json, "\"");
-    for (; *text; text++) {
-        char escape[8];
-        const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == '"' || c == '\\' || c == '<')
-            add(json, escape, (size_t)shv_format(escape, sizeof escape, "\\u%04x", c));
-        else
-            add(json, text, 1);
-    }
-    add_plain(json, "\"");
-}
-
-static void add_number(Json *json, double value)
-{
-    char number[SHV_OUTPUT_NUMBER] = "null";
-    if (isfinite(value)) shv_output_format(number, value);
-    add_plain(json, number);
-}
-
-/* A member and the comma before it. */
-static void add_key(Json *json, const char *key)
-{
-    if (json->text && json->length > 0 && json->text[json->length - 1] != '{') add_plain(json, ",");
-    add_text(json, key);
-    add_plain(json, ":");
-}
-
-static void add_text_member(Json *json, const char *key, const char *text)
-{
-    add_key(json, key);
-    add_text(json, text);
-}
-
-static void add_number_member(Json *json, const char *key, double value)
-{
-    add_key(json, key);
-    add_number(json, value);
-}
-
-/* ---- members ---- */
-
-static void add_counts(Json *json, const ShvViewData *data)
+static void add_counts(ShvJson *json, const ShvViewData *data)
 {
     const ShvRunFileInfo *info = data->info;
-    add_text_member(json, "name", info->scene_name);
-    add_text_member(json, "status", info->status);
-    add_text_member(json, "message", info->message);
-    add_text_member(json, "version", info->code_version);
-    add_number_member(json, "frames", (double)data->frame_count);
-    add_number_member(json, "allFrames", (double)info->frame_count);
-    add_number_member(json, "lines", data->lines.count);
-    add_number_member(json, "faces", (double)data->face_count);
-    add_number_member(json, "fragments", info->fragment_count);
-    add_number_member(json, "events", (double)info->event_count);
-    add_number_member(json, "shapes", data->corners ? 1 : 0);
-    add_number_member(json, "reach", data->reach);
-    add_number_member(json, "stress", data->stress);
+    shv_json_text_member(json, "name", info->scene_name);
+    shv_json_text_member(json, "status", info->status);
+    shv_json_text_member(json, "message", info->message);
+    shv_json_text_member(json, "version", info->code_version);
+    shv_json_number_member(json, "frames", (double)data->frame_count);
+    shv_json_number_member(json, "allFrames", (double)info->frame_count);
+    shv_json_number_member(json, "lines", data->lines.count);
+    shv_json_number_member(json, "faces", (double)data->face_count);
+    shv_json_number_member(json, "fragments", info->fragment_count);
+    shv_json_number_member(json, "events", (double)info->event_count);
+    shv_json_number_member(json, "shapes", data->corners ? 1 : 0);
+    shv_json_number_member(json, "reach", data->reach);
+    shv_json_number_member(json, "stress", data->stress);
 }
 
-static void add_names(Json *json, const ShvViewData *data, const ShvCostView *costs, int32_t cost_count)
+static void add_names(ShvJson *json, const ShvViewData *data, const ShvCostView *costs, int32_t cost_count)
 {
-    add_key(json, "objects");
-    add_plain(json, "[");
+    shv_json_key(json, "objects");
+    shv_json_plain(json, "[");
     for (int32_t i = 0; i < data->info->object_count; i++) {
-        if (i > 0) add_plain(json, ",");
-        add_text(json, shv_run_file_object_name(data->file, i));
+        if (i > 0) shv_json_plain(json, ",");
+        shv_json_text(json, shv_run_file_object_name(data->file, i));
     }
-    add_plain(json, "]");
-    add_key(json, "costs");
-    add_plain(json, "[");
+    shv_json_plain(json, "]");
+    shv_json_key(json, "costs");
+    shv_json_plain(json, "[");
     for (int32_t i = 0; i < cost_count; i++) {
-        if (i > 0) add_plain(json, ",");
-        add_text(json, costs[i].name);
+        if (i > 0) shv_json_plain(json, ",");
+        shv_json_text(json, costs[i].name);
     }
-    add_plain(json, "]");
+    shv_json_plain(json, "]");
 }
 
-static void add_obstacles(Json *json, const ShvViewData *data)
+static void add_obstacles(ShvJson *json, const ShvViewData *data)
 {
     static const char *const shapes[] = {"plane", "sphere", "box", "mesh"}, *const motions[] = {"fixed", "scripted",
                                                                                                 "free"};
-    add_key(json, "obstacles");
-    add_plain(json, "[");
+    shv_json_key(json, "obstacles");
+    shv_json_plain(json, "[");
     for (int32_t i = 0; i < data->info->obstacle_count; i++) {
         const ShvObstacleMesh *mesh = &data->obstacles[i];
-        add_plain(json, i > 0 ? ",{" : "{");
-        add_text_member(json, "name", mesh->body.name);
-        add_text_member(json, "shape", shapes[mesh->body.shape]);
-        add_text_member(json, "motion", motions[mesh->body.motion]);
-        add_number_member(json, "nodes", mesh->node_count);
-        add_number_member(json, "triangles", mesh->triangle_count);
-        add_plain(json, "}");
+        shv_json_plain(json, i > 0 ? ",{" : "{");
+        shv_json_text_member(json, "name", mesh->body.name);
+        shv_json_text_member(json, "shape", shapes[mesh->body.shape]);
+        shv_json_text_member(json, "motion", motions[mesh->body.motion]);
+        shv_json_number_member(json, "nodes", mesh->node_count);
+        shv_json_number_member(json, "triangles", mesh->triangle_count);
+        shv_json_plain(json, "}");
     }
-    add_plain(json, "]");
+    shv_json_plain(json, "]");
 }
 
 /* Names of the events and of the ledger's members, so that the page knows neither's numbers. */
-static void add_kinds(Json *json)
+static void add_kinds(ShvJson *json)
 {
-    add_key(json, "eventKinds");
-    add_plain(json, "[");
+    shv_json_key(json, "eventKinds");
+    shv_json_plain(json, "[");
     for (int kind = SHV_RUN_WAKE; kind <= SHV_RUN_SQUEEZE; kind++) {
-        if (kind > 0) add_plain(json, ",");
-        add_text(json, shv_run_event_name((ShvRunEvent)kind));
+        if (kind > 0) shv_json_plain(json, ",");
+        shv_json_text(json, shv_run_event_name((ShvRunEvent)kind));
     }
-    add_plain(json, "]");
-    add_key(json, "reasons");
-    add_plain(json, "[");
+    shv_json_plain(json, "]");
+    shv_json_key(json, "reasons");
+    shv_json_plain(json, "[");
     for (int reason = SHV_REASON_NONE; reason <= SHV_REASON_LONGEST; reason++) {
-        if (reason > 0) add_plain(json, ",");
-        add_text(json, shv_switch_reason_name((ShvSwitchReason)reason));
+        if (reason > 0) shv_json_plain(json, ",");
+        shv_json_text(json, shv_switch_reason_name((ShvSwitchReason)reason));
     }
-    add_plain(json, "]");
-    add_key(json, "ledger");
+    shv_json_plain(json, "]");
+    shv_json_key(json, "ledger");
 #define NAME(member) "\"" #member "\","
 #define NO_NAME(member)
-    add_plain(json, "[" SHV_LEDGER_FIELDS(NAME, NO_NAME) "\"time\"]");
+    shv_json_plain(json, "[" SHV_LEDGER_FIELDS(NAME, NO_NAME) "\"time\"]");
 #undef NAME
 #undef NO_NAME
 }
 
 static ShvStatus put_json(ShvViewData *data, const ShvCostView *costs, int32_t cost_count, ShvError *error)
 {
-    Json json = {.memory = data->memory};
-    add_plain(&json, "{");
+    ShvJson json = {.memory = data->memory};
+    shv_json_plain(&json, "{");
     add_counts(&json, data);
     add_names(&json, data, costs, cost_count);
     add_obstacles(&json, data);
     add_kinds(&json);
-    add_plain(&json, "}");
+    shv_json_plain(&json, "}");
     if (!json.failed) {
         shv_pack_int(data->pack, (int32_t)json.length);
         shv_pack_bytes(data->pack, json.text, json.length);

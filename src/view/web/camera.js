@@ -1,7 +1,7 @@
 // Where the camera stands: around the middle of the mass over all frames, z up.
 import * as THREE from 'three';
 
-const SHARE = 0.05, FRAMES = 24; // mass that may be out of view on each side; frames looked at
+const SHARE = 0.03, FRAMES = 24, MARGIN = 1.25; // mass that may be out of view on each side; frames looked at; room around it
 
 function percentile(entries, share) {
   entries.sort((a, b) => a[0] - b[0]);
@@ -20,18 +20,23 @@ function radii(run) {
   return radius;
 }
 
+// The camera's axes: to the right, up, and towards the viewer.
+const TOWARD = new THREE.Vector3(0.42, -0.85, 0.36).normalize(), RIGHT = new THREE.Vector3(0, 0, 1).cross(TOWARD).normalize();
+const AXES = [RIGHT, TOWARD.clone().cross(RIGHT), TOWARD];
+
 export function frameOf(runs) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (const run of runs) {
     const radius = radii(run), entries = [[], [], []];
-    const pose = new Float64Array(7);
+    const pose = new Float64Array(7), place = new THREE.Vector3();
     for (let n = 0; n < FRAMES; n++) {
       const frame = Math.round(n * (run.frames - 1) / (FRAMES - 1));
       for (let line = 0; line < run.count; line++) {
         if (run.carrierAt(frame, line) < 0) continue;
         run.pose({ frame, next: frame, share: 0 }, line, pose);
+        place.set(pose[0], pose[1], pose[2]);
         for (let k = 0; k < 3; k++)
-          for (const side of [-0.8, 0.8]) entries[k].push([pose[k] + side * radius[line], run.fragment[run.leaf[line]].mass]);
+          for (const side of [-0.6, 0.6]) entries[k].push([place.dot(AXES[k]) + side * radius[line], run.fragment[run.leaf[line]].mass]);
       }
     }
     for (let k = 0; k < 3; k++) {
@@ -39,17 +44,16 @@ export function frameOf(runs) {
       high[k] = Math.max(high[k], percentile(entries[k], 1 - SHARE));
     }
   }
-  const centre = low.map((l, k) => (l + high[k]) / 2);
-  return { centre, reach: Math.max(1e-6, Math.hypot(...low.map((l, k) => high[k] - l)) / 2), half: low.map((l, k) => (high[k] - l) / 2) };
+  const centre = new THREE.Vector3(), half = low.map((l, k) => (high[k] - l) / 2);
+  AXES.forEach((axis, k) => centre.addScaledVector(axis, (low[k] + high[k]) / 2));
+  return { centre: centre.toArray(), half, reach: Math.max(1e-6, Math.hypot(...half)) };
 }
 
 export function place(camera, controls, view, aspect) {
-  const toward = new THREE.Vector3(0.42, -0.85, 0.36).normalize(), right = new THREE.Vector3(0, 0, 1).cross(toward).normalize(), up = toward.clone().cross(right);
-  const along = (axis) => Math.abs(axis.x) * view.half[0] + Math.abs(axis.y) * view.half[1] + Math.abs(axis.z) * view.half[2];
   const tangent = Math.tan(camera.fov * Math.PI / 360);
-  const distance = 1.04 * Math.max(along(up) / tangent, along(right) / (tangent * aspect)) + along(toward);
+  const distance = MARGIN * Math.max(view.half[1] / tangent, view.half[0] / (tangent * aspect)) + view.half[2];
   camera.up.set(0, 0, 1);
-  camera.position.set(...view.centre).addScaledVector(toward, distance);
+  camera.position.set(...view.centre).addScaledVector(TOWARD, distance);
   camera.near = view.reach / 200;
   camera.far = view.reach * 60;
   controls.target.set(...view.centre);
