@@ -1,5 +1,5 @@
 /* Frames of a run side by side: triangles that face the viewer, the far ones first. */
-#include "export/svg.h"
+#include "shiver/export.h"
 
 #include <stdlib.h>
 
@@ -20,6 +20,7 @@ typedef struct Patch {
     double near; /* of the middle */
     int64_t item;
     uint32_t colour;
+    bool seen;
 } Patch;
 
 typedef struct Svg {
@@ -97,20 +98,12 @@ static ShvVec3 light(void)
     return shv_unit(shv_vec3(-0.3, -0.45, 1.0));
 }
 
-uint32_t shv_svg_shaded(uint32_t colour, int shade)
-{
-    const double strength = 0.5 + 0.56 * shade / (SHV_SVG_SHADES - 1);
-    uint32_t result = 0;
-    for (int k = 16; k >= 0; k -= 8) result |= (uint32_t)fmin(255.0, floor(strength * (colour >> k & 255u) + 0.5)) << k;
-    return result;
-}
-
 /* Of flat light: from the sky, and from the lamp where the face is turned to it. */
 static int shade_of(const ShvVec3 corner[3])
 {
     const ShvVec3 normal = shv_unit(shv_cross(shv_sub(corner[1], corner[0]), shv_sub(corner[2], corner[0])));
     const double strength = 0.15 * (1.0 + normal.z) + 0.7 * fmax(0.0, shv_dot(normal, light()));
-    return (int)(strength * (SHV_SVG_SHADES - 1) + 0.5);
+    return (int)(strength * (SHV_SHADES - 1) + 0.5);
 }
 
 /* Twice, square pixels; positive when the triangle faces the viewer (y points down). */
@@ -127,7 +120,8 @@ static void add_patch(Svg *svg, const ShvVec3 corner[3], uint32_t colour)
     for (int k = 0; k < 3; k++) seen = seen && shv_camera_project(&svg->camera, corner[k], &patch->corner[k]);
     if (!seen || !(area_of(patch->corner) > 0.0)) return;
     patch->near = (patch->corner[0].near + patch->corner[1].near + patch->corner[2].near) / 3.0;
-    patch->colour = shv_svg_shaded(colour, shade_of(corner));
+    patch->colour = shv_shaded(colour, shade_of(corner));
+    patch->seen = false;
     patch->item = svg->patch_count++;
 }
 
@@ -196,6 +190,46 @@ static int far_first(const void *a, const void *b)
     const Patch *left = a, *right = b;
     if (left->near < right->near) return -1;
     return left->near > right->near ? 1 : (left->item > right->item) - (left->item < right->item);
+}
+
+/* Enters a patch into a grid of two samples a pixel and direction, where it is nearer than what is there. */
+static void enter(const Patch *patch, int64_t number, int32_t columns, int32_t rows, double *near, int64_t *item)
+{
+    const ShvScreenPoint *c = patch->corner;
+    const double area = area_of(c), left = fmin(c[0].x, fmin(c[1].x, c[2].x)), top = fmin(c[0].y, fmin(c[1].y, c[2].y));
+    const double right = fmax(c[0].x, fmax(c[1].x, c[2].x)), bottom = fmax(c[0].y, fmax(c[1].y, c[2].y));
+    for (int32_t row = (int32_t)fmax(0.0, 2.0 * top); row < fmin(rows, 2.0 * bottom); row++)
+        for (int32_t column = (int32_t)fmax(0.0, 2.0 * left); column < fmin(columns, 2.0 * right); column++) {
+            const ShvScreenPoint p = {0.5 * column + 0.25, 0.5 * row + 0.25, 0.0};
+            const double u = area_of((const ShvScreenPoint[3]){p, c[1], c[2]}) / area,
+                         v = area_of((const ShvScreenPoint[3]){c[0], p, c[2]}) / area, w = 1.0 - u - v;
+            const double here = u * c[0].near + v * c[1].near + w * c[2].near;
+            const int64_t sample = (int64_t)row * columns + column;
+            if (u < 0.0 || v < 0.0 || w < 0.0 || !(here > near[sample])) continue;
+            near[sample] = here;
+            item[sample] = number + 1;
+        }
+}
+
+/* Keeps what can be seen, the far ones first. */
+static ShvStatus keep_seen(Svg *svg, ShvError *error)
+{
+    const int32_t columns = (int32_t)(2.0 * svg->camera.width), rows = (int32_t)(2.0 * svg->camera.height);
+    const size_t samples = (size_t)columns * (size_t)rows;
+    double *near = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *near);
+    int64_t *item = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *item), kept = 0;
+    const ShvStatus status = near && item ? SHV_OK : shv_fail_memory(error, "samples", 16 * samples);
+    for (int64_t i = 0; i < svg->patch_count && status == SHV_OK; i++)
+        enter(&svg->patches[i], i, columns, rows, near, item);
+    for (size_t i = 0; i < samples && status == SHV_OK; i++)
+        if (item[i] > 0) svg->patches[item[i] - 1].seen = true;
+    for (int64_t i = 0; i < svg->patch_count; i++)
+        if (svg->patches[i].seen) svg->patches[kept++] = svg->patches[i];
+    svg->patch_count = kept;
+    qsort(svg->patches, (size_t)kept, sizeof *svg->patches, far_first);
+    shv_release(near);
+    shv_release(item);
+    return status;
 }
 
 /* ---- drawing ---- */
@@ -286,7 +320,7 @@ static ShvStatus print_panel(Svg *svg, const Page *page, int32_t index, int64_t 
     svg->patch_count = 0;
     add_pieces(svg);
     add_obstacles(svg);
-    qsort(svg->patches, (size_t)svg->patch_count, sizeof *svg->patches, far_first);
+    SHV_TRY(keep_seen(svg, error));
     print_patches(svg);
     shv_print(
         svg->stream,

@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "export/colour.h"
 #include "export/run.h"
-#include "export/svg.h"
 #include "files.h"
 #include "shiver/export.h"
 #include "xml.h"
@@ -45,11 +44,11 @@ static void check_colours(const char *panel, const int32_t *lines, int count)
          at = strstr(at + 1, "\" stroke=\"#"), paths++) {
         const uint32_t colour = (uint32_t)strtoul(at + 11, NULL, 16);
         bool known = false;
-        for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
-            known = known || shv_svg_shaded(SHV_OBSTACLE_COLOUR, shade) == colour; /* the hammer */
+        for (int shade = 0; shade < SHV_SHADES; shade++)
+            known = known || shv_shaded(SHV_OBSTACLE_COLOUR, shade) == colour; /* the hammer */
         for (int i = 0; i < count; i++)
-            for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
-                if (shv_svg_shaded(i == 0 ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(lines[i]), shade) == colour)
+            for (int shade = 0; shade < SHV_SHADES; shade++)
+                if (shv_shaded(i == 0 ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(lines[i]), shade) == colour)
                     known = seen[i] = true;
         assert_true(known);
     }
@@ -88,8 +87,8 @@ static bool is_scenery(const char *path)
 {
     const uint32_t colour = (uint32_t)strtoul(path + 13, NULL, 16);
     if (strncmp(path + 19, "\" fill-opacity", 14) == 0) return true;
-    for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
-        if (shv_svg_shaded(SHV_OBSTACLE_COLOUR, shade) == colour) return true;
+    for (int shade = 0; shade < SHV_SHADES; shade++)
+        if (shv_shaded(SHV_OBSTACLE_COLOUR, shade) == colour) return true;
     return false;
 }
 

@@ -40,6 +40,7 @@ class Viewer {
     this.setColour('piece');
     this.layOut();
     this.resetCamera();
+    this.follow(new URLSearchParams(location.hash.slice(1)));
     this.last = performance.now();
     requestAnimationFrame((now) => this.tick(now));
   }
@@ -55,6 +56,14 @@ class Viewer {
     $('help').append(table);
     const said = this.runs.map((run) => run.head).filter((head) => head.status !== 'finished').map((head) => `${head.name}: ${head.status}${head.message ? ': ' + head.message : ''}`);
     if (said.length) { const p = document.createElement('p'); p.className = 'hint'; p.textContent = said.join(' · '); $('picked').append(p); }
+  }
+
+  // What the page's address asks for: page.html#time=0.02&colour=damage&theme=dark&stretch
+  follow(wishes) {
+    if (THEMES[wishes.get('theme')]) this.setTheme(wishes.get('theme'));
+    if ([...$('colour').options].some((option) => option.value === wishes.get('colour'))) this.setColour(wishes.get('colour'));
+    if (wishes.has('stretch')) this.setStretch(true);
+    if (Number.isFinite(parseFloat(wishes.get('time')))) this.clock.time = parseFloat(wishes.get('time'));
   }
 
   listen() {
