@@ -15,12 +15,13 @@ const THEMES = {
   dark: { back: '#1b1d20', floor: '#292c31', grid: '#3d4249', obstacle: '#6d7278', ink: '#e6e3dd', faint: '#92918c', rule: '#3a3e44' },
 };
 const LASTS = [[5, '5 s'], [10, '10 s'], [20, '20 s'], [60, '1 min'], [180, '3 min'], [0, 'as long as in nature']];
+const SLOW = 0.05, PATIENCE = 4, LEAST_SHARPNESS = 0.5; // s from picture to picture; of them; pixels drawn over pixels shown
 const KEYS = [['space', 'play or pause'], ['← →', 'one frame back or forth'], ['Home End', 'first or last frame'], ['[ ]', 'shorter or longer on the screen'],
   ['s', 'stretch: each frame as long as the others'], ['c', 'next colour'], ['d', 'dark or light'], ['r', 'camera back'], ['Esc', 'let go of the piece'], ['?', 'these keys']];
 
 class Viewer {
   constructor(runs) {
-    Object.assign(this, { runs, clock: new Clock(runs), playing: false, picked: { run: -1, carrier: -1, line: -1 }, choice: 'piece', states: {} });
+    Object.assign(this, { runs, clock: new Clock(runs), playing: false, sharpness: 1, late: 0, picked: { run: -1, line: -1 }, choice: 'piece', states: {} });
     this.renderer = new THREE.WebGLRenderer({ canvas: $('view'), antialias: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.setScissorTest(true);
@@ -101,7 +102,9 @@ class Viewer {
     if (this.playing && this.clock.place >= 1) this.clock.place = 0;
     $('play').textContent = this.playing ? '❚❚' : '▶';
     $('play').setAttribute('aria-label', this.playing ? 'Pause' : 'Play');
-    this.dirty = true;
+    this.late = 0;
+    this.sharpness = 1;
+    this.layOut();
   }
   pause() { if (this.playing) this.toggle(); this.dirty = true; }
   seek(at) { this.clock.place = Math.min(1, Math.max(0, at)); this.pause(); }
@@ -182,7 +185,7 @@ class Viewer {
   layOut() {
     this.width = $('stage').clientWidth;
     this.height = $('stage').clientHeight;
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio || 1));
+    this.renderer.setPixelRatio(this.sharpness * Math.min(2, devicePixelRatio || 1));
     this.renderer.setSize(this.width, this.height, false);
     this.dirty = true;
   }
@@ -212,9 +215,19 @@ class Viewer {
     $('frame').textContent = `frame ${join(({ run, frame }) => run.curve.number[frame])} of ${join(({ run }) => run.head.allFrames - 1)}`;
   }
 
+  // Where pictures take long (no graphics processor), those that move are coarser; a pause shows the whole again.
+  keepUp(passed) {
+    this.late = passed > SLOW ? this.late + 1 : 0;
+    if (this.late < PATIENCE || this.sharpness <= LEAST_SHARPNESS) return;
+    this.late = 0;
+    this.sharpness *= 0.7;
+    this.layOut();
+  }
+
   tick(now) {
     const passed = Math.min(0.1, (now - this.last) / 1000), start = performance.now();
     this.last = now;
+    if (this.playing) this.keepUp(passed);
     if (this.playing) {
       const given = Number($('lasts').value), natural = Math.max(1e-3, this.clock.last - this.clock.first);
       this.clock.place += passed / (given || (this.clock.stretched ? 10 : natural));
