@@ -20,6 +20,7 @@ allowed()
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;
+    view) echo base export view ;;
     study) echo base scene record export study ;;
     stability) echo base mesh model solid hybrid export study stability ;;
     verify) echo base scene export study verify ;;
@@ -40,6 +41,6 @@ for folder in src/*/; do
     done
 done
 for file in include/shiver/*.h; do
-    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|study|stability|verify|cli)/' "$file" && bad=1
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|view|study|stability|verify|cli)/' "$file" && bad=1
 done
 exit $bad

@@ -114,6 +114,8 @@ ShvStatus shv_run_file_probes(ShvRunFile *file, int64_t begin, int64_t count, do
 /* Cost and bytes by part as of the last frame; the arrays are valid as long as the file is open. */
 ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t *cost_count,
                             const ShvBytesView **bytes, int32_t *bytes_count, ShvError *error);
+/* Run time up to a frame: s since the file was made, and by part (cost_count of shv_run_file_cost). Any pointer may be NULL. */
+ShvStatus shv_run_file_cost_at(ShvRunFile *file, int64_t frame, double *wall, double *seconds, ShvError *error);
 /* Reference mesh; element_fragment: which fragment owned the tet at the last frame. Any pointer may be NULL. */
 ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elements, uint16_t *element_object,
                             int32_t *element_fragment, ShvError *error);

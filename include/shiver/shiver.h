@@ -15,5 +15,6 @@
 #include "shiver/suite.h"
 #include "shiver/verify.h"
 #include "shiver/version.h"
+#include "shiver/view.h"
 
 #endif

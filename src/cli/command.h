@@ -37,7 +37,7 @@ typedef struct ShvCommand {
 
 extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, shv_command_mesh, shv_command_info,
     shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability,
-    shv_command_verify;
+    shv_command_verify, shv_command_view;
 
 /* Room for the name of a file: the longest that POSIX promises to open. */
 enum { SHV_CLI_PATH = 4096 };

@@ -6,13 +6,31 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "cli/elasticity.h"
+#include "cli/pictures.h"
 #include "shiver/export.h"
 
-enum { OUTPUT, FORCE, ANIMATION, FRAMES, TIME, SIZE, IN_VIEW };
+enum { OUTPUT, FORCE, ANIMATION, FRAMES, TIME, SIZE, COLOUR, LASTS, STRETCH };
 
-enum { MOST_PANELS = 24 };
+enum { MOST_PANELS = 24, PICTURE_WIDTH = 1280, LAST = 10 }; /* pixels; s */
 
-/* ---- pictures ---- */
+/* What an export is asked for. */
+typedef struct Request {
+    ShvRunFile *file;
+    const char *prefix;
+    const char *const *values; /* of the options */
+    double frames[MOST_PANELS], times[MOST_PANELS];
+    int32_t frame_count, time_count;
+    double size, lasts; /* 0: not given */
+} Request;
+
+typedef struct Format {
+    const char *name, *result; /* what is written, behind the prefix */
+    const char *options;       /* letters of those it takes: animation, frames, time, size, colour, lasts, stretch */
+    ShvStatus (*write)(const Request *request, ShvError *error);
+} Format;
+
+/* ---- options ---- */
 
 /* Numbers between commas; SHV_BAD_INPUT for anything else. */
 static ShvStatus read_numbers(const char *option, const char *text, double *values, int32_t *count, ShvError *error)
@@ -30,45 +48,6 @@ static ShvStatus read_numbers(const char *option, const char *text, double *valu
     return shv_fail(error, SHV_BAD_INPUT, "%s takes at most %d numbers", option, (int)MOST_PANELS);
 }
 
-/* The first plane of the scene the run was made from. A scene that can no longer be read is drawn without. */
-static void find_floor(const ShvRunFileInfo *info, ShvSvgOptions *options)
-{
-    const char *overrides[SHV_MOST_OVERRIDES];
-    int32_t count = 0;
-    ShvError ignored;
-    ShvScene *scene = NULL;
-    char *lines = shv_copy_text(NULL, SHV_PART_GENERAL, info->overrides), *rest = lines;
-    for (char *line = lines ? strtok_r(lines, "\n", &rest) : NULL; line && count < SHV_MOST_OVERRIDES;
-         line = strtok_r(NULL, "\n", &rest))
-        overrides[count++] = line;
-    if (lines && shv_scene_parse(&scene, info->scene_text, strlen(info->scene_text), info->scene_name, NULL, overrides,
-                                 count, NULL, NULL, &ignored) == SHV_OK) {
-        const ShvSceneDefinition *definition = shv_scene_definition(scene);
-        for (int32_t i = 0; i < definition->obstacle_count && !options->floor; i++) {
-            const ShvObstacleDefinition *obstacle = &definition->obstacles[i];
-            if (obstacle->shape != SHV_OBSTACLE_PLANE) continue;
-            options->floor = true;
-            memcpy(options->floor_normal, obstacle->plane_normal, sizeof options->floor_normal);
-            options->floor_offset = obstacle->plane_offset;
-        }
-    }
-    shv_scene_destroy(scene);
-    shv_release(lines);
-}
-
-static ShvStatus read_frames(const char *text, int64_t *frames, ShvSvgOptions *options, ShvError *error)
-{
-    double values[MOST_PANELS];
-    SHV_TRY(read_numbers("--frames", text, values, &options->frame_count, error));
-    for (int32_t i = 0; i < options->frame_count; i++) {
-        if (!(fabs(values[i]) < 1e15) || floor(values[i]) != values[i])
-            return shv_fail(error, SHV_BAD_INPUT, "--frames needs whole numbers; the first frame is 0");
-        frames[i] = (int64_t)values[i];
-    }
-    options->frames = frames;
-    return SHV_OK;
-}
-
 static ShvStatus read_single(const char *option, const char *text, double *value, ShvError *error)
 {
     double values[MOST_PANELS];
@@ -79,44 +58,131 @@ static ShvStatus read_single(const char *option, const char *text, double *value
     return SHV_OK;
 }
 
-static ShvStatus export_svg(ShvRunFile *file, const char *prefix, const ShvArguments *arguments, ShvError *error)
+static ShvStatus read_options(Request *request, ShvError *error)
 {
-    int64_t frames[MOST_PANELS];
-    double times[MOST_PANELS], size = 0.0;
-    ShvSvgOptions options = shv_svg_default();
-    options.force = arguments->values[FORCE] != NULL;
-    options.times = times;
-    if (arguments->values[ANIMATION])
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "--animation does not go with svg; choose frames with --frames or --time");
-    if (arguments->values[FRAMES]) SHV_TRY(read_frames(arguments->values[FRAMES], frames, &options, error));
-    if (arguments->values[TIME])
-        SHV_TRY(read_numbers("--time", arguments->values[TIME], times, &options.time_count, error));
-    if (arguments->values[IN_VIEW])
-        SHV_TRY(read_single("--in-view", arguments->values[IN_VIEW], &options.mass_in_view, error));
-    if (arguments->values[SIZE]) {
-        SHV_TRY(read_single("--size", arguments->values[SIZE], &size, error));
-        options.size = size >= 0.0 && size <= 1e6 ? (int32_t)size : -1;
+    const char *const *values = request->values;
+    if (values[FRAMES])
+        SHV_TRY(read_numbers("--frames", values[FRAMES], request->frames, &request->frame_count, error));
+    for (int32_t i = 0; i < request->frame_count; i++)
+        if (!(fabs(request->frames[i]) < 1e15) || floor(request->frames[i]) != request->frames[i])
+            return shv_fail(error, SHV_BAD_INPUT, "--frames needs whole numbers; the first frame is 0");
+    if (values[TIME]) SHV_TRY(read_numbers("--time", values[TIME], request->times, &request->time_count, error));
+    if (values[SIZE]) {
+        SHV_TRY(read_single("--size", values[SIZE], &request->size, error));
+        if (!(request->size >= 1.0 && request->size <= 1e6))
+            return shv_fail(error, SHV_BAD_INPUT, "--size is a number of pixels; %s is none", values[SIZE]);
     }
-    find_floor(shv_run_file_info(file), &options);
-    return shv_export_svg(file, prefix, &options, error);
+    return values[LASTS] ? read_single("--lasts", values[LASTS], &request->lasts, error) : SHV_OK;
 }
 
-/* ---- all formats ---- */
+/* ---- formats ---- */
 
-static ShvStatus export_as(const char *format, ShvRunFile *file, const char *prefix, const ShvArguments *arguments,
-                           ShvError *error)
+typedef ShvStatus (*Export)(ShvRunFile *file, const char *prefix, const ShvExportOptions *options, ShvError *error);
+
+static ShvStatus export_with(const Request *request, Export write, const ShvElasticity *elasticity, ShvError *error)
 {
     ShvExportOptions options = shv_export_default();
-    options.force = arguments->values[FORCE] != NULL;
-    options.animation = arguments->values[ANIMATION] != NULL;
-    if (strcmp(format, "svg") == 0) return export_svg(file, prefix, arguments, error);
-    for (int i = FRAMES; i <= IN_VIEW; i++)
-        if (arguments->values[i])
-            return shv_fail(error, SHV_BAD_INPUT, "%s goes with svg only", shv_command_export.options[i].name);
-    if (strcmp(format, "csv") == 0) return shv_export_csv(file, prefix, &options, error);
-    if (strcmp(format, "xdmf") == 0) return shv_export_xdmf(file, prefix, &options, error);
-    return shv_fail(error, SHV_BAD_INPUT, "there is no format '%s'; give csv, xdmf or svg", format);
+    options.force = request->values[FORCE] != NULL;
+    options.animation = request->values[ANIMATION] != NULL;
+    options.elasticity = elasticity;
+    return write(request->file, request->prefix, &options, error);
+}
+
+static ShvStatus write_csv(const Request *request, ShvError *error)
+{
+    return export_with(request, shv_export_csv, NULL, error);
+}
+
+static ShvStatus write_xdmf(const Request *request, ShvError *error)
+{
+    return export_with(request, shv_export_xdmf, NULL, error);
+}
+
+static ShvStatus write_vtk(const Request *request, ShvError *error)
+{
+    ShvElasticity *elasticity = NULL;
+    SHV_TRY(shv_cli_elasticity(request->file, &elasticity, error));
+    const ShvStatus status = export_with(request, shv_export_vtk, elasticity, error);
+    shv_release(elasticity);
+    return status;
+}
+
+static ShvStatus write_gltf(const Request *request, ShvError *error)
+{
+    return export_with(request, shv_export_gltf, NULL, error);
+}
+
+static ShvStatus write_usd(const Request *request, ShvError *error)
+{
+    return export_with(request, shv_export_usd, NULL, error);
+}
+
+static ShvStatus write_svg(const Request *request, ShvError *error)
+{
+    int64_t frames[MOST_PANELS];
+    ShvSvgOptions options = shv_svg_default();
+    for (int32_t i = 0; i < request->frame_count; i++) frames[i] = (int64_t)request->frames[i];
+    options.force = request->values[FORCE] != NULL;
+    options.frames = frames;
+    options.frame_count = request->frame_count;
+    options.times = request->times;
+    options.time_count = request->time_count;
+    if (request->size > 0.0) options.size = (int32_t)request->size;
+    return shv_export_svg(request->file, request->prefix, &options, error);
+}
+
+static ShvPictures pictures_of(const Request *request)
+{
+    return (ShvPictures){.prefix = request->prefix,
+                         .force = request->values[FORCE] != NULL,
+                         .stretch = request->values[STRETCH] != NULL,
+                         .colour = request->values[COLOUR],
+                         .frames = request->frames,
+                         .times = request->times,
+                         .frame_count = request->frame_count,
+                         .time_count = request->time_count,
+                         .width = request->size > 0.0 ? (int32_t)request->size : (int32_t)PICTURE_WIDTH,
+                         .lasts = request->values[LASTS] ? request->lasts : (double)LAST};
+}
+
+static ShvStatus write_png(const Request *request, ShvError *error)
+{
+    const ShvPictures pictures = pictures_of(request);
+    return shv_write_png(request->file, &pictures, error);
+}
+
+static ShvStatus write_mp4(const Request *request, ShvError *error)
+{
+    const ShvPictures pictures = pictures_of(request);
+    return shv_write_film(request->file, &pictures, false, error);
+}
+
+static ShvStatus write_webp(const Request *request, ShvError *error)
+{
+    const ShvPictures pictures = pictures_of(request);
+    return shv_write_film(request->file, &pictures, true, error);
+}
+
+static const Format FORMATS[] = {
+    {"csv", "_*", "a", write_csv},        {"xdmf", "_*", "a", write_xdmf},    {"vtk", ".pvd", "a", write_vtk},
+    {"gltf", ".glb", "a", write_gltf},    {"usd", ".usda", "a", write_usd},   {"svg", ".svg", "fts", write_svg},
+    {"png", "_*.png", "ftsc", write_png}, {"mp4", ".mp4", "sclx", write_mp4}, {"webp", ".webp", "sclx", write_webp}};
+enum { FORMAT_COUNT = sizeof FORMATS / sizeof FORMATS[0] };
+
+static ShvStatus find_format(const char *name, const char *const *values, const Format **format, ShvError *error)
+{
+    static const char letters[] = "aftsclx";
+    for (int i = 0; i < FORMAT_COUNT; i++) {
+        if (strcmp(FORMATS[i].name, name) != 0) continue;
+        *format = &FORMATS[i];
+        for (int k = ANIMATION; k <= STRETCH; k++)
+            if (values[k] && !strchr(FORMATS[i].options, letters[k - ANIMATION]))
+                return shv_fail(error, SHV_BAD_INPUT, "%s does not go with %s", shv_command_export.options[k].name,
+                                name);
+        return SHV_OK;
+    }
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "there is no format '%s'; give csv, xdmf, vtk, gltf, usd, svg, png, mp4 or webp", name);
 }
 
 /* One name of an export may be that of a run file. */
@@ -131,35 +197,60 @@ static int run(const ShvArguments *arguments)
 {
     char prefix[SHV_CLI_PATH];
     ShvError error;
-    ShvRunFile *file = NULL;
+    const Format *format = NULL;
+    Request request = {.prefix = prefix, .values = arguments->values};
     ShvStatus status = arguments->values[OUTPUT]
                            ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
                            : shv_cli_default_path(prefix, arguments->positional[1], true, "", &error);
+    if (status == SHV_OK) status = find_format(arguments->positional[0], arguments->values, &format, &error);
+    if (status == SHV_OK) status = read_options(&request, &error);
     if (status == SHV_OK) status = keep_run_file(prefix, arguments->positional[1], &error);
-    if (status == SHV_OK) status = shv_run_file_open(&file, arguments->positional[1], NULL, &error);
-    if (status == SHV_OK) status = export_as(arguments->positional[0], file, prefix, arguments, &error);
-    shv_run_file_close(file);
+    if (status == SHV_OK) status = shv_run_file_open(&request.file, arguments->positional[1], NULL, &error);
+    if (status == SHV_OK) status = format->write(&request, &error);
+    shv_run_file_close(request.file);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    printf("wrote %s%s\n", prefix, strcmp(arguments->positional[0], "svg") == 0 ? ".svg" : "_*");
+    printf("wrote %s%s\n", prefix, format->result);
     return SHV_EXIT_DONE;
 }
 
 const ShvCommand shv_command_export = {
     .name = "export",
-    .positional = "csv|xdmf|svg RUNFILE",
-    .summary = "write a run file as tables (csv), for ParaView (xdmf) or as a picture (svg)",
-    .details = "csv: PREFIX_trajectories.csv, _genealogy.csv, _ledger.csv, _events.csv, _obstacles.csv; with\n"
-               "probes _probes.csv.\n"
-               "xdmf: PREFIX_fragments.xmf and PREFIX_mesh.xmf for ParaView, with their numbers in PREFIX_xdmf.h5.\n"
-               "svg: PREFIX.svg, frames side by side; each fragment has a colour, the largest is of stone.",
+    .positional = "csv|xdmf|vtk|gltf|usd|svg|png|mp4|webp RUNFILE",
+    .summary = "write a run file as tables, for other programs, or as pictures and films",
+    .details =
+        "Metres, seconds, z up and right-handed axes unless said otherwise. Pieces are named by their line of "
+        "descent.\n\n"
+        "  csv   PREFIX_trajectories.csv with Houdini's names (P, orient as w, x, y, z, v, w), _genealogy, _ledger, "
+        "_events,\n"
+        "        _obstacles, with probes _probes; shapes of the pieces as PREFIX_pieces.obj. Opens in: spreadsheets, "
+        "pandas,\n"
+        "        Houdini (Table Import), and the shapes in any 3D program\n"
+        "  xdmf  PREFIX_mesh.xmf, _fragments.xmf (orientation as w, x, y, z), _obstacles.xmf, numbers in _xdmf.h5. "
+        "Opens in:\n"
+        "        ParaView (any of its XDMF readers; from Python give an absolute name)\n"
+        "  vtk   PREFIX.pvd with the times, PREFIX_NNNNNN.vtu and _obstacles_NNNNNN.vtu. Opens in: ParaView, VTK, "
+        "PyVista\n"
+        "  gltf  PREFIX.glb; a node turns z up to glTF's y up; rotations x, y, z, w. Opens in: Blender, Houdini, "
+        "ParaView,\n"
+        "        three.js, Windows and Apple viewers through converters\n"
+        "  usd   PREFIX.usda; z up, metres; orientations w, x, y, z. Opens in: usdview, Houdini, Omniverse, Maya, "
+        "Unreal,\n"
+        "        Blender (official builds)\n"
+        "  svg   PREFIX.svg, frames side by side. Opens in: browsers\n"
+        "  png   PREFIX_NNNNNN.png, one a frame; drawn by `shiver view` in Chromium (Debian's package chromium)\n"
+        "  mp4   PREFIX.mp4, H.264; webp: PREFIX.webp, a small moving picture for pages; takes ffmpeg, too\n",
     .least_positional = 2,
     .most_positional = 2,
     .options = {{"--output", "PREFIX", "beginning of the file names; the run file's name without .h5 unless given"},
                 {"--force", NULL, "replace existing files"},
-                {"--animation", NULL, "csv, xdmf: only frames on the animation grid"},
-                {"--frames", "A,B,…", "svg: numbers of the frames to draw, from 0; four over the run unless given"},
-                {"--time", "A,B,…", "svg: times of the frames to draw instead, s"},
-                {"--size", "PIXELS", "svg: width of the picture; 1200 unless given"},
-                {"--in-view", "SHARE", "svg: share of the mass around which the frame is drawn; 0.98 unless given"}},
+                {"--animation", NULL, "csv, xdmf, vtk, gltf, usd: only frames on the animation grid"},
+                {"--frames", "A,B,…",
+                 "svg, png: numbers of the frames, from 0; svg: four over the run unless given, png: all"},
+                {"--time", "A,B,…", "svg, png: times of the frames instead, s"},
+                {"--size", "PIXELS", "svg, png, mp4, webp: width of the picture; 1200 and 1280 unless given"},
+                {"--colour", "NAME",
+                 "png, mp4, webp: piece, mode, age, speed, mass, damage or stress; piece unless given"},
+                {"--lasts", "SECONDS", "mp4, webp: how long it takes on the screen; 10 unless given"},
+                {"--stretch", NULL, "mp4, webp: every frame of the run gets the same time on the screen"}},
     .run = run,
 };

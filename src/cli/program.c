@@ -11,10 +11,10 @@
 
 #include "base/names.h"
 
-static const ShvCommand *const commands[] = {&shv_command_run,       &shv_command_check,   &shv_command_plan,
-                                             &shv_command_mesh,      &shv_command_info,    &shv_command_export,
-                                             &shv_command_materials, &shv_command_compare, &shv_command_study,
-                                             &shv_command_stability, &shv_command_verify};
+static const ShvCommand *const commands[] = {&shv_command_run,    &shv_command_check,     &shv_command_plan,
+                                             &shv_command_mesh,   &shv_command_info,      &shv_command_view,
+                                             &shv_command_export, &shv_command_materials, &shv_command_compare,
+                                             &shv_command_study,  &shv_command_stability, &shv_command_verify};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_overview(FILE *stream)

@@ -10,8 +10,7 @@ typedef struct ShvCamera {
     ShvVec3 right, up, toward; /* unit axes; `toward` points at the viewer */
     double low[3], high[3];    /* what must be in view, along these axes, m */
     ShvVec3 centre;            /* m */
-    double distance;           /* of the eye from the centre, m */
-    double scale;              /* pixels a metre at the centre */
+    double distance, scale;    /* of the eye from the centre, m; pixels a metre at the centre */
     double width, height;      /* of the picture, pixels */
 } ShvCamera;
 

@@ -3,10 +3,11 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "export/lines.h"
 #include "export/output.h"
 
-static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv",
-                                       "_events.csv",       "_obstacles.csv", "_probes.csv"};
+static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv",
+                                       "_obstacles.csv",    "_pieces.obj",    "_probes.csv"};
 
 typedef ShvStatus (*WriteTable)(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error);
 
@@ -79,7 +80,8 @@ static ShvStatus put_trajectories(ShvRunFile *file, const ShvExportOptions *opti
 static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
 {
     const int32_t count = shv_run_file_info(file)->fragment_count;
-    shv_print(stream, "id,parent,line,object,birth [s],death [s],mass [kg],volume [m3],tets\n");
+    shv_print(stream, "id,parent,line,object,birth [s],death [s],mass [kg],volume [m3],tets,pivot.x [m],"
+                      "pivot.y [m],pivot.z [m]\n");
     ShvFragmentView *fragments = shv_allocate(options->memory, SHV_PART_RECORD, (size_t)count, sizeof *fragments);
     int32_t *lines = shv_allocate(options->memory, SHV_PART_RECORD, (size_t)count, sizeof *lines);
     ShvStatus status =
@@ -94,7 +96,9 @@ static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options
         shv_output_number(stream, fragment->death);
         shv_output_number(stream, fragment->mass);
         shv_output_number(stream, fragment->volume);
-        shv_print(stream, ",%d\n", (int)fragment->tets);
+        shv_print(stream, ",%d", (int)fragment->tets);
+        put_numbers(stream, fragment->reference_centre, 3);
+        shv_print(stream, "\n");
     }
     shv_release(fragments);
     shv_release(lines);
@@ -237,6 +241,28 @@ static ShvStatus put_obstacles(ShvRunFile *file, const ShvExportOptions *options
     return status;
 }
 
+/* Of every line of descent, about the centre of mass of its last fragment. */
+static ShvStatus put_shapes(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    ShvLines lines;
+    SHV_TRY(shv_lines_create(&lines, file, options->memory, NULL, error));
+    shv_print(stream, "# m, z up; about the centre of mass of the fragment that a line ends with\n");
+    for (int32_t line = 0; line < lines.count; line++) {
+        const ShvVec3 centre = shv_lines_centre(&lines, line);
+        const int64_t begin = lines.begin[line], count = 3 * (lines.begin[line + 1] - begin);
+        shv_print(stream, "o line_%d\ng fragment_%d\n", (int)lines.pieces.lineage[lines.leaf[line]],
+                  (int)lines.leaf[line]);
+        for (int64_t i = 0; i < count; i++) {
+            const ShvVec3 x = shv_sub(shv_lines_corner(&lines, lines.face[begin + i / 3], (int)(i % 3)), centre);
+            shv_print(stream, "v %.9g %.9g %.9g\n", x.x, x.y, x.z);
+        }
+        for (int64_t i = 3 * begin + 1; i < 3 * begin + count; i += 3)
+            shv_print(stream, "f %lld %lld %lld\n", (long long)i, (long long)(i + 1), (long long)(i + 2));
+    }
+    shv_lines_release(&lines);
+    return SHV_OK;
+}
+
 static ShvStatus put_probe_rows(ShvRunFile *file, FILE *stream, ShvProbeSample *row, ShvError *error)
 {
     const ShvRunFileInfo *info = shv_run_file_info(file);
@@ -276,9 +302,9 @@ static ShvStatus put_probes(ShvRunFile *file, const ShvExportOptions *options, F
 
 ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger,
-                                        put_events,       put_obstacles, put_probes};
-    const int count = shv_run_file_info(file)->probe_count > 0 ? 6 : 5;
+    static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events,
+                                        put_obstacles,    put_shapes,    put_probes};
+    const int count = shv_run_file_info(file)->probe_count > 0 ? 7 : 6;
     ShvExportOptions options;
     SHV_TRY(shv_export_options(given, &options, error));
     SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, count, error));

@@ -1,137 +1,292 @@
-#include "export/svg.h"
+/* Frames of a run side by side: triangles that face the viewer, the far ones first. */
+#include "shiver/export.h"
 
 #include <stdlib.h>
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "export/camera.h"
+#include "export/colour.h"
+#include "export/obstacle_mesh.h"
+#include "export/output.h"
 
+enum { PANELS = 4, MOST_PANELS = 24 };
+/* Of the heaviest fragment of a frame: lighter ones may be outside of the picture. */
+static const double LEAST_SHARE = 0.05;
 static const char *const SUFFIX[] = {".svg"};
+
+typedef struct Patch {
+    ShvScreenPoint corner[3];
+    double near; /* of the middle */
+    int64_t item;
+    uint32_t colour;
+    bool seen;
+} Patch;
+
+typedef struct Svg {
+    ShvSvgOptions options;
+    ShvRunFile *file;
+    const ShvRunFileInfo *info;
+    ShvLines lines;
+    ShvObstacleMesh *obstacles;
+    ShvObstacleView *views;
+    double *corners; /* 12 × tets where the run recorded nodes, else NULL */
+    ShvCamera camera;
+    Patch *patches;
+    int64_t patch_count;
+    FILE *stream;
+} Svg;
 
 ShvSvgOptions shv_svg_default(void)
 {
-    return (ShvSvgOptions){.cookie = SHV_DEFINITION_COOKIE, .size = 1200, .mass_in_view = 0.98};
+    return (ShvSvgOptions){.cookie = SHV_DEFINITION_COOKIE, .size = 1200};
 }
 
-static ShvStatus check_options(const ShvSvgOptions *options, ShvError *error)
+static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFileInfo *info, ShvError *error)
 {
-    if (options->cookie != SHV_DEFINITION_COOKIE)
+    if (o->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the drawing's options did not start from shv_svg_default()");
-    if (options->size < 200 || options->size > 4000)
-        return shv_fail(error, SHV_BAD_INPUT, "a drawing is 200 to 4000 pixels wide; %d were given",
-                        (int)options->size);
-    if (!(options->mass_in_view >= 0.0 && options->mass_in_view <= 1.0))
-        return shv_fail(error, SHV_BAD_INPUT, "the share of the mass in view is 0 to 1; %g was given",
-                        options->mass_in_view);
-    const ShvVec3 normal = shv_load3(options->floor_normal);
-    if (options->floor && !(shv_finite3(normal) && shv_norm(normal) > 0.0 && isfinite(options->floor_offset)))
-        return shv_fail(error, SHV_BAD_INPUT, "the floor needs a normal that is not zero and a finite offset");
+    if (o->size < 200 || o->size > 4000)
+        return shv_fail(error, SHV_BAD_INPUT, "a drawing is 200 to 4000 pixels wide; %d were given", (int)o->size);
+    if (info->frame_count < 1) return shv_fail(error, SHV_BAD_INPUT, "the run has no frame to draw");
+    if (o->frame_count < 0 || o->time_count < 0 || (o->frame_count > 0 && o->time_count > 0))
+        return shv_fail(error, SHV_BAD_INPUT, "give either frames or times to draw");
+    if (o->frame_count > MOST_PANELS || o->time_count > MOST_PANELS)
+        return shv_fail(error, SHV_BAD_INPUT, "a drawing shows at most %d frames; %d were given", (int)MOST_PANELS,
+                        (int)(o->frame_count + o->time_count));
+    for (int32_t i = 0; i < o->frame_count; i++)
+        if (o->frames[i] < 0 || o->frames[i] >= info->frame_count)
+            return shv_fail(error, SHV_BAD_INPUT, "there is no frame %lld: the run has frames 0 to %lld",
+                            (long long)o->frames[i], (long long)(info->frame_count - 1));
+    for (int32_t i = 0; i < o->time_count; i++)
+        if (!(o->times[i] >= info->first_time && o->times[i] <= info->last_time))
+            return shv_fail(error, SHV_BAD_INPUT, "there is no time %g s: the run goes from %g to %g s", o->times[i],
+                            info->first_time, info->last_time);
     return SHV_OK;
 }
 
-/* ---- what is in view ---- */
+/* ---- which frames ---- */
 
-typedef struct Place {
-    double key, mass;
-    int32_t fragment;
-} Place;
-
-static int by_place(const void *a, const void *b)
+static int64_t nearest_frame(const Svg *svg, double time)
 {
-    const Place *left = a, *right = b;
-    if (left->key < right->key) return -1;
-    return left->key > right->key ? 1 : (left->fragment > right->fragment) - (left->fragment < right->fragment);
+    const double *times = shv_run_file_times(svg->file);
+    int64_t best = 0;
+    for (int64_t i = 1; i < svg->info->frame_count; i++)
+        if (fabs(times[i] - time) < fabs(times[best] - time)) best = i;
+    return best;
 }
 
-/* Index of the place at which this mass is reached in the order of the keys. */
-static int32_t reach(Place *places, int32_t count, double mass)
+/* Those asked for, or evenly over the time of the run, each once. */
+static int32_t choose_frames(const Svg *svg, int64_t frames[MOST_PANELS])
 {
-    double sum = 0.0;
-    qsort(places, (size_t)count, sizeof *places, by_place);
-    for (int32_t i = 0; i < count; i++) {
-        sum += places[i].mass;
-        if (sum >= mass) return i;
-    }
-    return count - 1;
-}
-
-static int32_t living_places(const ShvPieces *pieces, Place *places, double *mass)
-{
+    const ShvSvgOptions *o = &svg->options;
+    const double first = svg->info->first_time, span = svg->info->last_time - first;
     int32_t count = 0;
-    *mass = 0.0;
-    for (int32_t i = 0; i < shv_run_file_info(pieces->file)->fragment_count; i++) {
-        if (!pieces->alive[i] || !shv_finite3(shv_load3(pieces->position + 3 * (int64_t)i))) continue;
-        places[count++] = (Place){0.0, pieces->fragments[i].mass, i};
-        *mass += pieces->fragments[i].mass;
+    for (int32_t i = 0; i < o->frame_count; i++) frames[count++] = o->frames[i];
+    for (int32_t i = 0; i < o->time_count; i++) frames[count++] = nearest_frame(svg, o->times[i]);
+    for (int32_t i = 0; i < PANELS && o->frame_count + o->time_count == 0; i++) {
+        const int64_t frame = nearest_frame(svg, first + span * i / (PANELS - 1));
+        if (count == 0 || frames[count - 1] != frame) frames[count++] = frame;
     }
     return count;
 }
 
-/* Marks the fragments nearest to the middle, the median of the mass along each axis, that have the share wanted. */
-static void mark_shown(const ShvSvg *svg, Place *places, uint8_t *shown)
+/* ---- patches ---- */
+
+static ShvVec3 light(void)
 {
-    const ShvPieces *pieces = &svg->skin.pieces;
-    double mass, middle[3];
-    const int32_t count = living_places(pieces, places, &mass);
-    for (int k = 0; k < 3; k++) {
-        for (int32_t i = 0; i < count; i++) places[i].key = pieces->position[3 * (int64_t)places[i].fragment + k];
-        if (count > 0) middle[k] = places[reach(places, count, 0.5 * mass)].key;
-    }
-    for (int32_t i = 0; i < count; i++)
-        places[i].key =
-            shv_norm(shv_sub(shv_load3(pieces->position + 3 * (int64_t)places[i].fragment), shv_load3(middle)));
-    const bool all = !(svg->options.mass_in_view < 1.0);
-    const int32_t last = all ? count - 1 : reach(places, count, svg->options.mass_in_view * mass);
-    for (int32_t i = 0; i < shv_run_file_info(pieces->file)->fragment_count; i++) shown[i] = 0;
-    for (int32_t i = 0; i <= last; i++) shown[places[i].fragment] = 1;
+    return shv_unit(shv_vec3(-0.3, -0.45, 1.0));
 }
 
-static ShvStatus include_frames(ShvSvg *svg, const int64_t *frames, int32_t count, Place *places, uint8_t *shown,
-                                ShvError *error)
+/* Of flat light: from the sky, and from the lamp where the face is turned to it. */
+static int shade_of(const ShvVec3 corner[3])
 {
-    for (int32_t i = 0; i < count; i++) {
-        SHV_TRY(shv_skin_move(&svg->skin, frames[i], error));
-        mark_shown(svg, places, shown);
-        for (int64_t t = 0; t < svg->skin.count; t++) {
-            const ShvTriangle *triangle = &svg->skin.triangles[t];
-            for (int k = 0; k < 3 && shown[triangle->fragment]; k++)
-                shv_camera_include(&svg->camera, triangle->corner[k]);
+    const ShvVec3 normal = shv_unit(shv_cross(shv_sub(corner[1], corner[0]), shv_sub(corner[2], corner[0])));
+    const double strength = 0.15 * (1.0 + normal.z) + 0.7 * fmax(0.0, shv_dot(normal, light()));
+    return (int)(strength * (SHV_SHADES - 1) + 0.5);
+}
+
+/* Twice, square pixels; positive when the triangle faces the viewer (y points down). */
+static double area_of(const ShvScreenPoint corner[3])
+{
+    return (corner[1].y - corner[0].y) * (corner[2].x - corner[0].x) -
+           (corner[1].x - corner[0].x) * (corner[2].y - corner[0].y);
+}
+
+static void add_patch(Svg *svg, const ShvVec3 corner[3], uint32_t colour)
+{
+    Patch *patch = &svg->patches[svg->patch_count];
+    bool seen = true;
+    for (int k = 0; k < 3; k++) seen = seen && shv_camera_project(&svg->camera, corner[k], &patch->corner[k]);
+    if (!seen || !(area_of(patch->corner) > 0.0)) return;
+    patch->near = (patch->corner[0].near + patch->corner[1].near + patch->corner[2].near) / 3.0;
+    patch->colour = shv_shaded(colour, shade_of(corner));
+    patch->seen = false;
+    patch->item = svg->patch_count++;
+}
+
+static ShvVec3 point_of(const Svg *svg, int64_t tet, int corner)
+{
+    if (svg->corners) return shv_load3(svg->corners + 12 * tet + 3 * (int64_t)corner);
+    return shv_pieces_point(&svg->lines.pieces, svg->lines.pieces.owner[tet],
+                            svg->lines.pieces.elements[4 * tet + corner]);
+}
+
+/* Corners of a face that is bare at the frame, and its fragment; −1: it is not bare. Their order follows from where the opposite
+   corner is, so that a tet turned inside out is drawn too. */
+static int32_t bare_face(const Svg *svg, int64_t face, ShvVec3 corner[3])
+{
+    const ShvPieces *pieces = &svg->lines.pieces;
+    const int32_t other = svg->lines.neighbour[face], carrier = pieces->carrier[pieces->owner[face / 4]];
+    if (!pieces->alive[carrier] || (other >= 0 && pieces->carrier[pieces->owner[other]] == carrier)) return -1;
+    for (int k = 0; k < 3; k++) corner[k] = point_of(svg, face / 4, shv_face_corner(face, k));
+    if (!shv_finite3(corner[0]) || !shv_finite3(corner[1]) || !shv_finite3(corner[2])) return -1;
+    const ShvVec3 normal = shv_cross(shv_sub(corner[1], corner[0]), shv_sub(corner[2], corner[0]));
+    if (shv_dot(normal, shv_sub(point_of(svg, face / 4, (int)(face % 4)), corner[0])) > 0.0) {
+        const ShvVec3 second = corner[1];
+        corner[1] = corner[2];
+        corner[2] = second;
+    }
+    return carrier;
+}
+
+static void add_pieces(Svg *svg)
+{
+    const ShvPieces *pieces = &svg->lines.pieces;
+    int32_t heaviest = -1;
+    for (int32_t i = 0; i < svg->info->fragment_count; i++)
+        if (pieces->alive[i] && (heaviest < 0 || pieces->fragments[i].mass > pieces->fragments[heaviest].mass))
+            heaviest = i;
+    for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++) {
+        ShvVec3 corner[3];
+        const int32_t fragment = bare_face(svg, svg->lines.face[f], corner);
+        if (fragment < 0) continue;
+        add_patch(svg, corner,
+                  fragment == heaviest ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(pieces->lineage[fragment]));
+    }
+}
+
+static ShvVec3 obstacle_point(const Svg *svg, int32_t obstacle, int64_t corner)
+{
+    const ShvObstacleMesh *mesh = &svg->obstacles[obstacle];
+    const double *q = svg->views[obstacle].orientation;
+    return shv_add(shv_load3(svg->views[obstacle].position),
+                   shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]},
+                              shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[corner])));
+}
+
+static void add_obstacles(Svg *svg)
+{
+    for (int32_t i = 0; i < svg->info->obstacle_count; i++)
+        for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++) {
+            ShvVec3 corner[3];
+            for (int k = 0; k < 3; k++) corner[k] = obstacle_point(svg, i, 3 * t + k);
+            if (svg->obstacles[i].body.shape != SHV_OBSTACLE_PLANE) add_patch(svg, corner, SHV_OBSTACLE_COLOUR);
         }
-    }
-    return SHV_OK;
 }
 
-/* One camera for all frames. */
-static ShvStatus aim(ShvSvg *svg, const int64_t *frames, int32_t count, double width, ShvError *error)
+static int far_first(const void *a, const void *b)
 {
-    const size_t most = (size_t)shv_run_file_info(svg->skin.pieces.file)->fragment_count;
-    Place *places = shv_allocate(svg->options.memory, SHV_PART_RECORD, most, sizeof *places);
-    uint8_t *shown = shv_allocate(svg->options.memory, SHV_PART_RECORD, most, 1);
-    svg->camera = shv_camera_begin();
-    const ShvStatus status = places && shown ? include_frames(svg, frames, count, places, shown, error)
-                                             : shv_fail_memory(error, "fragments", most * (sizeof *places + 1));
-    shv_release(places);
-    shv_release(shown);
-    shv_camera_aim(&svg->camera, width);
+    const Patch *left = a, *right = b;
+    if (left->near < right->near) return -1;
+    return left->near > right->near ? 1 : (left->item > right->item) - (left->item < right->item);
+}
+
+/* Enters a patch into a grid of two samples a pixel and direction, where it is nearer than what is there. */
+static void enter(const Patch *patch, int64_t number, int32_t columns, int32_t rows, double *near, int64_t *item)
+{
+    const ShvScreenPoint *c = patch->corner;
+    const double area = area_of(c), left = fmin(c[0].x, fmin(c[1].x, c[2].x)), top = fmin(c[0].y, fmin(c[1].y, c[2].y));
+    const double right = fmax(c[0].x, fmax(c[1].x, c[2].x)), bottom = fmax(c[0].y, fmax(c[1].y, c[2].y));
+    for (int32_t row = (int32_t)fmax(0.0, 2.0 * top); row < fmin(rows, 2.0 * bottom); row++)
+        for (int32_t column = (int32_t)fmax(0.0, 2.0 * left); column < fmin(columns, 2.0 * right); column++) {
+            const ShvScreenPoint p = {0.5 * column + 0.25, 0.5 * row + 0.25, 0.0};
+            const double u = area_of((const ShvScreenPoint[3]){p, c[1], c[2]}) / area,
+                         v = area_of((const ShvScreenPoint[3]){c[0], p, c[2]}) / area, w = 1.0 - u - v;
+            const double here = u * c[0].near + v * c[1].near + w * c[2].near;
+            const int64_t sample = (int64_t)row * columns + column;
+            if (u < 0.0 || v < 0.0 || w < 0.0 || !(here > near[sample])) continue;
+            near[sample] = here;
+            item[sample] = number + 1;
+        }
+}
+
+/* Keeps what can be seen, the far ones first. */
+static ShvStatus keep_seen(Svg *svg, ShvError *error)
+{
+    const int32_t columns = (int32_t)(2.0 * svg->camera.width), rows = (int32_t)(2.0 * svg->camera.height);
+    const size_t samples = (size_t)columns * (size_t)rows;
+    double *near = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *near);
+    int64_t *item = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *item), kept = 0;
+    const ShvStatus status = near && item ? SHV_OK : shv_fail_memory(error, "samples", 16 * samples);
+    for (int64_t i = 0; i < svg->patch_count && status == SHV_OK; i++)
+        enter(&svg->patches[i], i, columns, rows, near, item);
+    for (size_t i = 0; i < samples && status == SHV_OK; i++)
+        if (item[i] > 0) svg->patches[item[i] - 1].seen = true;
+    for (int64_t i = 0; i < svg->patch_count; i++)
+        if (svg->patches[i].seen) svg->patches[kept++] = svg->patches[i];
+    svg->patch_count = kept;
+    qsort(svg->patches, (size_t)kept, sizeof *svg->patches, far_first);
+    shv_release(near);
+    shv_release(item);
     return status;
 }
 
-/* ---- the page ---- */
+/* ---- drawing ---- */
+
+static void print_triangle(FILE *stream, const ShvScreenPoint c[3])
+{
+    double tenths[6];
+    for (int k = 0; k < 6; k++) tenths[k] = floor(10.0 * (k % 2 == 0 ? c[k / 2].x : c[k / 2].y) + 0.5);
+    shv_print(stream, "M%g %gl%g %g %g %gz", tenths[0] / 10.0, tenths[1] / 10.0, (tenths[2] - tenths[0]) / 10.0,
+              (tenths[3] - tenths[1]) / 10.0, (tenths[4] - tenths[2]) / 10.0, (tenths[5] - tenths[3]) / 10.0);
+}
+
+/* Neighbours in the order of drawing share a path where they share a colour; a thin stroke closes the seams that smooth edges
+   leave. */
+static void print_patches(const Svg *svg)
+{
+    shv_print(svg->stream, "<g stroke-width=\".5\" stroke-linejoin=\"round\">\n");
+    for (int64_t i = 0; i < svg->patch_count;) {
+        const uint32_t colour = svg->patches[i].colour;
+        shv_print(svg->stream, "<path fill=\"#%06x\" stroke=\"#%06x\" d=\"", (unsigned)colour, (unsigned)colour);
+        for (; i < svg->patch_count && svg->patches[i].colour == colour; i++)
+            print_triangle(svg->stream, svg->patches[i].corner);
+        shv_print(svg->stream, "\"/>\n");
+    }
+    shv_print(svg->stream, "</g>\n");
+}
+
+/* A plane that the camera is above, and on it what stands between it and the lamp: one path, so that nothing darkens twice. */
+static void print_plane(const Svg *svg, int32_t obstacle)
+{
+    const ShvObstacleBody *body = &svg->obstacles[obstacle].body;
+    const ShvVec3 normal = shv_load3(body->normal);
+    const double fall = shv_dot(normal, light());
+    if (!(shv_dot(normal, svg->camera.toward) > 0.1)) return;
+    shv_print(svg->stream, "<rect width=\"100%%\" height=\"100%%\" fill=\"#e9e5dd\"/>\n<path fill=\"#8b8478\" "
+                           "fill-opacity=\".45\" d=\"");
+    for (int64_t f = 0; f < svg->lines.begin[svg->lines.count] && fall > 0.1; f++) {
+        ShvVec3 corner[3];
+        ShvScreenPoint seen[3];
+        bool good = bare_face(svg, svg->lines.face[f], corner) >= 0;
+        for (int k = 0; k < 3 && good; k++) {
+            const double height = shv_dot(corner[k], normal) - body->offset;
+            good = height >= 0.0 &&
+                   shv_camera_project(&svg->camera, shv_madd(corner[k], -height / fall, light()), &seen[k]);
+        }
+        if (good && area_of(seen) > 1.0) print_triangle(svg->stream, seen);
+    }
+    shv_print(svg->stream, "\"/>\n");
+}
 
 typedef struct Page {
     double gap, panel, label; /* pixels: around panels, width of one, size of the letters */
 } Page;
 
-static Page lay_out(int32_t size, int32_t count)
+static ShvStatus print_head(const Svg *svg, const ShvExportOptions *output, const Page *page, ShvError *error)
 {
-    const double gap = floor(0.012 * size + 0.5);
-    const double panel = floor((size - gap * (count + 1)) / count);
-    return (Page){gap, fmax(40.0, panel), fmin(18.0, fmax(7.0, 0.055 * panel))};
-}
-
-static ShvStatus print_head(const ShvSvg *svg, const ShvExportOptions *output, const Page *page, ShvError *error)
-{
-    const char *given = shv_run_file_info(svg->skin.pieces.file)->scene_name;
-    char *name = shv_output_escaped(output, given);
+    char *name = shv_output_escaped(output, svg->info->scene_name);
     if (!name) return shv_fail_memory(error, "a title", 1);
     const double height = svg->camera.height + 2.0 * page->gap + 1.9 * page->label;
     shv_print(svg->stream,
@@ -140,76 +295,112 @@ static ShvStatus print_head(const ShvSvg *svg, const ShvExportOptions *output, c
               "<title>%s</title>\n<rect width=\"100%%\" height=\"100%%\" rx=\"%.0f\" fill=\"#fbfaf8\"/>\n",
               (int)svg->options.size, height, (int)svg->options.size, height, name, page->gap);
     shv_release(name);
-    shv_svg_define_floor(svg);
     return SHV_OK;
 }
 
-static void print_label(const ShvSvg *svg, const Page *page, double left, int64_t frame)
+static ShvStatus move(Svg *svg, int64_t frame, ShvError *error)
 {
-    int64_t alive = 0;
-    for (int32_t i = 0; i < shv_run_file_info(svg->skin.pieces.file)->fragment_count; i++)
-        alive += svg->skin.pieces.alive[i];
-    shv_print(svg->stream,
-              "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\" font-family=\"Helvetica, Arial, sans-serif\" "
-              "font-size=\"%.1f\" fill=\"#4a463f\">%.4g s<tspan fill=\"#9a9488\" dx=\"%.1f\">%lld "
-              "fragment%s</tspan></text>\n",
-              left + 0.5 * page->panel, page->gap + svg->camera.height + 1.6 * page->label, page->label,
-              shv_run_file_times(svg->skin.pieces.file)[frame], 0.7 * page->label, (long long)alive,
-              alive == 1 ? "" : "s");
+    SHV_TRY(shv_lines_move(&svg->lines, frame, error));
+    if (svg->info->obstacle_count > 0) SHV_TRY(shv_run_file_obstacles(svg->file, frame, svg->views, error));
+    return svg->corners ? shv_run_file_corners(svg->file, frame, svg->corners, NULL, NULL, error) : SHV_OK;
 }
 
-static ShvStatus print_panel(ShvSvg *svg, const Page *page, int32_t index, int64_t frame, ShvError *error)
+static ShvStatus print_panel(Svg *svg, const Page *page, int32_t index, int64_t frame, ShvError *error)
 {
     const double left = page->gap + index * (page->panel + page->gap);
-    SHV_TRY(shv_skin_move(&svg->skin, frame, error));
+    int alive = 0;
+    SHV_TRY(move(svg, frame, error));
+    for (int32_t i = 0; i < svg->info->fragment_count; i++) alive += svg->lines.pieces.alive[i];
     shv_print(svg->stream,
               "<svg class=\"panel\" x=\"%.1f\" y=\"%.1f\" width=\"%.0f\" height=\"%.0f\">\n"
               "<rect width=\"100%%\" height=\"100%%\" fill=\"#f4f2ee\"/>\n",
               left, page->gap, svg->camera.width, svg->camera.height);
-    SHV_TRY(shv_svg_draw_floor(svg, error));
-    SHV_TRY(shv_svg_draw_fragments(svg, error));
-    shv_print(svg->stream, "</svg>\n");
-    print_label(svg, page, left, frame);
+    for (int32_t i = 0; i < svg->info->obstacle_count; i++)
+        if (svg->obstacles[i].body.shape == SHV_OBSTACLE_PLANE) print_plane(svg, i);
+    svg->patch_count = 0;
+    add_pieces(svg);
+    add_obstacles(svg);
+    SHV_TRY(keep_seen(svg, error));
+    print_patches(svg);
+    shv_print(
+        svg->stream,
+        "</svg>\n<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\" font-family=\"Helvetica, Arial, sans-serif\" "
+        "font-size=\"%.1f\" fill=\"#4a463f\">%.4g s<tspan fill=\"#9a9488\" dx=\"%.1f\">%d fragment%s</tspan></text>\n",
+        left + 0.5 * page->panel, page->gap + svg->camera.height + 1.6 * page->label, page->label,
+        shv_run_file_times(svg->file)[frame], 0.7 * page->label, alive, alive == 1 ? "" : "s");
     return SHV_OK;
 }
 
-static ShvStatus print_panels(ShvSvg *svg, const ShvExportOptions *output, const int64_t *frames, int32_t count,
-                              ShvError *error)
+/* One camera for all frames. */
+static ShvStatus aim(Svg *svg, const int64_t *frames, int32_t count, double width, ShvError *error)
 {
-    const Page page = lay_out(svg->options.size, count);
+    const ShvPieces *pieces = &svg->lines.pieces;
+    svg->camera = shv_camera_begin();
+    for (int32_t i = 0; i < count; i++) {
+        double least = 0.0;
+        SHV_TRY(move(svg, frames[i], error));
+        for (int32_t k = 0; k < svg->info->fragment_count; k++)
+            if (pieces->alive[k]) least = fmax(least, LEAST_SHARE * pieces->fragments[k].mass);
+        for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++) {
+            ShvVec3 corner[3];
+            const int32_t fragment = bare_face(svg, svg->lines.face[f], corner);
+            for (int k = 0; k < 3 && fragment >= 0 && pieces->fragments[fragment].mass >= least; k++)
+                shv_camera_include(&svg->camera, corner[k]);
+        }
+    }
+    shv_camera_aim(&svg->camera, width);
+    return SHV_OK;
+}
+
+static ShvStatus print_page(Svg *svg, const ShvExportOptions *output, ShvError *error)
+{
+    int64_t frames[MOST_PANELS];
+    const int32_t count = choose_frames(svg, frames), size = svg->options.size;
+    const double gap = floor(0.012 * size + 0.5), panel = fmax(40.0, floor((size - gap * (count + 1)) / count));
+    const Page page = {gap, panel, fmin(18.0, fmax(7.0, 0.055 * panel))};
     SHV_TRY(aim(svg, frames, count, page.panel, error));
-    SHV_TRY(shv_raster_create(&svg->raster, svg->camera.width, svg->camera.height, svg->options.memory, error));
     ShvStatus status = print_head(svg, output, &page, error);
     for (int32_t i = 0; i < count && status == SHV_OK; i++) status = print_panel(svg, &page, i, frames[i], error);
     shv_print(svg->stream, "</svg>\n");
-    shv_raster_release(&svg->raster);
     return status;
 }
 
-static ShvStatus draw(ShvSvg *svg, ShvRunFile *file, const char *prefix, const ShvExportOptions *output,
-                      const int64_t *frames, int32_t count, ShvError *error)
+static ShvStatus draw(Svg *svg, const ShvExportOptions *output, ShvError *error)
 {
-    ShvOutput written;
-    SHV_TRY(shv_skin_create(&svg->skin, file, svg->options.memory, error));
-    ShvStatus status = shv_output_open(&written, output, prefix, SUFFIX[0], error);
-    svg->stream = written.stream;
-    if (status == SHV_OK) status = print_panels(svg, output, frames, count, error);
-    shv_skin_release(&svg->skin);
-    return shv_output_close(&written, output, status, error);
+    struct ShvMemory *memory = svg->options.memory;
+    const size_t obstacles = (size_t)svg->info->obstacle_count;
+    size_t most = 0;
+    SHV_TRY(shv_obstacle_meshes_create(&svg->obstacles, &svg->lines.pieces, memory, error));
+    for (size_t i = 0; i < obstacles; i++) most += (size_t)svg->obstacles[i].triangle_count;
+    most += (size_t)svg->lines.begin[svg->lines.count] + 1;
+    svg->views = shv_allocate(memory, SHV_PART_RECORD, obstacles, sizeof *svg->views);
+    svg->patches = shv_allocate(memory, SHV_PART_RECORD, most, sizeof *svg->patches);
+    if (svg->info->nodes)
+        svg->corners = shv_allocate(memory, SHV_PART_RECORD, 12 * (size_t)svg->info->element_count, sizeof(double));
+    const bool good = svg->views && svg->patches && (svg->corners || !svg->info->nodes);
+    return good ? print_page(svg, output, error) : shv_fail_memory(error, "triangles", most * sizeof *svg->patches);
 }
 
 ShvStatus shv_export_svg(ShvRunFile *file, const char *prefix, const ShvSvgOptions *given, ShvError *error)
 {
-    ShvSvg svg = {.options = given ? *given : shv_svg_default()};
-    SHV_TRY(check_options(&svg.options, error));
+    Svg svg = {.options = given ? *given : shv_svg_default(), .file = file, .info = shv_run_file_info(file)};
+    ShvOutput written;
+    SHV_TRY(check_options(&svg.options, svg.info, error));
     ShvExportOptions output = shv_export_default();
     output.force = svg.options.force;
     output.memory = svg.options.memory;
     SHV_TRY(shv_output_check(&output, prefix, SUFFIX, 1, error));
-    int64_t *frames;
-    int32_t count;
-    ShvStatus status = shv_svg_frames(&svg.options, file, &frames, &count, error);
-    if (status == SHV_OK) status = draw(&svg, file, prefix, &output, frames, count, error);
-    shv_release(frames);
+    SHV_TRY(shv_lines_create(&svg.lines, file, output.memory, NULL, error));
+    ShvStatus status = shv_output_open(&written, &output, prefix, SUFFIX[0], error);
+    if (status == SHV_OK) {
+        svg.stream = written.stream;
+        status = draw(&svg, &output, error);
+        status = shv_output_close(&written, &output, status, error);
+    }
+    shv_obstacle_meshes_release(svg.obstacles, svg.info->obstacle_count);
+    shv_lines_release(&svg.lines);
+    shv_release(svg.views);
+    shv_release(svg.corners);
+    shv_release(svg.patches);
     return status;
 }

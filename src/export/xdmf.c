@@ -10,7 +10,7 @@
 #include "record/hdf5_array.h"
 #include "record/hdf5_text.h"
 
-static const char *const SUFFIXES[] = {"_xdmf.h5", "_fragments.xmf", "_mesh.xmf"};
+static const char *const SUFFIXES[] = {"_xdmf.h5", "_fragments.xmf", "_mesh.xmf", "_obstacles.xmf"};
 
 static ShvStatus fail_numbers(const ShvXdmf *xdmf, ShvError *error)
 {
@@ -78,8 +78,8 @@ static ShvStatus open_numbers(ShvXdmf *xdmf, const char *path, char **temporary,
     SHV_TRY(shv_stage_create(&xdmf->stage, xdmf->options.memory, xdmf->descriptor, error));
     const ShvSilence silence = shv_silence_begin();
     xdmf->numbers = shv_stage_make(xdmf->stage, *temporary);
-    const bool good =
-        xdmf->numbers >= 0 && shv_group_put(xdmf->numbers, "/fragments") && shv_group_put(xdmf->numbers, "/mesh");
+    const bool good = xdmf->numbers >= 0 && shv_group_put(xdmf->numbers, "/fragments") &&
+                      shv_group_put(xdmf->numbers, "/mesh") && shv_group_put(xdmf->numbers, "/obstacles");
     shv_silence_end(silence);
     return good ? SHV_OK : fail_numbers(xdmf, error);
 }
@@ -107,15 +107,18 @@ static ShvStatus close_numbers(ShvXdmf *xdmf, char *temporary, ShvStatus status,
 static ShvStatus write_all(ShvXdmf *xdmf, const char *prefix, const char *path, ShvError *error)
 {
     char *temporary = NULL;
-    ShvOutput fragments = {NULL, NULL, NULL}, mesh = {NULL, NULL, NULL};
+    ShvOutput fragments = {NULL, NULL, NULL}, mesh = {NULL, NULL, NULL}, obstacles = {NULL, NULL, NULL};
     ShvStatus status = open_numbers(xdmf, path, &temporary, error);
     if (status == SHV_OK)
         status = write_xml(xdmf, &fragments, prefix, SUFFIXES[1], "fragments", shv_xdmf_fragments, error);
     if (status == SHV_OK)
         status = write_xml(xdmf, &mesh, prefix, SUFFIXES[2], "mesh",
                            xdmf->info->nodes ? shv_xdmf_deformed_mesh : shv_xdmf_mesh, error);
+    if (status == SHV_OK && xdmf->info->obstacle_count > 0)
+        status = write_xml(xdmf, &obstacles, prefix, SUFFIXES[3], "obstacles", shv_xdmf_obstacles, error);
     status = close_numbers(xdmf, temporary, status, error);
     status = shv_output_close(&fragments, &xdmf->options, status, error);
+    status = shv_output_close(&obstacles, &xdmf->options, status, error);
     return shv_output_close(&mesh, &xdmf->options, status, error);
 }
 
@@ -123,7 +126,7 @@ ShvStatus shv_export_xdmf(ShvRunFile *file, const char *prefix, const ShvExportO
 {
     ShvXdmf xdmf = {.file = file, .info = shv_run_file_info(file), .numbers = -1, .descriptor = -1};
     SHV_TRY(shv_export_options(given, &xdmf.options, error));
-    SHV_TRY(shv_output_check(&xdmf.options, prefix, SUFFIXES, 3, error));
+    SHV_TRY(shv_output_check(&xdmf.options, prefix, SUFFIXES, xdmf.info->obstacle_count > 0 ? 4 : 3, error));
     char *path = shv_output_path(&xdmf.options, prefix, SUFFIXES[0]);
     if (!path) return shv_fail_memory(error, "a file name", strlen(prefix));
     const size_t fragments = (size_t)xdmf.info->fragment_count;

@@ -36,5 +36,6 @@ void shv_xdmf_attribute(const ShvXdmf *xdmf, const char *name, const char *kind,
 ShvStatus shv_xdmf_fragments(const ShvXdmf *xdmf, ShvError *error);
 ShvStatus shv_xdmf_mesh(const ShvXdmf *xdmf, ShvError *error);
 ShvStatus shv_xdmf_deformed_mesh(const ShvXdmf *xdmf, ShvError *error);
+ShvStatus shv_xdmf_obstacles(const ShvXdmf *xdmf, ShvError *error);
 
 #endif

@@ -120,3 +120,11 @@ ShvStatus shv_run_file_cost(ShvRunFile *file, const ShvCostView **costs, int32_t
     *bytes_count = parts;
     return SHV_OK;
 }
+
+ShvStatus shv_run_file_cost_at(ShvRunFile *file, int64_t frame, double *wall, double *seconds, ShvError *error)
+{
+    SHV_TRY(shv_run_check_frame(file, frame, error));
+    SHV_TRY(shv_run_get(file, SHV_SERIES_WALL, frame, 0, wall, error));
+    const int64_t parts = (int64_t)file->series[SHV_SERIES_COST_SECONDS].extent[1];
+    return shv_run_get(file, SHV_SERIES_COST_SECONDS, frame, parts, seconds, error);
+}

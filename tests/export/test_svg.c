@@ -5,14 +5,15 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "export/colour.h"
 #include "export/run.h"
-#include "export/svg.h"
 #include "files.h"
+#include "shiver/export.h"
 #include "xml.h"
 
 enum { FRAMES = 8, BRICKS = 4 };
 
-static ShvRunFile *open_run(void *folder, bool nodes, struct ShvMemory *memory)
+static ShvRunFile *open_run(void *folder, bool nodes)
 {
     ShvError error;
     ShvRunFile *file;
@@ -22,7 +23,7 @@ static ShvRunFile *open_run(void *folder, bool nodes, struct ShvMemory *memory)
     definition.nodes = nodes;
     definition.force = true;
     record_frames(&definition, FRAMES);
-    check_ok(shv_run_file_open(&file, file_in(folder, "run.h5"), memory, &error), error);
+    check_ok(shv_run_file_open(&file, file_in(folder, "run.h5"), NULL, &error), error);
     return file;
 }
 
@@ -43,9 +44,12 @@ static void check_colours(const char *panel, const int32_t *lines, int count)
          at = strstr(at + 1, "\" stroke=\"#"), paths++) {
         const uint32_t colour = (uint32_t)strtoul(at + 11, NULL, 16);
         bool known = false;
+        for (int shade = 0; shade < SHV_SHADES; shade++)
+            known = known || shv_shaded(SHV_OBSTACLE_COLOUR, shade) == colour; /* the hammer */
         for (int i = 0; i < count; i++)
-            for (int shade = 0; shade < SHV_SVG_SHADES; shade++)
-                if (shv_svg_colour(lines[i], i == 0, shade) == colour) known = seen[i] = true;
+            for (int shade = 0; shade < SHV_SHADES; shade++)
+                if (shv_shaded(i == 0 ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(lines[i]), shade) == colour)
+                    known = seen[i] = true;
         assert_true(known);
     }
     assert_true(paths > 0);
@@ -56,11 +60,10 @@ static void test_panels_and_colours(void **state)
 {
     const int64_t frames[2] = {0, FRAMES - 1};
     for (int nodes = 0; nodes < 2; nodes++) {
-        ShvRunFile *file = open_run(*state, nodes, NULL);
+        ShvRunFile *file = open_run(*state, nodes);
         ShvSvgOptions options = shv_svg_default();
         options.frames = frames;
         options.frame_count = 2;
-        options.mass_in_view = 1.0;
         options.force = true;
         char *xml = draw(*state, file, &options);
         check_well_formed(xml);
@@ -79,19 +82,30 @@ static void test_panels_and_colours(void **state)
     }
 }
 
+/* A shadow or an obstacle. */
+static bool is_scenery(const char *path)
+{
+    const uint32_t colour = (uint32_t)strtoul(path + 13, NULL, 16);
+    if (strncmp(path + 19, "\" fill-opacity", 14) == 0) return true;
+    for (int shade = 0; shade < SHV_SHADES; shade++)
+        if (shv_shaded(SHV_OBSTACLE_COLOUR, shade) == colour) return true;
+    return false;
+}
+
 /* What must be in view is in view, and large: it reaches at least over half of the panel in one direction. */
 static void test_frame_around_the_fragments(void **state)
 {
-    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvRunFile *file = open_run(*state, false);
     ShvSvgOptions options = shv_svg_default();
-    options.mass_in_view = 1.0;
     char *xml = draw(*state, file, &options);
     assert_int_equal(count_text(xml, "class=\"panel\""), 4);
     double width, height, low[2] = {(double)INFINITY, (double)INFINITY},
                           high[2] = {-(double)INFINITY, -(double)INFINITY};
     assert_int_equal(
         sscanf(strstr(strstr(xml, "class=\"panel\""), "width="), "width=\"%lf\" height=\"%lf\"", &width, &height), 2);
-    for (const char *at = strstr(xml, "d=\"M"); at; at = strstr(at, "d=\"M")) {
+    for (const char *path = strstr(xml, "<path fill=\"#"); path; path = strstr(path + 1, "<path fill=\"#")) {
+        const char *at = strstr(path, "d=\"M");
+        if (is_scenery(path)) continue;
         const char *end = strchr(at + 3, '"');
         for (at += 3; at < end; at = strchr(at, 'z') + 1) {
             double p[6];
@@ -111,10 +125,8 @@ static void test_frame_around_the_fragments(void **state)
 
 static void test_same_bytes_in_any_locale(void **state)
 {
-    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvRunFile *file = open_run(*state, false);
     ShvSvgOptions options = shv_svg_default();
-    options.floor = true;
-    options.floor_normal[2] = 2.0;
     char *one = draw(*state, file, &options);
     ShvError error;
     check_fails(shv_export_svg(file, file_in(*state, "a"), &options, &error), SHV_BAD_INPUT, error, "--force");
@@ -126,9 +138,7 @@ static void test_same_bytes_in_any_locale(void **state)
     setlocale(LC_ALL, "C");
     assert_string_equal(one, two);
     check_well_formed(one);
-    assert_int_equal(count_text(one, "id=\"floor\""), 1);
-    assert_int_equal(count_text(one, "<use href=\"#floor\"/>"), 4);
-    assert_int_equal(count_text(one, "fill-opacity"), 4);
+    assert_int_equal(count_text(one, "fill-opacity"), 4); /* the floor's shadow in each panel */
     free(one);
     free(two);
     shv_run_file_close(file);
@@ -140,7 +150,7 @@ static void test_refusals(void **state)
     const int64_t frames[25] = {0, FRAMES};
     const double times[2] = {0.0, 1.0};
     const char *path = file_in(*state, "a");
-    ShvRunFile *file = open_run(*state, false, NULL);
+    ShvRunFile *file = open_run(*state, false);
     ShvSvgOptions options = shv_svg_default();
     options.frames = frames;
     options.frame_count = 2;
@@ -155,12 +165,6 @@ static void test_refusals(void **state)
     options.size = 20;
     check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "pixels");
     options = shv_svg_default();
-    options.mass_in_view = 1.5;
-    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "0 to 1");
-    options = shv_svg_default();
-    options.floor = true;
-    check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "normal");
-    options = shv_svg_default();
     options.cookie = 0;
     check_fails(shv_export_svg(file, path, &options, &error), SHV_BAD_INPUT, error, "shv_svg_default");
     assert_int_equal(files_in(*state), 1);
@@ -172,11 +176,9 @@ static void test_out_of_memory(void **state)
 {
     ShvError error;
     ShvMemory *memory = shv_memory_create();
-    ShvRunFile *file = open_run(*state, true, memory);
+    ShvRunFile *file = open_run(*state, true);
     ShvSvgOptions options = shv_svg_default();
     options.memory = memory;
-    options.floor = true;
-    options.floor_normal[2] = 1.0;
     const size_t before = shv_memory_bytes(memory, SHV_PART_COUNT);
     ShvStatus status = SHV_NO_MEMORY;
     int failures = 0;
@@ -193,53 +195,6 @@ static void test_out_of_memory(void **state)
     shv_memory_destroy(memory);
 }
 
-/* Each brick is two tets that share a face: six of the eight are seen from outside, and they point there. */
-static void test_skin(void **state)
-{
-    ShvError error;
-    ShvSkin skin;
-    ShvRunFile *file = open_run(*state, false, NULL);
-    check_ok(shv_skin_create(&skin, file, NULL, &error), error);
-    check_ok(shv_skin_move(&skin, FRAMES - 1, &error), error);
-    assert_int_equal(skin.count, 6 * BRICKS);
-    for (int64_t b = 0; b < BRICKS; b++) {
-        /* Volume by the divergence theorem: 1/6 and 1/3; 2e-15: rounding of 18 products of numbers up to 5. */
-        double volume = 0.0;
-        for (int64_t t = 6 * b; t < 6 * b + 6; t++) {
-            const ShvVec3 *c = skin.triangles[t].corner;
-            assert_int_equal(skin.triangles[t].fragment, 3 + b);
-            volume += shv_dot(c[0], shv_cross(c[1], c[2])) / 6.0;
-        }
-        check_near(volume, 0.5, 18.0 * 125.0 * 2.3e-16);
-    }
-    shv_skin_release(&skin);
-    shv_run_file_close(file);
-}
-
-static void test_raster(void **state)
-{
-    (void)state;
-    ShvError error;
-    ShvRaster raster;
-    check_ok(shv_raster_create(&raster, 20.0, 10.0, NULL, &error), error);
-    shv_raster_clear(&raster);
-    /* Legs of 8 pixels: the samples (i + 1/2)/2 with i + j ≤ 15 − 1 + 1, one on the long side included: 16·17/2. */
-    const ShvScreenPoint back[3] = {{1, 1, 1}, {9, 1, 1}, {1, 9, 1}};
-    const ShvScreenPoint front[3] = {{1, 1, 2}, {1, 5, 2}, {5, 1, 2}},
-                         far[3] = {{0, 0, 0.5}, {19, 0, 0.5}, {0, 9, 0.5}};
-    assert_int_equal(shv_raster_enter(&raster, back, 7), 16 * 17 / 2);
-    assert_int_equal(shv_raster_enter(&raster, back, 8), 0);
-    assert_int_equal(shv_raster_enter(&raster, front, 9), 8 * 9 / 2);
-    const ShvScreenPoint hidden[3] = {{1, 1, 0.5}, {4, 1, 0.5}, {1, 4, 0.5}},
-                         line[3] = {{1, 1, 3}, {2, 2, 3}, {3, 3, 3}};
-    assert_int_equal(shv_raster_enter(&raster, hidden, 10), 0);
-    assert_int_equal(shv_raster_enter(&raster, line, 11), 0);
-    assert_true(shv_raster_enter(&raster, far, 12) > 0);
-    assert_int_equal(raster.item[2 * raster.columns + 2], 9);
-    assert_int_equal(raster.item[2 * raster.columns + 16], 7);
-    shv_raster_release(&raster);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -248,8 +203,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_same_bytes_in_any_locale, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_refusals, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_out_of_memory, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_skin, make_folder, remove_folder),
-        cmocka_unit_test(test_raster),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

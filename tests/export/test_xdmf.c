@@ -78,9 +78,10 @@ static void read_array(const void *folder, const char *path, hid_t type, void *d
 static void test_references(void **state)
 {
     export_run(*state, false, false);
-    assert_int_equal(files_in(*state), 4);
+    assert_int_equal(files_in(*state), 5);
     assert_int_equal(check_references(*state, "a&b_fragments.xmf"), FRAMES * 9);
     assert_int_equal(check_references(*state, "a&b_mesh.xmf"), FRAMES * 4);
+    assert_int_equal(check_references(*state, "a&b_obstacles.xmf"), FRAMES * 3);
     assert_int_equal(count_text(*state, "a&b_mesh.xmf", "<Time Value="), FRAMES);
     assert_int_equal(count_text(*state, "a&b_fragments.xmf", "\"Matrix\""), FRAMES);
 }

@@ -227,6 +227,11 @@ static void test_cost_is_of_the_last_frame(void **state)
     assert_string_equal(costs[1].name, "stress");
     assert_true(costs[1].seconds == 0.5);
     assert_int_equal(costs[0].calls, 40);
+    double wall, seconds[2];
+    check_ok(shv_run_file_cost_at(file, 3, &wall, seconds, &error), error);
+    assert_true(seconds[0] == 0.75 && seconds[1] == 0.375);
+    assert_true(wall > 0.0 && wall <= shv_run_file_info(file)->wall_seconds);
+    check_fails(shv_run_file_cost_at(file, 99, &wall, NULL, &error), SHV_BAD_INPUT, error, "99");
     assert_int_equal(bytes_count, 2);
     assert_string_equal(bytes[1].name, "state");
     assert_int_equal(bytes[1].bytes, 104);

@@ -1,0 +1,30 @@
+/* A headless Chromium that shows a page and is asked for what its scripts give: the DevTools protocol over two pipes. */
+#ifndef SHV_CLI_BROWSER_H
+#define SHV_CLI_BROWSER_H
+
+#include <stdbool.h>
+#include <sys/types.h>
+
+#include "cli/command.h"
+
+typedef struct ShvBrowser {
+    pid_t process;
+    int to, from;              /* descriptors; −1: closed */
+    char *answer;              /* the last one, terminated */
+    size_t length, room, used; /* of what has been read; `used` bytes of it belong to the last answer */
+    int asked;                 /* number of the last message */
+    char session[64];          /* that the page is attached to */
+} ShvBrowser;
+
+/* Whether a program of this name is on the PATH. */
+bool shv_on_path(const char *program);
+/* Runs a program that is given its arguments, the last one NULL; true when it ended well. */
+bool shv_run_program(const char *const *arguments);
+/* Opens the page; `profile` is a folder for the browser's own files. SHV_UNSUPPORTED without Chromium: the message says what to
+   install. On failure there is nothing to close. */
+ShvStatus shv_browser_open(ShvBrowser *browser, const char *page, const char *profile, ShvError *error);
+void shv_browser_close(ShvBrowser *browser);
+/* What a script's expression (a promise is waited for) comes to, a text: valid until the next call. */
+ShvStatus shv_browser_ask(ShvBrowser *browser, const char *expression, const char **text, ShvError *error);
+
+#endif
