@@ -2,6 +2,8 @@
    as the last that is made but not taken ("ghost"): kinetic energy is Σ ½ m v₋·v₊, momentum that of the mean. */
 #include "hybrid/hybrid.h"
 
+#include <stdio.h>
+
 #include <string.h>
 
 static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
@@ -302,14 +304,34 @@ static double lift_of_bodies(const ShvHybrid *hybrid)
 static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, double bound, ShvError *error)
 {
     int32_t first = -1;
+    char inside_out[64] = "no tet inside out";
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    if (inverted > 0)
+        snprintf(inside_out, sizeof inside_out, "%d tets inside out (first: %d)", (int)inverted, (int)first);
     return shv_fail(
         error, SHV_DIVERGED,
         "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
-        "Courant number %.3g, %d tets inside out (first: %d); give a smaller fracture.time_step or "
-        "fracture.safety, a finer mesh or a milder impact, or raise the bound",
-        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), (int)inverted,
-        (int)first);
+        "Courant number %.3g, %s; give a smaller fracture.time_step or fracture.safety, a finer mesh or a milder "
+        "impact, or raise the bound",
+        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), inside_out);
+}
+
+static ShvStatus not_finite(const ShvHybrid *hybrid, ShvError *error)
+{
+    const int32_t element = first_lost_element(hybrid);
+    const long long step = hybrid->state.step;
+    const double time = hybrid->state.time;
+    if (element < 0)
+        return shv_fail(
+            error, SHV_DIVERGED,
+            "an energy is too large for a number at step %lld, t = %.9g s; look for a speed or a size of the "
+            "scene that is out of all proportion",
+            step, time);
+    return shv_fail(
+        error, SHV_DIVERGED,
+        "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a smaller "
+        "fracture.time_step or fracture.safety, or look at that tet's quality",
+        step, time, (int)element, shv_hybrid_courant(hybrid));
 }
 
 /* `largest`: the largest energy before, J, which nothing that has been gained since is part of. */
@@ -318,13 +340,7 @@ static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError
     const ShvLedgerView *b = &hybrid->balance;
     const double rounding = rounding_of_balance(hybrid), share = hybrid->scene->fracture.energy_bound;
     const double bound = share * b->largest + rounding;
-    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential))
-        return shv_fail(
-            error, SHV_DIVERGED,
-            "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a "
-            "smaller fracture.time_step or fracture.safety, or look at that tet's quality",
-            (long long)hybrid->state.step, hybrid->state.time, (int)first_lost_element(hybrid),
-            shv_hybrid_courant(hybrid));
+    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential)) return not_finite(hybrid, error);
     if (fabs(b->residual) > bound) return off_by(hybrid, "the energy balance is off", b->residual, bound, error);
     /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
     const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
