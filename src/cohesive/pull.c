@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "cohesive/solve.h"
+#include "cohesive/spring.h"
 #include "cohesive/turn.h"
 
 /* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
@@ -78,8 +79,10 @@ static double want(const Pull *pull, int32_t index)
     point->change = shv_vec3(0.0, 0.0, 0.0);
     if (!(peak > 0.0) || shv_dot(news, news) <= slight * slight) return 0.0;
     const ShvVec3 without = shv_madd(rate, response, point->pull);
-    const ShvVec3 traction =
-        shv_pair_traction(&pull->cohesive->pairs[index], shv_madd(point->opening, 0.5 * pull->step, without));
+    const ShvVec3 free = shv_madd(point->opening, 0.5 * pull->step, without);
+    const ShvPair *pair = &pull->cohesive->pairs[index];
+    ShvVec3 traction;
+    if (!shv_pair_stays(pair, free, &traction)) traction = shv_pair_traction(pair, free);
     const ShvVec3 force = shv_scale(traction, point->weight);
     point->change = shv_sub(force, point->pull);
     point->settled = shv_madd(without, -response, force);
