@@ -137,7 +137,7 @@ static void step_once(Bench *bench, double step)
     shv_cohesive_pull(&bench->cohesive, &bench->state, step, step);
     shv_cohesive_book(&bench->cohesive, &bench->state, step, &ledger);
     bench->cohesive_time += shv_now() - start;
-    bench->points += bench->cohesive.active_count;
+    bench->points += bench->cohesive.point_count;
     shv_motion_drift(&bench->state, NULL, 0, step, threads);
     bench->state.last_step = step;
 }
@@ -151,7 +151,7 @@ static void print_figures(const Bench *bench, int32_t steps)
     puts("facets,points,clusters,threads,ns a point and step,ns a tet and step,ratio,sweeps a cluster and step,"
          "dissipated [J],softened,hash");
     shv_print(stdout, "%d,%d,%d,%d,%.1f,%.2f,%.1f,%.2f,%.17g,%d,%016llx\n", (int)bench->facet_count,
-              (int)bench->cohesive.active_count, (int)bench->cohesive.cluster_count, (int)bench->model.threads, point,
+              (int)bench->cohesive.point_count, (int)bench->cohesive.cluster_count, (int)bench->model.threads, point,
               tet, point / tet, (double)bench->sweeps / ((double)bench->cohesive.cluster_count * steps),
               energy.dissipated, (int)energy.softened,
               (unsigned long long)shv_hash_bytes(0, bench->state.velocity, values * sizeof(double)));

@@ -1,63 +1,56 @@
 #include <math.h>
 
-#include "cohesive/cohesive.h"
+#include "cohesive/solve.h"
 #include "cohesive/turn.h"
 
 enum { MOST_PASSES = 4 };
 
 /* One pair, and the facet whose corner it is. */
 typedef struct Closing {
-    ShvCohesivePoint *point, *points;
-    const ShvFacetTurn *turn;
-    ShvVec3 turn_rate; /* rad/s; as long as `known`: no velocity has changed since */
+    ShvFacetTurn *turn; /* its rate is that of the present velocities as long as `known` */
+    ShvFacetGaps *gaps;
+    int corner;
     bool known;
 } Closing;
-
-static void look_at(const ShvCohesive *cohesive, int32_t p, Closing *closing)
-{
-    const int32_t facet = p / 3;
-    closing->known = closing->known && closing->turn == cohesive->turns + facet;
-    closing->turn = cohesive->turns + facet;
-    closing->points = cohesive->points + 3 * (int64_t)facet;
-    closing->point = cohesive->points + p;
-}
 
 /* Of opening, seen by one who turns with the facet. */
 static ShvVec3 rate_of(Closing *closing, const ShvState *state)
 {
-    const ShvCohesivePoint *point = closing->point;
-    if (!closing->known) closing->turn_rate = shv_turn_rate(closing->turn, closing->points, state);
+    ShvFacetTurn *turn = closing->turn;
+    const int i = closing->corner;
+    if (!closing->known) turn->rate = shv_turn_rate(turn, state);
     closing->known = true;
-    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
-                                 shv_load3(state->velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, shv_cross(closing->turn_rate, point->opening));
+    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)turn->second[i]),
+                                 shv_load3(state->velocity + 3 * (int64_t)turn->first[i]));
+    return shv_sub(rate, shv_cross(turn->rate, closing->gaps->opening[i]));
 }
 
 static double response(const Closing *closing, const ShvState *state, ShvVec3 direction)
 {
-    return shv_turn_response(closing->turn, closing->points, state, (int)(closing->point - closing->points), direction);
+    const int i = closing->corner;
+    return shv_turn_response(closing->turn, state, i, closing->gaps->opening[i], direction);
 }
 
 /* Impulse on a pair, taken by the whole masses of its nodes: pairs are served one after another, each impulse for itself
    inelastic, so that kinetic energy falls with every one of them. */
 static void strike(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
 {
-    ShvCohesivePoint *point = closing->point;
-    const int32_t first = point->first, second = point->second;
+    const int i = closing->corner;
+    const int32_t first = closing->turn->first[i], second = closing->turn->second[i];
     const ShvVec3 force = shv_scale(impulse, -1.0 / kick); /* on the first node */
     shv_add_to3(state->velocity + 3 * (int64_t)first, shv_scale(impulse, -1.0 / state->mass[first]));
     shv_add_to3(state->velocity + 3 * (int64_t)second, shv_scale(impulse, 1.0 / state->mass[second]));
-    shv_turn_strike(closing->turn, closing->points, state, shv_cross(point->opening, force), kick);
+    shv_turn_strike(closing->turn, state, shv_cross(closing->gaps->opening[i], force), kick);
     shv_add_to3(state->force + 3 * (int64_t)first, force);
     shv_add_to3(state->force + 3 * (int64_t)second, shv_scale(force, -1.0));
-    point->push = shv_add(point->push, force);
+    closing->gaps->push[i] = shv_add(closing->gaps->push[i], force);
     closing->known = false;
 }
 
 /* Coulomb: at most `limit`, and at most what stops the slip. */
 static void rub(Closing *closing, ShvState *state, double kick, double limit)
 {
-    const ShvVec3 rate = rate_of(closing, state), normal = closing->point->normal;
+    const ShvVec3 rate = rate_of(closing, state), normal = closing->turn->normal;
     const ShvVec3 slip = shv_madd(rate, -shv_dot(rate, normal), normal);
     const double speed = shv_norm(slip);
     if (!(speed > 0.0)) return;
@@ -65,17 +58,30 @@ static void rub(Closing *closing, ShvState *state, double kick, double limit)
     strike(closing, state, shv_scale(slip, -fmin(stopping, limit) / speed), kick);
 }
 
-static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction)
+static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction, bool failed)
 {
-    const ShvCohesivePoint *point = closing->point;
-    const double gap = shv_dot(point->opening, point->normal);
-    const double speed = shv_dot(rate_of(closing, state), point->normal);
+    const ShvVec3 normal = closing->turn->normal;
+    const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
+    const double speed = shv_dot(rate_of(closing, state), normal);
     const double allowed = gap > 0.0 ? -gap / step : 0.0;
     if (!(speed < allowed)) return false;
-    const double impulse = (allowed - speed) / response(closing, state, point->normal);
-    strike(closing, state, shv_scale(point->normal, impulse), kick);
-    if (friction > 0.0 && !point->carrying) rub(closing, state, kick, friction * impulse);
+    const double impulse = (allowed - speed) / response(closing, state, normal);
+    strike(closing, state, shv_scale(normal, impulse), kick);
+    if (friction > 0.0 && failed) rub(closing, state, kick, friction * impulse);
     return true;
+}
+
+static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step, double friction)
+{
+    Closing closing = {.turn = &cohesive->turns[k], .gaps = &cohesive->gaps[k]};
+    const uint8_t phase = cohesive->phase[closing.turn->index];
+    bool any = false;
+    if (phase == SHV_COHESIVE_SEPARATED) return false;
+    for (closing.corner = 0; closing.corner < 3; closing.corner++) {
+        if (closing.turn->first[closing.corner] == closing.turn->second[closing.corner]) continue;
+        any = close_pair(&closing, state, kick, step, friction, phase == SHV_COHESIVE_FAILED) || any;
+    }
+    return any;
 }
 
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction)
@@ -84,10 +90,8 @@ void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, dou
     bool again = true;
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
         again = false;
-        Closing closing = {.known = false};
-        for (int32_t i = 0; i < cohesive->pair_count; i++) {
-            look_at(cohesive, cohesive->pairs[i], &closing);
-            if (close_pair(&closing, state, kick, step, friction)) again = true;
-        }
+        for (int32_t k = 0; k < cohesive->turn_count; k++)
+            again = close_facet(cohesive, state, k, kick, step, friction) || again;
+        cohesive->pushed = cohesive->pushed || again;
     }
 }

@@ -28,31 +28,62 @@ typedef enum ShvCohesivePhase {
     SHV_COHESIVE_SEPARATED /* the faces have left each other: nothing looks at it any more */
 } ShvCohesivePhase;
 
-/* A pair of node copies of one facet in the present step. */
+/* A corner of a facet whose nodes are split and whose law still carries, in the present step. */
 typedef struct ShvCohesivePoint {
-    int32_t first, second; /* nodes; equal: not split, or the facet sleeps */
+    int32_t first, second; /* nodes */
+    int32_t point;         /* 3 × cohesive facet + corner */
+    int32_t turn;          /* of its facet */
+    int32_t block;         /* points of the same pair of nodes from this one on */
     double weight;         /* area/3, m² */
     double peak;           /* largest traction it may still show, Pa */
     double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
-    ShvVec3 settled;       /* rate of opening that the pull answers, m/s; not finite: none yet */
-    ShvVec3 pull;          /* cohesive force on the first node, N */
-    ShvVec3 change;        /* of pull, in the present sweep, N */
-    ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
-    ShvVec3 carried;       /* what the facet's turn does to the opening, no part of its rate; m/s (turn.h) */
-    ShvVec3 normal;        /* of the mean of both faces, from the first to the second */
-    ShvVec3 push;          /* closing force on the first node, N */
     double stored;         /* recoverable energy at n − 1/2, J */
-    int32_t point;         /* 3 × cohesive facet + corner */
-    bool carrying;         /* the facet has not failed */
+    double work;           /* of the pull on the way from n − 1/2 to n + 1/2, as booked, J */
+    ShvOpening reached;    /* at n + 1/2, as booked */
+    ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
+    ShvVec3 pull;          /* cohesive force on the first node, N */
+    ShvVec3 last;          /* the same in the last step that was taken */
+    ShvVec3 change;        /* of pull, in the present sweep, N */
+    ShvVec3 settled;       /* rate of opening that the pull was to lead to, m/s; not finite: none yet */
 } ShvCohesivePoint;
 
-/* How a facet turns in the present step, by the middles of its three pairs (turn.h). */
+/* A corner of a facet that carries, split or not: where answers to couples go. */
+typedef struct ShvCohesiveCorner {
+    int32_t first, second; /* nodes */
+    int32_t slot;          /* 3 × turn + corner */
+} ShvCohesiveCorner;
+
+/* How a facet stands and turns in the present step, by the middles of its three pairs (turn.h). */
 typedef struct ShvFacetTurn {
-    ShvVec3 arm[3];  /* of the middles from their mean, m */
-    ShvMat3 inverse; /* of Σ |r|² − r rᵀ over the arms, 1/m² */
-    ShvVec3 couple;  /* N m: of the pulls, answered so far */
-    bool turns;      /* couples are answered */
+    int32_t index; /* cohesive facet */
+    int32_t first[3], second[3];
+    bool carries;   /* its points are listed */
+    bool turns;     /* couples are answered */
+    bool news;      /* nodes of it have other velocities since the last pull */
+    bool answers;   /* `answer` is not zero */
+    ShvVec3 normal; /* of the mean of both faces, from the first to the second */
+    ShvVec3 rate;   /* of turn, rad/s */
+    ShvVec3 arm[3]; /* of the middles from their mean, m */
+    double spread;  /* 1/Σ |arm|², 1/m² */
+    double tilt;    /* 3/(twice the area)², 1/m⁴ */
+    ShvVec3 couple; /* N m: of the pulls, answered so far */
+    ShvVec3 answer; /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
 } ShvFacetTurn;
+
+/* Of the three pairs of a facet; zero where they are not split. */
+typedef struct ShvFacetGaps {
+    ShvVec3 opening[3]; /* second − first, of n, m */
+    ShvVec3 before[3];  /* way of the opening from n − 1/2 to n, seen by one who turns with the facet, m */
+    ShvVec3 push[3];    /* closing force on the first node, N */
+} ShvFacetGaps;
+
+/* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
+typedef struct ShvClusterBudget {
+    double left;   /* stored + work of the pulls, round-off granted; J */
+    double force;  /* Σ |pull|, N */
+    double couple; /* Σ |pull| |opening|, N m */
+    double shift;  /* bound of the changes of rates by the answers to couples, m/s */
+} ShvClusterBudget;
 
 /* The two faces of a facet as they are joined to the mesh now. */
 typedef struct ShvCohesiveSides {
@@ -104,26 +135,35 @@ typedef struct ShvCohesive {
     ShvHistory *history; /* 3 per facet */
     ShvOpening *opening; /* 3 per facet: at the last half step */
     double *peak;        /* 3 per facet: largest traction still to come, Pa */
+    ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
     int32_t *failed;     /* facets whose bonds failed at the last look, increasing */
     int32_t failed_count;
     double worst_overshoot; /* largest criterion / strength met at an insertion */
-    /* the present step */
-    int32_t live_count;       /* not separated: */
-    int32_t *live;            /* cohesive facets, increasing */
-    int32_t looked_count;     /* live facets when the step began: */
-    ShvCohesivePoint *points; /* 3 per facet */
+    int32_t live_count;     /* not separated: */
+    int32_t *live;          /* cohesive facets, increasing */
+    /* The present step: live facets with a split corner that do not rest, listed anew when others come or many fail. */
+    bool unlisted;             /* the lists do not fit any more */
+    const uint8_t *list_awake; /* what they were made with */
+    int32_t turn_count;
     ShvFacetTurn *turns;
-    int32_t active_count, pair_count;
-    int32_t *unsorted;           /* points that may pull, in order of facets */
-    int32_t *active;             /* the same, cluster by cluster */
-    int32_t *pairs;              /* points whose node is split */
-    ShvPair *laws;               /* as `active`: what the pull of the step asks again and again */
-    double pull_kick, pull_step; /* what `laws` were made for; 0: nothing yet */
+    ShvVec3 *couple;     /* 3 per turn: of pulls, opening × pull, N m */
+    ShvFacetGaps *gaps;  /* as `turns` */
+    bool pushed;         /* some closing forces are not zero */
+    int32_t point_count; /* of facets that carry: */
+    ShvCohesivePoint *points;
+    ShvPair *pairs;     /* as `points`: what the pull of the step asks again and again */
+    int32_t pair_count; /* split corners of all facets in the lists */
     int32_t cluster_count;
-    int32_t *cluster;     /* cluster_count + 1, into `active`: points between copies of one node of the mesh */
-    int32_t *origin_fill; /* mesh.node_count; zero between steps */
+    int32_t *cluster;        /* cluster_count + 1, into `points`: those between copies of one node of the mesh */
+    int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
+    ShvCohesiveCorner *corners;
+    ShvClusterBudget *budget;    /* cluster_count */
+    double pull_kick, pull_step; /* what `pairs` were made for; 0: nothing yet */
+    double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
+    uint8_t *node_news;          /* node_capacity: it has another velocity since */
+    int32_t *origin_fill;        /* mesh.node_count; zero between steps */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */

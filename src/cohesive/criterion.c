@@ -253,6 +253,7 @@ static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uin
 void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     watch_facets(cohesive, state, awake);
+    cohesive->unlisted = true;
     cohesive->watched_node_count = 0;
     if (cohesive->settings->criterion != SHV_CRITERION_PRINCIPAL) {
         memset(cohesive->faces, 0, (size_t)batch_count(cohesive) * sizeof *cohesive->faces);

@@ -2,6 +2,7 @@
 
 #include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
+#include "cohesive/solve.h"
 
 typedef struct PointEnergy {
     double recoverable, dissipated; /* J/m² */
@@ -67,7 +68,7 @@ static double squared_frequency(const ShvCohesive *cohesive, const ShvState *sta
 {
     double sum = 0.0;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvCohesivePoint *point = &cohesive->points[i];
         if (point->first == node || point->second == node) sum += point_stiffness(cohesive, point);
     }
     return 2.0 * sum / state->mass[node];
@@ -76,9 +77,9 @@ static double squared_frequency(const ShvCohesive *cohesive, const ShvState *sta
 static double spring_step(const ShvCohesive *cohesive, const ShvState *state)
 {
     double largest = 0.0;
-    for (int32_t c = 0; c < cohesive->cluster_count && cohesive->active_count > 0; c++)
+    for (int32_t c = 0; c < cohesive->cluster_count && !cohesive->unlisted; c++)
         for (int32_t i = cohesive->cluster[c]; i < cohesive->cluster[c + 1]; i++) {
-            const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+            const ShvCohesivePoint *point = &cohesive->points[i];
             largest = shv_larger(largest, squared_frequency(cohesive, state, c, point->first));
             largest = shv_larger(largest, squared_frequency(cohesive, state, c, point->second));
         }
@@ -149,7 +150,7 @@ static void settle_facet(ShvCohesive *cohesive, const ShvState *state, int32_t i
 
 void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t fragment)
 {
-    cohesive->active_count = cohesive->cluster_count = 0; /* the step they belong to is over */
+    shv_cohesive_drop_lists(cohesive);
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
         const int share = share_of(cohesive, state, index, fragment);

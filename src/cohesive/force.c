@@ -1,30 +1,8 @@
 #include <math.h>
 
-#include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
+#include "cohesive/solve.h"
 #include "cohesive/turn.h"
-
-/* Below this many facets, starting threads costs more than they save. */
-enum { FEWEST_PARALLEL_FACETS = 256 };
-/* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
-   then left is made up for by `limit_given` and `wear`. */
-enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
-static const double settled_share = 5e-3;
-/* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
-static const double news_share = 1e-3;
-
-static bool in_parallel(const ShvCohesive *cohesive, int32_t facets)
-{
-    return cohesive->model->threads > 1 && facets >= FEWEST_PARALLEL_FACETS;
-}
-
-/* Seen by one who turns with the facet. */
-static ShvVec3 opening_rate(const ShvState *state, const ShvCohesivePoint *point)
-{
-    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
-                                 shv_load3(state->velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, point->carried);
-}
 
 /* ---- wear ---- */
 
@@ -33,7 +11,7 @@ static double worn_recoverable(const ShvCohesive *cohesive, int32_t cluster, dou
 {
     double sum = 0.0;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        const ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
         const ShvHistory history = cohesive->history[point->point];
         const double *end = law->final_opening;
@@ -54,7 +32,7 @@ static double growing_share(const ShvCohesive *cohesive, int32_t cluster, double
 {
     double share = 0.0;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        const int32_t point = cohesive->points[cohesive->active[i]].point;
+        const int32_t point = cohesive->points[i].point;
         const double largest[2] = {cohesive->history[point].normal, cohesive->history[point].shear};
         for (int k = 0; k < 2; k++) {
             const double left = cohesive->law[point / 3].final_opening[k] - largest[k];
@@ -110,34 +88,24 @@ static double start_energy(const ShvCohesive *cohesive, const ShvCohesivePoint *
     return point->weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start;
 }
 
-/* Moves the histories of a cluster along the last step, in the frame its tractions had. Sweeps that have not settled leave
-   a difference between the work of the tractions and the law; a cluster never keeps more than it had and was given. */
-static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t cluster)
+/* Moves the histories of a cluster along the step that was booked. Sweeps that have not settled leave a difference between
+   the work of the tractions and the law; a cluster never keeps more than it had and was given. */
+static void end_step(const ShvCohesive *cohesive, int32_t cluster)
 {
     double allowed = 0.0, kept = 0.0, exchanged = 0.0, started = 0.0;
-    bool moved = false;
-    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1] && !moved; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        const ShvVec3 way = shv_sub(shv_cohesive_opening(state, point->first, point->second), point->opening);
-        moved = way.x != 0.0 || way.y != 0.0 || way.z != 0.0;
-    }
-    if (!moved) return; /* the same moment again */
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+        ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
         ShvHistory *history = &cohesive->history[point->point];
-        const ShvVec3 now = shv_cohesive_opening(state, point->first, point->second);
-        const ShvVec3 back = shv_madd(opening_rate(state, point), 2.0, point->carried); /* which goes the other way */
-        const ShvVec3 to = shv_madd(now, -0.5 * state->last_step, back);
-        const ShvOpening at = shv_cohesive_components(to, point->normal);
+        const ShvOpening at = point->reached;
         const ShvHistory next = shv_law_advance(law, *history, cohesive->opening[point->point], at);
         const bool grown = next.normal > history->normal || next.shear > history->shear;
         *history = next;
         cohesive->opening[point->point] = at;
         if (grown) cohesive->peak[point->point] = shv_law_peak(law, next);
-        const double work = shv_dot(point->pull, shv_sub(to, point->from));
-        allowed += point->stored + work;
-        exchanged += point->stored + fabs(work);
+        point->last = point->pull;
+        allowed += point->stored + point->work;
+        exchanged += point->stored + fabs(point->work);
         kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
         started += start_energy(cohesive, point);
     }
@@ -147,389 +115,170 @@ static void end_step(ShvCohesive *cohesive, const ShvState *state, int32_t clust
 
 /* ---- begin ---- */
 
-static void begin_pair(const ShvState *state, const ShvCohesiveFrame *frame, int corner, ShvCohesivePoint *point)
-{
-    point->first = frame->first[corner];
-    point->second = frame->second[corner];
-    point->peak = 0.0;
-    point->opening = shv_cohesive_opening(state, point->first, point->second);
-}
-
-static void begin_point(ShvCohesive *cohesive, const ShvState *state, const ShvCohesiveFrame *frame, int32_t index,
-                        int corner, ShvCohesivePoint *point)
-{
-    const int32_t k = 3 * index + corner;
-    if (point->first == point->second) return;
-    point->from = shv_madd(point->opening, -0.5 * state->last_step, opening_rate(state, point));
-    point->settled = shv_vec3((double)NAN, 0.0, 0.0);
-    point->pull = point->push = shv_vec3(0.0, 0.0, 0.0);
-    if (!point->carrying) return;
-    const ShvLaw *law = &cohesive->law[index];
-    const ShvOpening now = shv_cohesive_components(point->from, frame->normal);
-    const ShvHistory history = shv_law_advance(law, cohesive->history[k], cohesive->opening[k], now);
-    const bool grown = history.normal > cohesive->history[k].normal || history.shear > cohesive->history[k].shear;
-    cohesive->history[k] = history;
-    cohesive->opening[k] = now;
-    if (grown) cohesive->peak[k] = shv_law_peak(law, history);
-    point->peak = cohesive->peak[k];
-    point->stored = point->weight * shv_law_recoverable(law, history, now.normal, now.shear);
-}
-
 /* Failed when no point can carry any more; separated when, besides, a pair is farther apart than half the edge of an
    equilateral triangle of the facet's area: the pairs no longer say where the faces meet. */
-static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, int32_t index, const ShvCohesivePoint *points)
+static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetTurn *turn, const ShvFacetGaps *gaps)
 {
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
-        if (points[i].first == points[i].second) return SHV_COHESIVE_CARRYING;
-        if (points[i].peak > 0.0) return SHV_COHESIVE_CARRYING;
-        farthest = shv_larger(farthest, shv_dot(points[i].opening, points[i].opening));
+        if (turn->first[i] == turn->second[i]) return SHV_COHESIVE_CARRYING;
+        if (cohesive->peak[3 * (int64_t)turn->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
+        farthest = shv_larger(farthest, shv_dot(gaps->opening[i], gaps->opening[i]));
     }
-    const double edge_squared = cohesive->area[index] * (4.0 / sqrt(3.0));
+    const double edge_squared = cohesive->area[turn->index] * (4.0 / sqrt(3.0));
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
 }
 
-static void begin_facet(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, int32_t place)
+static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
 {
-    const int32_t index = cohesive->live[place];
-    ShvCohesivePoint *points = cohesive->points + 3 * (int64_t)place;
-    if (!cohesive->sides[index].split || shv_cohesive_rests(cohesive, state, index, awake)) {
-        for (int i = 0; i < 3; i++) points[i].first = points[i].second = 0;
-        cohesive->turns[place].turns = false;
-        return;
-    }
-    const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
+    ShvFacetTurn *turn = &cohesive->turns[k];
+    ShvFacetGaps *gaps = &cohesive->gaps[k];
+    const int32_t index = turn->index;
+    shv_turn_begin(turn, &cohesive->sides[index], cohesive->area[index], state);
     for (int i = 0; i < 3; i++) {
-        points[i].point = 3 * index + i;
-        points[i].carrying = cohesive->phase[index] == SHV_COHESIVE_CARRYING;
-        points[i].weight = cohesive->area[index] / 3.0;
-        points[i].normal = frame.normal;
-        begin_pair(state, &frame, i, &points[i]);
+        const int64_t first = 3 * (int64_t)turn->first[i], second = 3 * (int64_t)turn->second[i];
+        gaps->push[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
+        if (first == second) continue;
+        const ShvVec3 rate = shv_sub(shv_load3(state->velocity + second), shv_load3(state->velocity + first));
+        gaps->opening[i] = shv_cohesive_opening(state, turn->first[i], turn->second[i]);
+        gaps->before[i] = shv_scale(shv_sub(rate, shv_cross(turn->rate, gaps->opening[i])), 0.5 * state->last_step);
     }
-    shv_turn_begin(&cohesive->turns[place], points, state);
-    shv_turn_follow(&cohesive->turns[place], points, state);
-    for (int i = 0; i < 3; i++) begin_point(cohesive, state, &frame, index, i, &points[i]);
-    cohesive->phase[index] = (uint8_t)next_phase(cohesive, index, points);
+    cohesive->phase[index] = (uint8_t)next_phase(cohesive, turn, gaps);
 }
 
-static bool same_pair(const ShvCohesivePoint *a, const ShvCohesivePoint *b)
+static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
 {
-    return (a->first == b->first && a->second == b->second) || (a->first == b->second && a->second == b->first);
+    const ShvLaw *law = &cohesive->law[point->point / 3];
+    const ShvFacetGaps *gaps = &cohesive->gaps[point->turn];
+    const int corner = point->point % 3;
+    point->opening = gaps->opening[corner];
+    point->from = shv_sub(point->opening, gaps->before[corner]);
+    point->settled = shv_vec3((double)NAN, 0.0, 0.0);
+    point->pull = shv_vec3(0.0, 0.0, 0.0);
+    const ShvOpening now = shv_cohesive_components(point->from, cohesive->turns[point->turn].normal);
+    const ShvHistory before = cohesive->history[point->point];
+    const ShvHistory history = shv_law_advance(law, before, cohesive->opening[point->point], now);
+    if (history.normal > before.normal || history.shear > before.shear)
+        cohesive->peak[point->point] = shv_law_peak(law, history);
+    cohesive->history[point->point] = history;
+    cohesive->opening[point->point] = now;
+    point->peak = cohesive->peak[point->point];
+    point->stored = point->weight * shv_law_recoverable(law, history, now.normal, now.shear);
 }
 
-static int64_t pair_key(const ShvCohesivePoint *point)
+static bool has_moved(const ShvCohesive *cohesive, const ShvState *state, int32_t cluster)
 {
-    const int32_t low = point->first < point->second ? point->first : point->second;
-    const int32_t high = point->first < point->second ? point->second : point->first;
-    return ((int64_t)low << 32) + high;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[i];
+        const ShvVec3 way = shv_sub(shv_cohesive_opening(state, point->first, point->second), point->opening);
+        if (way.x != 0.0 || way.y != 0.0 || way.z != 0.0) return true;
+    }
+    return false; /* the same moment again */
 }
 
-/* Points of one pair side by side, in order of facets; clusters are small. */
-static void sort_pairs(const ShvCohesive *cohesive, int32_t *points, int32_t count)
+static void pass_clusters(ShvCohesive *cohesive, const ShvState *state, bool end, bool begin)
 {
-    for (int32_t i = 1; i < count; i++) {
-        const int32_t p = points[i];
-        const int64_t key = pair_key(&cohesive->points[p]);
-        int32_t k = i;
-        for (; k > 0 && pair_key(&cohesive->points[points[k - 1]]) > key; k--) points[k] = points[k - 1];
-        points[k] = p;
+    const int32_t clusters = cohesive->cluster_count, threads = cohesive->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, clusters))
+    for (int32_t c = 0; c < clusters; c++) {
+        if (end && has_moved(cohesive, state, c)) end_step(cohesive, c);
+        for (int32_t i = cohesive->cluster[c]; begin && i < cohesive->cluster[c + 1]; i++)
+            begin_point(cohesive, &cohesive->points[i]);
     }
 }
 
-/* Active points sorted by the node they stem from, in order of facets within one: pairs of copies of one node make a
-   cluster, and no two clusters share a node. */
-static void sort_clusters(ShvCohesive *cohesive, const ShvState *state)
-{
-    int32_t *fill = cohesive->origin_fill, start = 0;
-    cohesive->cluster_count = 0;
-    for (int32_t i = 0; i < cohesive->active_count; i++) {
-        const int32_t origin = state->origin[cohesive->points[cohesive->unsorted[i]].first];
-        if (fill[origin]++ == 0) cohesive->cluster[cohesive->cluster_count++] = origin;
-    }
-    for (int32_t c = 0; c < cohesive->cluster_count; c++) {
-        const int32_t origin = cohesive->cluster[c], size = fill[origin];
-        cohesive->cluster[c] = fill[origin] = start;
-        start += size;
-    }
-    cohesive->cluster[cohesive->cluster_count] = start;
-    for (int32_t i = 0; i < cohesive->active_count; i++) {
-        const int32_t p = cohesive->unsorted[i];
-        cohesive->active[fill[state->origin[cohesive->points[p].first]]++] = p;
-    }
-    for (int32_t i = 0; i < cohesive->active_count; i++)
-        fill[state->origin[cohesive->points[cohesive->active[i]].first]] = 0;
-    for (int32_t c = 0; c < cohesive->cluster_count; c++)
-        sort_pairs(cohesive, cohesive->active + cohesive->cluster[c], cohesive->cluster[c + 1] - cohesive->cluster[c]);
-}
+/* Lists are made anew when this share of their facets carries no more. */
+static const double idle_share = 0.05;
 
-/* Separated facets leave the list for good; the others' points are sorted by what they need. */
-static void collect(ShvCohesive *cohesive, const ShvState *state)
+static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
 {
-    int32_t live = 0;
-    cohesive->active_count = cohesive->pair_count = 0;
-    for (int32_t k = 0; k < cohesive->live_count; k++) {
-        const int32_t index = cohesive->live[k];
-        if (cohesive->phase[index] == SHV_COHESIVE_SEPARATED) continue;
-        cohesive->live[live++] = index;
-        for (int32_t p = 3 * k; p < 3 * k + 3; p++) {
-            const ShvCohesivePoint *point = &cohesive->points[p];
-            if (point->first == point->second) continue;
-            cohesive->pairs[cohesive->pair_count++] = p;
-            if (point->peak > 0.0) cohesive->unsorted[cohesive->active_count++] = p;
-        }
+    const int32_t count = cohesive->turn_count, threads = cohesive->model->threads;
+    int32_t separated = 0, idle = 0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
+    reduction(+ : separated, idle)
+    for (int32_t k = 0; k < count; k++) {
+        const ShvFacetTurn *turn = &cohesive->turns[k];
+        if (cohesive->phase[turn->index] == SHV_COHESIVE_SEPARATED) continue;
+        begin_facet(cohesive, state, k);
+        separated += cohesive->phase[turn->index] == SHV_COHESIVE_SEPARATED;
+        idle += turn->carries && cohesive->phase[turn->index] != SHV_COHESIVE_CARRYING;
     }
-    cohesive->live_count = live;
-    cohesive->pull_kick = cohesive->pull_step = 0.0;
-    sort_clusters(cohesive, state);
+    cohesive->pushed = false;
+    if (separated > 0) shv_cohesive_drop_separated(cohesive);
+    cohesive->pair_count -= 3 * separated;
+    if (idle > idle_share * count) cohesive->unlisted = true; /* from the next step on */
 }
 
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
-    const int32_t live = cohesive->live_count, threads = cohesive->model->threads;
-    const int32_t clusters = cohesive->cluster_count;
-#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, clusters))
-    for (int32_t c = 0; c < clusters; c++) end_step(cohesive, state, c);
-#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, live))
-    for (int32_t k = 0; k < live; k++) begin_facet(cohesive, state, awake, k);
-    cohesive->looked_count = live;
-    collect(cohesive, state);
-}
-
-/* ---- pull ---- */
-
-static int32_t block_end(const ShvCohesive *cohesive, int32_t start, int32_t end)
-{
-    const ShvCohesivePoint *first = &cohesive->points[cohesive->active[start]];
-    int32_t stop = start + 1;
-    while (stop < end && same_pair(first, &cohesive->points[cohesive->active[stop]])) stop++;
-    return stop;
-}
-
-/* Points of one pair of nodes, as in a plane crack, move together: each with its share of the nodes' masses in proportion
-   to what it may pull. As the shares sum to the masses, that takes no less energy than each would by itself, and where the
-   points are alike it is exact at once. */
-static void share_masses(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end)
-{
-    double sum = 0.0;
-    for (int32_t i = start; i < end; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        sum += point->weight * point->peak;
+    const bool anew = cohesive->unlisted || cohesive->list_awake != awake;
+    if (anew) {
+        pass_clusters(cohesive, state, true, false);
+        shv_cohesive_keep_pulls(cohesive);
+        shv_cohesive_list(cohesive, state, awake);
     }
-    const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[start]];
-    const double whole = 1.0 / state->mass[pair->first] + 1.0 / state->mass[pair->second];
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        point->response = whole * (sum / (point->weight * point->peak));
-    }
-}
-
-static void prepare_cluster(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end, double kick,
-                            double step)
-{
-    for (int32_t block = start, stop; block < end; block = stop) {
-        stop = block_end(cohesive, block, end);
-        share_masses(cohesive, state, block, stop);
-    }
-    for (int32_t i = start; i < end; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        cohesive->laws[i] =
-            shv_pair_make(&cohesive->law[point->point / 3], cohesive->history[point->point], point->normal, point->from,
-                          point->opening, 0.5 * step * kick * point->response * point->weight);
-    }
-}
-
-/* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
-   rises faster than free opening/compliance, neighbours that have hardly moved since the point was last looked at need no
-   new look. */
-static double want(const ShvState *state, const ShvPair *law, ShvCohesivePoint *point, double kick, double step)
-{
-    const ShvVec3 rate = opening_rate(state, point), news = shv_sub(rate, point->settled);
-    const double peak = point->weight * point->peak, slight = news_share * peak * kick * point->response;
-    point->change = shv_vec3(0.0, 0.0, 0.0);
-    if (shv_dot(news, news) <= slight * slight) return 0.0;
-    const ShvVec3 without = shv_madd(rate, kick * point->response, point->pull);
-    const ShvVec3 traction = shv_pair_traction(law, shv_madd(point->opening, 0.5 * step, without));
-    point->change = shv_sub(shv_scale(traction, point->weight), point->pull);
-    return shv_norm(point->change) / peak;
-}
-
-static void move(ShvState *state, ShvCohesivePoint *point, double kick, ShvVec3 change)
-{
-    point->pull = shv_add(point->pull, change);
-    shv_add_to3(state->velocity + 3 * (int64_t)point->first, shv_scale(change, kick / state->mass[point->first]));
-    shv_add_to3(state->velocity + 3 * (int64_t)point->second, shv_scale(change, -kick / state->mass[point->second]));
-    shv_add_to3(state->force + 3 * (int64_t)point->first, change);
-    shv_add_to3(state->force + 3 * (int64_t)point->second, shv_scale(change, -1.0));
-}
-
-/* The rate that the pulls of one pair's points answer. */
-static void settle_block(ShvCohesive *cohesive, const ShvState *state, int32_t start, int32_t end)
-{
-    const ShvCohesivePoint *pair = &cohesive->points[cohesive->active[start]];
-    const ShvVec3 whole = shv_add(opening_rate(state, pair), pair->carried);
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        point->settled = shv_sub(point->first == pair->first ? whole : shv_scale(whole, -1.0), point->carried);
-    }
-}
-
-/* Blocks one after another, each with the others' forces as they are. */
-static double sweep(ShvCohesive *cohesive, ShvState *state, int32_t start, int32_t end, double kick, double step)
-{
-    double largest = 0.0;
-    for (int32_t block = start, stop; block < end; block = stop) {
-        stop = block_end(cohesive, block, end);
-        double change = 0.0;
-        for (int32_t i = block; i < stop; i++)
-            change =
-                shv_larger(change, want(state, &cohesive->laws[i], &cohesive->points[cohesive->active[i]], kick, step));
-        if (!(change > 0.0)) continue;
-        for (int32_t i = block; i < stop; i++) {
-            ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-            move(state, point, kick, point->change);
-        }
-        settle_block(cohesive, state, block, stop);
-        largest = shv_larger(largest, stop - block == end - start && stop - block == 1 ? 0.0 : change);
-    }
-    return largest;
-}
-
-/* Of a sum of works, as a share of their magnitudes. */
-static const double rounding = 1e-13;
-
-/* Forces that have not settled could give more than the cluster stores. All are then scaled by λ, the largest for which
-   stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0.
-   Returns whether they were. */
-static bool limit_given(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step)
-{
-    const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
-    double stored = 0.0, work = 0.0, size = 0.0, a = 0.0;
-    for (int32_t i = start; i < end; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, opening_rate(state, point));
-        const double own = shv_dot(point->pull, shv_sub(to, point->from));
-        stored += point->stored;
-        work += own;
-        size += point->stored + fabs(own);
-    }
-    if (stored + work >= -rounding * size) return false;
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        point->change = point->pull;
-        move(state, point, kick, shv_scale(point->pull, -1.0));
-    }
-    for (int32_t i = start; i < end; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        const ShvVec3 free = shv_madd(point->opening, 0.5 * step, opening_rate(state, point));
-        a += shv_dot(point->change, shv_sub(free, point->from));
-    }
-    const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
-    const double scale = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
-        point->pull = shv_vec3(0.0, 0.0, 0.0);
-        move(state, point, kick, shv_scale(point->change, scale));
-    }
-    return true;
-}
-
-static int32_t pull_cluster(ShvCohesive *cohesive, ShvState *state, int32_t cluster, double kick, double step,
-                            bool again)
-{
-    const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
-    if (!again) prepare_cluster(cohesive, state, start, end, kick, step);
-    int32_t sweeps = 1;
-    while (sweep(cohesive, state, start, end, kick, step) > settled_share && sweeps < MOST_SWEEPS) sweeps++;
-    limit_given(cohesive, state, cluster, kick, step);
-    return sweeps;
-}
-
-/* `first`: of the facet's points in `unsorted`. */
-static int32_t facet_end(const ShvCohesive *cohesive, int32_t first)
-{
-    int32_t end = first + 1;
-    while (end < cohesive->active_count && cohesive->unsorted[end] / 3 == cohesive->unsorted[first] / 3) end++;
-    return end;
-}
-
-/* What the pulls' couples have become since they were last answered. Facets share nodes: one after another. */
-static void answer_couples(ShvCohesive *cohesive, ShvState *state, double kick)
-{
-    for (int32_t start = 0, end; start < cohesive->active_count; start = end) {
-        end = facet_end(cohesive, start);
-        const int32_t facet = cohesive->unsorted[start] / 3;
-        ShvFacetTurn *turn = &cohesive->turns[facet];
-        ShvVec3 couple = {0.0, 0.0, 0.0};
-        for (int32_t i = start; i < end; i++) {
-            const ShvCohesivePoint *point = &cohesive->points[cohesive->unsorted[i]];
-            couple = shv_add(couple, shv_cross(point->opening, point->pull));
-        }
-        const ShvVec3 change = shv_sub(couple, turn->couple);
-        if (change.x == 0.0 && change.y == 0.0 && change.z == 0.0) continue;
-        shv_turn_strike(turn, cohesive->points + 3 * (int64_t)facet, state, change, kick);
-        turn->couple = couple;
-    }
-}
-
-/* All facets, or those that carry. */
-static void follow_turns(ShvCohesive *cohesive, const ShvState *state, bool all)
-{
-    const int32_t count = cohesive->looked_count, threads = cohesive->model->threads;
-#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count))
-    for (int32_t k = 0; k < count; k++) {
-        ShvCohesivePoint *points = cohesive->points + 3 * (int64_t)k;
-        if (all || points->carrying) shv_turn_follow(&cohesive->turns[k], points, state);
-    }
-}
-
-/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. */
-static void answer_within_limits(ShvCohesive *cohesive, ShvState *state, double kick, double step)
-{
-    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-    bool limited = true;
-    answer_couples(cohesive, state, kick);
-    for (int round = 0; limited && round < MOST_ROUNDS; round++) {
-        follow_turns(cohesive, state, false);
-        limited = false;
-#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count)) reduction(|| : limited)
-        for (int32_t c = 0; c < count; c++) limited = limit_given(cohesive, state, c, kick, step) || limited;
-        if (limited) answer_couples(cohesive, state, kick);
-    }
-}
-
-void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step)
-{
-    cohesive->sweeps = 0;
-    if (!(step > 0.0 && kick > 0.0)) return;
-    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-    const bool again = cohesive->pull_kick == kick && cohesive->pull_step == step;
-    int64_t sweeps = 0;
-    follow_turns(cohesive, state, false);
-#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(cohesive, count)) reduction(+ : sweeps)
-    for (int32_t c = 0; c < count; c++) sweeps += pull_cluster(cohesive, state, c, kick, step, again);
-    answer_within_limits(cohesive, state, kick, step);
-    cohesive->pull_kick = kick;
-    cohesive->pull_step = step;
-    cohesive->sweeps = sweeps;
+    begin_facets(cohesive, state);
+    pass_clusters(cohesive, state, !anew, true);
+    cohesive->pull_kick = cohesive->pull_step = 0.0;
 }
 
 /* ---- book ---- */
 
+/* Works in both halves of the step, J. */
+typedef struct PointWork {
+    double before, after;
+} PointWork;
+
+static PointWork book_point(const ShvCohesive *cohesive, const ShvState *state, double step, ShvCohesivePoint *point)
+{
+    const ShvVec3 before = shv_sub(point->opening, point->from);
+    const ShvVec3 after = shv_scale(shv_cohesive_rate(cohesive, state, point), 0.5 * step);
+    const PointWork work = {shv_dot(point->pull, before), shv_dot(point->pull, after)};
+    point->reached = shv_cohesive_components(shv_add(point->opening, after), cohesive->turns[point->turn].normal);
+    point->work = work.before + work.after;
+    return work;
+}
+
+static void book_pushes(const ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
+{
+    double before = 0.0, after = 0.0;
+    for (int32_t k = 0; cohesive->pushed && k < cohesive->turn_count; k++) {
+        const ShvFacetTurn *turn = &cohesive->turns[k];
+        const ShvFacetGaps *gaps = &cohesive->gaps[k];
+        for (int i = 0; i < 3; i++) {
+            const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)turn->second[i]),
+                                             shv_load3(state->velocity + 3 * (int64_t)turn->first[i]));
+            const ShvVec3 rate = shv_sub(velocity, shv_cross(turn->rate, gaps->opening[i]));
+            before -= shv_dot(gaps->push[i], gaps->before[i]);
+            after -= shv_dot(gaps->push[i], shv_scale(rate, 0.5 * step));
+        }
+    }
+    shv_ledger_book(ledger, SHV_WORK_CLOSURE, before, after);
+}
+
+/* Sums over blocks of points, then over the blocks: the same for any number of threads. */
+enum { BOOK_BLOCK = 1024, MOST_BOOK_BLOCKS = 256 };
+
 void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
-    double pulled[2] = {0.0, 0.0}, pushed[2] = {0.0, 0.0};
-    follow_turns(cohesive, state, true);
-    for (int32_t i = 0; i < cohesive->pair_count; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->pairs[i]];
-        const ShvVec3 before = shv_sub(point->opening, point->from);
-        const ShvVec3 after = shv_scale(opening_rate(state, point), 0.5 * step);
-        pulled[0] -= shv_dot(point->pull, before);
-        pulled[1] -= shv_dot(point->pull, after);
-        pushed[0] -= shv_dot(point->push, before);
-        pushed[1] -= shv_dot(point->push, after);
+    PointWork sums[MOST_BOOK_BLOCKS] = {0}, sum = {0};
+    const int32_t count = cohesive->point_count, turns = cohesive->turn_count, threads = cohesive->model->threads;
+    const int32_t least = count / MOST_BOOK_BLOCKS + 1, size = least > BOOK_BLOCK ? least : BOOK_BLOCK;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))
+    for (int32_t k = 0; k < turns; k++) cohesive->turns[k].rate = shv_turn_rate(&cohesive->turns[k], state);
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
+    for (int32_t b = 0; b < (count + size - 1) / size; b++)
+        for (int32_t i = b * size; i < count && i < (b + 1) * size; i++) {
+            const PointWork own = book_point(cohesive, state, step, &cohesive->points[i]);
+            sums[b].before += own.before;
+            sums[b].after += own.after;
+        }
+    for (int32_t b = 0; b < MOST_BOOK_BLOCKS; b++) {
+        sum.before += sums[b].before;
+        sum.after += sums[b].after;
     }
-    shv_ledger_book(ledger, SHV_WORK_COHESIVE, pulled[0], pulled[1]);
-    shv_ledger_book(ledger, SHV_WORK_CLOSURE, pushed[0], pushed[1]);
+    shv_ledger_book(ledger, SHV_WORK_COHESIVE, -sum.before, -sum.after);
+    book_pushes(cohesive, state, step, ledger);
 }
 
 /* ---- resolution ---- */
@@ -542,14 +291,14 @@ static double time_to(double final_opening, double largest, double rate)
 double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState *state)
 {
     double least = (double)INFINITY;
-    for (int32_t i = 0; i < cohesive->active_count; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[cohesive->active[i]];
+    for (int32_t i = 0; i < cohesive->point_count; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
         const ShvHistory history = cohesive->history[point->point];
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
                                      shv_load3(state->velocity + 3 * (int64_t)point->first));
-        const double opening = shv_dot(rate, point->normal);
-        const double slipping = shv_norm(shv_madd(rate, -opening, point->normal));
+        const ShvVec3 normal = cohesive->turns[point->turn].normal;
+        const double opening = shv_dot(rate, normal), slipping = shv_norm(shv_madd(rate, -opening, normal));
         const double slipped = law->kind == SHV_PPR ? history.shear : cohesive->opening[point->point].shear;
         least = shv_smaller(least, time_to(law->final_opening[SHV_NORMAL], history.normal, opening));
         least = shv_smaller(least, time_to(law->final_opening[SHV_SHEAR], slipped, slipping));

@@ -132,6 +132,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     for (int i = 0; i < 3; i++) {
         cohesive->history[point + i] = start;
         cohesive->opening[point + i] = (ShvOpening){0};
+        cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
@@ -180,7 +181,7 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     for (int32_t i = 0; i < touched; i++) find_sides_at(cohesive, state, nodes[i]);
     for (int32_t node = before; node < state->node_count; node++) find_sides_at(cohesive, state, node);
     for (int32_t i = 0; i < count; i++) shv_cohesive_weigh(cohesive, sorted[i]);
-    cohesive->active_count = cohesive->pair_count = 0; /* clusters wait for the end of their step */
+    cohesive->unlisted = true;
     return SHV_OK;
 }
 

@@ -1,4 +1,4 @@
-#include "cohesive/pair.h"
+#include "cohesive/spring.h"
 
 /* Traction on the envelope of one component, its sign at the ends of a bracket known. */
 typedef struct Equation {
@@ -74,20 +74,11 @@ static ShvPairSpring make_spring(ShvLawBranch branch, double compliance)
     ShvPairSpring spring = {.branch = branch, .stiffness = (double)INFINITY};
     if (!(branch.limit > 0.0)) return spring;
     spring.stiffness = branch.peak / branch.limit;
+    spring.share = 1.0 / (1.0 + 0.5 * compliance * spring.stiffness);
     const double pull = backward_share(compliance, spring.stiffness) * spring.stiffness;
-    spring.yield = compliance / (1.0 + 0.5 * compliance * spring.stiffness);
+    spring.yield = compliance * spring.share;
     spring.excess = pull / (1.0 + 1.5 * pull * spring.yield);
     return spring;
-}
-
-/* Share of the backward rule's excess that is added to the traction of the chord: the largest that takes no energy out of the
-   spring, i.e. damping·(to − from) ≥ 0, and changes the traction by no more than k/2 × `room`, the way left on the
-   spring. Both fade to nothing where the rule changes, so that the traction is continuous in what the neighbours do,
-   and sweeps over them can settle. `square`: of the excess; `path`: excess·(to − from). */
-static double damping_share(const ShvPairSpring *spring, double size, double square, double path, double room)
-{
-    if (!(square > 0.0 && path > 0.0 && room > 0.0)) return 0.0;
-    return shv_smaller(shv_smaller(path / (spring->yield * square), 0.5 * spring->stiffness * room / size), 1.0);
 }
 
 /* ---- normal component ---- */
@@ -162,13 +153,10 @@ static double normal_from_open(const ShvPair *pair, double free)
 {
     const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
     const double stiffness = spring->stiffness, half = 0.5 * pair->compliance * stiffness, from = pair->from;
-    const double to = (free - half * from) / (1.0 + half);
+    const double to = (free - half * from) * spring->share;
     if (to >= 0.0) {
-        const double whole = spring->excess * (1.5 * (to - from) - pair->drift);
-        const double room = to > from ? spring->branch.limit - from : to;
-        const double damped = whole * damping_share(spring, fabs(whole), whole * whole, whole * (to - from), room);
-        const double end = to - spring->yield * damped;
-        if (to <= from || end <= spring->branch.limit) return shv_larger(0.5 * stiffness * (end + from) + damped, 0.0);
+        double traction, damped;
+        if (shv_spring_normal(pair, to, &traction, &damped)) return traction;
         return normal_envelope(pair, free, shv_larger(damped * (spring->branch.limit - from), 0.0));
     }
     /* closes: all that is stored comes back over the path */
@@ -240,13 +228,9 @@ static ShvVec3 shear_traction(const ShvPair *pair, const ShvPairSpring *spring, 
     } else if (limit == 0.0) {
         if (shv_norm(sum) <= compliance * peak) return shv_scale(sum, 1.0 / compliance);
     } else {
-        theta = 1.0 / (1.0 + 0.5 * compliance * spring->stiffness);
-        const ShvVec3 chord = shv_sub(shv_scale(sum, theta), pair->start), path = shv_sub(chord, pair->start);
-        const ShvVec3 whole = shv_scale(shv_madd(shv_scale(pair->sideways, -1.0), 1.5, path), spring->excess);
-        const double square = shv_dot(whole, whole);
-        const double share = damping_share(spring, sqrt(square), square, shv_dot(whole, path), limit - from);
-        const ShvVec3 damped = shv_scale(whole, share), end = shv_madd(chord, -spring->yield, damped);
-        if (shv_norm(end) <= limit) return shv_madd(damped, 0.5 * spring->stiffness, shv_add(end, pair->start));
+        ShvVec3 traction, damped;
+        if (shv_spring_shear(pair, spring, sum, &traction, &damped)) return traction;
+        theta = spring->share;
         damped_work = shv_norm(damped) * (limit - from);
     }
     Equation e = {.law = pair->law,

@@ -22,6 +22,7 @@
 typedef struct ShvPairSpring {
     ShvLawBranch branch;
     double stiffness;     /* Pa/m; infinite where nothing has opened yet */
+    double share;         /* 1/(1 + compliance × stiffness / 2): of an opening without traction, what is left of it */
     double yield, excess; /* of the damping (pair.c) */
 } ShvPairSpring;
 

@@ -12,16 +12,17 @@
     X(ShvHistory, history, 3)                                                                                          \
     X(ShvOpening, opening, 3)                                                                                          \
     X(double, peak, 3)                                                                                                 \
+    X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
     X(uint8_t, bonded, 1)                                                                                              \
     X(int32_t, failed, 1)                                                                                              \
     X(int32_t, live, 1)                                                                                                \
-    X(ShvCohesivePoint, points, 3)                                                                                     \
     X(ShvFacetTurn, turns, 1)                                                                                          \
-    X(int32_t, unsorted, 3)                                                                                            \
-    X(int32_t, active, 3)                                                                                              \
-    X(int32_t, pairs, 3)                                                                                               \
-    X(ShvPair, laws, 3)
+    X(ShvFacetGaps, gaps, 1)                                                                                           \
+    X(ShvVec3, couple, 3)                                                                                              \
+    X(ShvCohesivePoint, points, 3)                                                                                     \
+    X(ShvPair, pairs, 3)                                                                                               \
+    X(ShvCohesiveCorner, corners, 3)
 
 static size_t facet_bytes(void)
 {
@@ -67,6 +68,10 @@ static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *
 ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->pulled_velocity, 3 * (size_t)nodes, "velocities of nodes",
+               25 * (size_t)nodes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_news, (size_t)nodes, "velocities of nodes",
+               25 * (size_t)nodes, error);
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
         const size_t values = 2 * (size_t)nodes;
         SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, values, "principal stresses of nodes",
@@ -121,6 +126,8 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     const size_t nodes = (size_t)model->mesh.node_count;
     cohesive->origin_fill = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->origin_fill);
     cohesive->cluster = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster);
+    cohesive->cluster_corner = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster_corner);
+    cohesive->budget = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->budget);
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
     cohesive->facet_watch = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_watch);
@@ -130,10 +137,10 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->stress_known = shv_allocate(memory, SHV_PART_STRESS, batches, sizeof *cohesive->stress_known);
     cohesive->watched = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->watched);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
-        !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->facet_value ||
-        !cohesive->facet_watch || !cohesive->face_weight || !cohesive->faces || !cohesive->asked ||
-        !cohesive->stress_known || !cohesive->watched)
-        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 8);
+        !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->cluster_corner ||
+        !cohesive->budget || !cohesive->facet_value || !cohesive->facet_watch || !cohesive->face_weight ||
+        !cohesive->faces || !cohesive->asked || !cohesive->stress_known || !cohesive->watched)
+        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 44);
     if (cohesive->settings->criterion == SHV_CRITERION_FORCE) {
         ShvStarSearch *search = &cohesive->search;
         SHV_TRY(shv_star_create(&search->star, memory, (int32_t)corners, error));
@@ -175,6 +182,10 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->corner_copy);
     shv_release(cohesive->origin_fill);
     shv_release(cohesive->cluster);
+    shv_release(cohesive->cluster_corner);
+    shv_release(cohesive->budget);
+    shv_release(cohesive->pulled_velocity);
+    shv_release(cohesive->node_news);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->facet_watch);
     shv_release(cohesive->face_weight);

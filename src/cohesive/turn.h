@@ -12,19 +12,18 @@
 
 #include "cohesive/cohesive.h"
 
-/* Of a facet with its three points: for the positions of now. One with nothing split, or whose middles have shrunk to a
-   quarter of its area, does not turn: its couples stay unanswered. */
-void shv_turn_begin(ShvFacetTurn *turn, const ShvCohesivePoint points[3], const ShvState *state);
+/* Of a facet whose nodes are known: where it stands and turns now. One whose middles have shrunk to a quarter of its area does
+   not turn: its couples stay unanswered. */
+void shv_turn_begin(ShvFacetTurn *turn, const ShvCohesiveSides *sides, double area, const ShvState *state);
 /* ω at the present velocities, rad/s. */
-ShvVec3 shv_turn_rate(const ShvFacetTurn *turn, const ShvCohesivePoint points[3], const ShvState *state);
+ShvVec3 shv_turn_rate(const ShvFacetTurn *turn, const ShvState *state);
+/* Finds the answer to what is new of the sum of the couples of three pulls, N m. */
+void shv_turn_answer(ShvFacetTurn *turn, const ShvVec3 couple[3]);
 /* Gives the middles the mean couple `couple`, N m, for `kick` seconds; its forces go to state->force as well. */
-void shv_turn_strike(const ShvFacetTurn *turn, const ShvCohesivePoint points[3], ShvState *state, ShvVec3 couple,
-                     double kick);
+void shv_turn_strike(const ShvFacetTurn *turn, ShvState *state, ShvVec3 couple, double kick);
 /* Change of the rate of opening of a corner, seen by one who turns with the facet, along a unit vector per impulse along it,
    1/kg. */
-double shv_turn_response(const ShvFacetTurn *turn, const ShvCohesivePoint points[3], const ShvState *state, int corner,
+double shv_turn_response(const ShvFacetTurn *turn, const ShvState *state, int corner, ShvVec3 opening,
                          ShvVec3 direction);
-/* `carried` of the points at the present velocities. */
-void shv_turn_follow(const ShvFacetTurn *turn, ShvCohesivePoint points[3], const ShvState *state);
 
 #endif

@@ -210,7 +210,7 @@ static void slid_away_pairs_are_dropped(void **state)
     assert_true(live > 0);
     shv_cohesive_begin(&f.cohesive, &f.state, NULL);
     assert_int_equal(f.cohesive.pair_count, 3 * live);
-    assert_int_equal(f.cohesive.active_count, 0);
+    assert_int_equal(f.cohesive.point_count, 0);
     for (int32_t i = 0; i < f.state.node_count; i++) f.state.displacement[3 * i + 2] = on_right(&f, i) ? 0.001 : 0.0;
     shv_cohesive_begin(&f.cohesive, &f.state, NULL);
     assert_int_equal(f.cohesive.live_count, live);

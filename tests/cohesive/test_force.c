@@ -262,10 +262,9 @@ static void everything_breaks_without_gaining_energy(void **state)
 }
 
 /* Of opening, seen by one who turns with the facet. */
-static ShvVec3 rate_of(const Fixture *f, int32_t p)
+static ShvVec3 rate_of(const Fixture *f, const ShvCohesivePoint *point)
 {
-    const ShvCohesivePoint *point = &f->cohesive.points[p];
-    const ShvVec3 turn = shv_turn_rate(&f->cohesive.turns[p / 3], &f->cohesive.points[p - p % 3], &f->state);
+    const ShvVec3 turn = shv_turn_rate(&f->cohesive.turns[point->turn], &f->state);
     const ShvVec3 rate = shv_sub(shv_load3(f->state.velocity + 3 * (int64_t)point->second),
                                  shv_load3(f->state.velocity + 3 * (int64_t)point->first));
     return shv_sub(rate, shv_cross(turn, point->opening));
@@ -277,8 +276,8 @@ static double cluster_budget(const Fixture *f, int32_t cluster, double step, dou
     double sum = 0.0;
     *size = 0.0;
     for (int32_t i = f->cohesive.cluster[cluster]; i < f->cohesive.cluster[cluster + 1]; i++) {
-        const ShvCohesivePoint *point = &f->cohesive.points[f->cohesive.active[i]];
-        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, rate_of(f, f->cohesive.active[i]));
+        const ShvCohesivePoint *point = &f->cohesive.points[i];
+        const ShvVec3 to = shv_madd(point->opening, 0.5 * step, rate_of(f, point));
         const double work = shv_dot(point->pull, shv_sub(to, point->from));
         sum += point->stored + work;
         *size += point->stored + fabs(work);
@@ -313,13 +312,12 @@ static void unsettled_clusters_never_give_energy(void **state)
         for (int32_t i = 0; i < f.state.node_count; i++) f.state.mass[i] *= 1e-3 + shv_random_uniform(3, (uint64_t)i);
         f.state.last_step = step;
         ShvLedger ledger = {0};
-        double allowed = 0.0, size;
+        double allowed = 0.0, spared = 0.0, size;
         for (uint64_t k = 0; k < 40; k++) {
             shv_cohesive_begin(&f.cohesive, &f.state, NULL);
             double stored = 0.0;
-            for (int32_t i = 0; i < f.cohesive.active_count; i++)
-                stored += f.cohesive.points[f.cohesive.active[i]].stored;
-            if (k > 0) assert_true(stored <= allowed * (1.0 + 2e-3));
+            for (int32_t i = 0; i < f.cohesive.point_count; i++) stored += f.cohesive.points[i].stored;
+            if (k > 0) assert_true(stored <= allowed * (1.0 + 2e-3) + spared);
             for (uint64_t pull = 0; pull < 2; pull++) {
                 disturb(&f, speed, 10 + 3 * k + pull);
                 shv_cohesive_pull(&f.cohesive, &f.state, step, step);
@@ -327,9 +325,11 @@ static void unsettled_clusters_never_give_energy(void **state)
                     assert_true(cluster_budget(&f, c, step, &size) >= -1e-12 * size);
             }
             if (k % 2) disturb(&f, speed, 12 + 3 * k);
-            allowed = 0.0;
-            for (int32_t c = 0; c < f.cohesive.cluster_count; c++)
+            allowed = spared = 0.0;
+            for (int32_t c = 0; c < f.cohesive.cluster_count; c++) {
                 allowed += fmax(cluster_budget(&f, c, step, &size), 0.0);
+                spared += 1e-9 * size; /* what a cluster may keep that has given all (force.c) */
+            }
             shv_cohesive_book(&f.cohesive, &f.state, step, &ledger);
             for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
                 f.state.displacement[i] += step * f.state.velocity[i];
@@ -356,11 +356,13 @@ static void corners_held_shut_do_not_wear(void **state)
         fixture_start(&f);
         insert_plane(&f);
         f.state.last_step = step;
+        ShvLedger ledger = {0};
         for (uint64_t k = 0; k < STEPS; k++) {
             shv_cohesive_begin(&f.cohesive, &f.state, NULL);
             disturb(&f, speed, 2 * k);
             shv_cohesive_pull(&f.cohesive, &f.state, step, step);
             disturb(&f, speed, 2 * k + 1);
+            shv_cohesive_book(&f.cohesive, &f.state, step, &ledger);
             for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
                 f.state.displacement[i] += step * f.state.velocity[i];
             zero_force(&f);
@@ -370,7 +372,7 @@ static void corners_held_shut_do_not_wear(void **state)
             const double strength = f.cohesive.law[i / 3].strength[SHV_NORMAL];
             check_near(f.cohesive.peak[i], strength, 1e-7 * strength);
         }
-        assert_int_equal(f.cohesive.active_count, f.cohesive.pair_count);
+        assert_int_equal(f.cohesive.point_count, f.cohesive.pair_count);
         assert_true(shv_cohesive_energy(&f.cohesive, &f.state).dissipated < 1e-7 * 8.0 * 0.006 * 0.006);
         fixture_release(&f);
     }

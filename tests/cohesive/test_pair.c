@@ -1,7 +1,7 @@
 #include "check.h"
 
 #include "base/random.h"
-#include "cohesive/pair.h"
+#include "cohesive/spring.h"
 
 static ShvLaw law_of(ShvCohesiveLaw kind, double alpha)
 {
@@ -212,6 +212,35 @@ static void turning_round_gives_back_what_was_stored(void **state)
     assert_true(turned > 10000);
 }
 
+static ShvVec3 random_vector(uint64_t run, uint64_t first, double size)
+{
+    return shv_vec3(size * (shv_random_uniform(run, first) - 0.5), size * (shv_random_uniform(run, first + 1) - 0.5),
+                    size * (shv_random_uniform(run, first + 2) - 0.5));
+}
+
+/* The short way through a step says the same, bit by bit, wherever it says that both components stay on their springs. */
+static void the_short_way_says_the_same(void **state)
+{
+    (void)state;
+    int stayed = 0;
+    for (uint64_t run = 0; run < 20000; run++) {
+        const ShvLaw law = law_of(run % 4 ? SHV_PPR : SHV_CAMACHO_ORTIZ, 2.0 + (double)(run % 2));
+        const double final_opening = law.final_opening[0], reached = final_opening * shv_random_uniform(run, 0);
+        const ShvHistory history = shv_law_grow(&law, (ShvHistory){0}, reached, reached);
+        const ShvVec3 normal = shv_unit(random_vector(run, 1, 1.0)), from = random_vector(run, 4, 2.0 * reached);
+        const ShvVec3 now = shv_add(from, random_vector(run, 7, 0.3 * reached));
+        const double compliance = pow(10.0, 4.0 * shv_random_uniform(run, 10) - 3.0) * final_opening / 40e6;
+        const ShvPair pair = shv_pair_make(&law, history, normal, from, now, compliance);
+        const ShvVec3 free = shv_add(from, random_vector(run, 11, reached));
+        ShvVec3 traction;
+        if (!shv_pair_stays(&pair, free, &traction)) continue;
+        const ShvVec3 whole = shv_pair_traction(&pair, free);
+        assert_true(traction.x == whole.x && traction.y == whole.y && traction.z == whole.z);
+        stayed++;
+    }
+    assert_in_range(stayed, 4000, 19000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -221,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_new_pair_is_held),
         cmocka_unit_test(tends_to_the_plain_law),
         cmocka_unit_test(stiff_unloading_is_stable),
+        cmocka_unit_test(the_short_way_says_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,179 @@
+#include <string.h>
+
+#include "cohesive/solve.h"
+
+void shv_cohesive_keep_pulls(ShvCohesive *cohesive)
+{
+    for (int32_t i = 0; i < cohesive->point_count; i++)
+        cohesive->force[cohesive->points[i].point] = cohesive->points[i].last;
+}
+
+void shv_cohesive_drop_lists(ShvCohesive *cohesive)
+{
+    cohesive->turn_count = cohesive->point_count = cohesive->pair_count = cohesive->cluster_count = 0;
+    cohesive->unlisted = true;
+}
+
+void shv_cohesive_drop_separated(ShvCohesive *cohesive)
+{
+    int32_t live = 0;
+    for (int32_t k = 0; k < cohesive->live_count; k++)
+        if (cohesive->phase[cohesive->live[k]] != SHV_COHESIVE_SEPARATED) cohesive->live[live++] = cohesive->live[k];
+    cohesive->live_count = live;
+}
+
+static bool is_wanted(const ShvCohesive *cohesive, const ShvState *state, int32_t index, const uint8_t *awake)
+{
+    return cohesive->sides[index].split && !shv_cohesive_rests(cohesive, state, index, awake);
+}
+
+static int32_t origin_of(const ShvCohesive *cohesive, const ShvState *state, int32_t index)
+{
+    return state->origin[cohesive->sides[index].first[0]];
+}
+
+/* Counts become first places. */
+static void sum_up(int32_t *fill, int32_t count)
+{
+    int32_t start = 0;
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t size = fill[i];
+        fill[i] = start;
+        start += size;
+    }
+}
+
+static bool carries(const ShvCohesive *cohesive, int32_t index)
+{
+    const double *peak = cohesive->peak + 3 * (int64_t)index;
+    return peak[0] > 0.0 || peak[1] > 0.0 || peak[2] > 0.0;
+}
+
+static void place_turn(ShvCohesive *cohesive, int32_t index, ShvFacetTurn *turn)
+{
+    const ShvCohesiveSides *sides = &cohesive->sides[index];
+    turn->index = index;
+    turn->answers = turn->news = false;
+    turn->carries = carries(cohesive, index);
+    for (int i = 0; i < 3; i++) {
+        turn->first[i] = sides->first[i];
+        turn->second[i] = sides->second[i];
+        cohesive->pair_count += sides->first[i] != sides->second[i];
+    }
+}
+
+/* In order of the nodes that their first corners stem from, as positions and velocities stand. */
+static void list_turns(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    int32_t *fill = cohesive->origin_fill;
+    const int32_t nodes = cohesive->model->mesh.node_count;
+    cohesive->turn_count = cohesive->pair_count = 0;
+    for (int32_t k = 0; k < cohesive->live_count; k++)
+        if (is_wanted(cohesive, state, cohesive->live[k], awake)) {
+            fill[origin_of(cohesive, state, cohesive->live[k])]++;
+            cohesive->turn_count++;
+        }
+    sum_up(fill, nodes);
+    for (int32_t k = 0; k < cohesive->live_count; k++) {
+        const int32_t index = cohesive->live[k];
+        if (!is_wanted(cohesive, state, index, awake)) continue;
+        place_turn(cohesive, index, &cohesive->turns[fill[origin_of(cohesive, state, index)]++]);
+    }
+    memset(fill, 0, (size_t)nodes * sizeof *fill);
+}
+
+/* Those at copies of one node of the mesh make a cluster: no two clusters share a node. */
+static void list_corners(ShvCohesive *cohesive, const ShvState *state)
+{
+    int32_t *fill = cohesive->origin_fill;
+    const int32_t nodes = cohesive->model->mesh.node_count;
+    for (int32_t k = 0; k < cohesive->turn_count; k++)
+        for (int i = 0; cohesive->turns[k].carries && i < 3; i++) fill[state->origin[cohesive->turns[k].first[i]]]++;
+    cohesive->cluster_count = 0;
+    int32_t start = 0;
+    for (int32_t node = 0; node < nodes; node++) {
+        if (fill[node] == 0) continue;
+        cohesive->cluster_corner[cohesive->cluster_count++] = start;
+        start += fill[node];
+        fill[node] = start - fill[node];
+    }
+    cohesive->cluster_corner[cohesive->cluster_count] = start;
+    for (int32_t k = 0; k < cohesive->turn_count; k++)
+        for (int i = 0; cohesive->turns[k].carries && i < 3; i++) {
+            const ShvFacetTurn *turn = &cohesive->turns[k];
+            cohesive->corners[fill[state->origin[turn->first[i]]]++] =
+                (ShvCohesiveCorner){turn->first[i], turn->second[i], 3 * k + i};
+        }
+    memset(fill, 0, (size_t)nodes * sizeof *fill);
+}
+
+static int64_t pair_key(const ShvCohesiveCorner *corner)
+{
+    const int32_t low = corner->first < corner->second ? corner->first : corner->second;
+    const int32_t high = corner->first < corner->second ? corner->second : corner->first;
+    return ((int64_t)low << 32) + high;
+}
+
+/* Pairs side by side, in order of facets; clusters are small. */
+static void sort_pairs(ShvCohesiveCorner *corners, int32_t count)
+{
+    for (int32_t i = 1; i < count; i++) {
+        const ShvCohesiveCorner corner = corners[i];
+        const int64_t key = pair_key(&corner);
+        int32_t k = i;
+        for (; k > 0 && pair_key(&corners[k - 1]) > key; k--) corners[k] = corners[k - 1];
+        corners[k] = corner;
+    }
+}
+
+static void place_point(ShvCohesive *cohesive, const ShvCohesiveCorner *corner)
+{
+    const int32_t turn = corner->slot / 3, index = cohesive->turns[turn].index;
+    const int32_t point = 3 * index + corner->slot % 3;
+    cohesive->points[cohesive->point_count++] = (ShvCohesivePoint){.first = corner->first,
+                                                                   .second = corner->second,
+                                                                   .point = point,
+                                                                   .turn = turn,
+                                                                   .weight = cohesive->area[index] / 3.0,
+                                                                   .last = cohesive->force[point]};
+    cohesive->force[point] = shv_vec3(0.0, 0.0, 0.0);
+}
+
+static void count_blocks(ShvCohesivePoint *points, const ShvCohesiveCorner *corners, int32_t count)
+{
+    for (int32_t i = count - 1; i >= 0; i--)
+        points[i].block =
+            i + 1 < count && pair_key(&corners[i]) == pair_key(&corners[i + 1]) ? points[i + 1].block + 1 : 1;
+}
+
+/* Split corners come first in their cluster. */
+static void list_points(ShvCohesive *cohesive)
+{
+    cohesive->point_count = 0;
+    for (int32_t c = 0; c < cohesive->cluster_count; c++) {
+        const int32_t start = cohesive->cluster_corner[c], end = cohesive->cluster_corner[c + 1];
+        int32_t split = start;
+        cohesive->cluster[c] = cohesive->point_count;
+        for (int32_t i = start; i < end; i++) {
+            const ShvCohesiveCorner corner = cohesive->corners[i];
+            if (corner.first == corner.second) continue;
+            cohesive->corners[i] = cohesive->corners[split];
+            cohesive->corners[split++] = corner;
+        }
+        sort_pairs(cohesive->corners + start, split - start);
+        for (int32_t i = start; i < split; i++) place_point(cohesive, &cohesive->corners[i]);
+        count_blocks(cohesive->points + cohesive->cluster[c], cohesive->corners + start, split - start);
+    }
+    cohesive->cluster[cohesive->cluster_count] = cohesive->point_count;
+}
+
+void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    shv_cohesive_drop_separated(cohesive);
+    list_turns(cohesive, state, awake);
+    list_corners(cohesive, state);
+    list_points(cohesive);
+    memset(cohesive->couple, 0, 3 * (size_t)cohesive->turn_count * sizeof *cohesive->couple);
+    cohesive->list_awake = awake;
+    cohesive->unlisted = false;
+}

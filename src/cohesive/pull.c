@@ -1,0 +1,366 @@
+#include <math.h>
+#include <string.h>
+
+#include "cohesive/solve.h"
+#include "cohesive/spring.h"
+#include "cohesive/turn.h"
+
+/* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
+   then left is made up for by `limit_given` and `wear`. */
+enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
+static const double settled_share = 5e-3;
+/* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
+static const double news_share = 1e-3;
+
+/* One pull of a step. */
+typedef struct Pull {
+    ShvCohesive *cohesive;
+    ShvState *state;
+    double kick, step;
+} Pull;
+
+/* ---- a cluster ---- */
+
+/* Points of one pair of nodes, as in a plane crack, move together: each with its share of the nodes' masses in proportion
+   to what it may pull. As the shares sum to the masses, that takes no less energy than each would by itself, and where the
+   points are alike it is exact at once. */
+static void share_masses(const ShvState *state, ShvCohesivePoint *points)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < points->block; i++) sum += points[i].weight * points[i].peak;
+    const double whole = 1.0 / state->mass[points->first] + 1.0 / state->mass[points->second];
+    for (int32_t i = 0; i < points->block; i++)
+        if (points[i].peak > 0.0) points[i].response = whole * (sum / (points[i].weight * points[i].peak));
+}
+
+static void move(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
+{
+    ShvState *state = pull->state;
+    const int64_t first = point->first, second = point->second;
+    shv_add_to3(state->velocity + 3 * first, shv_scale(change, pull->kick / state->mass[first]));
+    shv_add_to3(state->velocity + 3 * second, shv_scale(change, -pull->kick / state->mass[second]));
+    shv_add_to3(state->force + 3 * first, change);
+    shv_add_to3(state->force + 3 * second, shv_scale(change, -1.0));
+}
+
+static void prepare(const Pull *pull, int32_t start, int32_t end)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    for (int32_t i = start; i < end; i += cohesive->points[i].block) share_masses(pull->state, cohesive->points + i);
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &cohesive->points[i];
+        if (!(point->peak > 0.0)) continue;
+        cohesive->pairs[i] = shv_pair_make(&cohesive->law[point->point / 3], cohesive->history[point->point],
+                                           cohesive->turns[point->turn].normal, point->from, point->opening,
+                                           0.5 * pull->step * pull->kick * point->response * point->weight);
+    }
+}
+
+/* The forces of the last step are where the sweeps begin. */
+static void repeat_last(const Pull *pull, int32_t start, int32_t end)
+{
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &pull->cohesive->points[i];
+        if (!(point->peak > 0.0)) continue;
+        point->pull = point->last;
+        move(pull, point, point->last);
+    }
+}
+
+/* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
+   rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
+   neighbours that have hardly moved, needs no new look. */
+static double want(const Pull *pull, int32_t index)
+{
+    ShvCohesivePoint *point = &pull->cohesive->points[index];
+    const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, point), news = shv_sub(rate, point->settled);
+    const double peak = point->weight * point->peak, response = pull->kick * point->response;
+    const double slight = news_share * peak * response;
+    point->change = shv_vec3(0.0, 0.0, 0.0);
+    if (!(peak > 0.0) || shv_dot(news, news) <= slight * slight) return 0.0;
+    const ShvVec3 without = shv_madd(rate, response, point->pull);
+    const ShvVec3 free = shv_madd(point->opening, 0.5 * pull->step, without);
+    const ShvPair *pair = &pull->cohesive->pairs[index];
+    ShvVec3 traction;
+    if (!shv_pair_stays(pair, free, &traction)) traction = shv_pair_traction(pair, free);
+    const ShvVec3 force = shv_scale(traction, point->weight);
+    point->change = shv_sub(force, point->pull);
+    point->settled = shv_madd(without, -response, force);
+    return shv_norm(point->change) / peak;
+}
+
+/* Pairs one after another, each with the others' forces as they are. */
+static double sweep(const Pull *pull, int32_t start, int32_t end)
+{
+    ShvCohesivePoint *points = pull->cohesive->points;
+    double largest = 0.0;
+    for (int32_t block = start, stop; block < end; block = stop) {
+        stop = block + points[block].block;
+        double change = 0.0;
+        for (int32_t i = block; i < stop; i++) change = shv_larger(change, want(pull, i));
+        if (!(change > 0.0)) continue;
+        for (int32_t i = block; i < stop; i++) {
+            points[i].pull = shv_add(points[i].pull, points[i].change);
+            move(pull, &points[i], points[i].change);
+        }
+        largest = shv_larger(largest, change);
+    }
+    return largest;
+}
+
+/* Returns the sweeps that found something to do. */
+static int32_t settle(const Pull *pull, int32_t start, int32_t end)
+{
+    int32_t sweeps = 0;
+    double change;
+    do {
+        change = sweep(pull, start, end);
+        sweeps += change > 0.0;
+    } while (end - start > 1 && change > settled_share && sweeps < MOST_SWEEPS);
+    return sweeps;
+}
+
+/* ---- limits ---- */
+
+/* Of a sum of works, as a share of their magnitudes. */
+static const double rounding = 1e-13;
+
+/* What pulls do on the way they lead, J. */
+static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
+{
+    double work = 0.0, size = 0.0;
+    *budget = (ShvClusterBudget){0};
+    *stored = 0.0;
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesivePoint *point = &pull->cohesive->points[i];
+        const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, point);
+        const ShvVec3 way = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
+        const double own = shv_dot(point->pull, way), force = shv_norm(point->pull);
+        *stored += point->stored;
+        work += own;
+        size += point->stored + fabs(own);
+        budget->force += force;
+        budget->couple += force * shv_norm(point->opening);
+    }
+    budget->left = *stored + work + rounding * size;
+    return work;
+}
+
+static void let_go(const Pull *pull, int32_t start, int32_t end)
+{
+    for (int32_t i = start; i < end; i++) {
+        ShvCohesivePoint *point = &pull->cohesive->points[i];
+        point->change = point->pull;
+        move(pull, point, shv_scale(point->pull, -1.0));
+        point->pull = shv_vec3(0.0, 0.0, 0.0);
+        point->settled = shv_vec3((double)NAN, 0.0, 0.0);
+    }
+}
+
+/* Forces that have not settled could give more than the cluster stores. All are then scaled by λ, the largest for which
+   stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0.
+   Returns whether they were. */
+static bool limit_given(const Pull *pull, int32_t cluster)
+{
+    ShvCohesivePoint *points = pull->cohesive->points;
+    const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
+    ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
+    double stored, a = 0.0;
+    const double work = find_budget(pull, start, end, budget, &stored);
+    if (budget->left >= 0.0) return false;
+    let_go(pull, start, end);
+    for (int32_t i = start; i < end; i++) {
+        const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, &points[i]);
+        const ShvVec3 free = shv_madd(points[i].opening, 0.5 * pull->step, rate);
+        a += shv_dot(points[i].change, shv_sub(free, points[i].from));
+    }
+    const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
+    const double scale = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    for (int32_t i = start; i < end; i++) {
+        points[i].pull = shv_scale(points[i].change, scale);
+        move(pull, &points[i], points[i].pull);
+    }
+    budget->left = 0.0;
+    return true;
+}
+
+/* Of the pulls of a cluster. */
+static void leave_couples(const Pull *pull, int32_t cluster)
+{
+    const ShvCohesive *cohesive = pull->cohesive;
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        const ShvCohesivePoint *point = &cohesive->points[i];
+        cohesive->couple[3 * (int64_t)point->turn + point->point % 3] = shv_cross(point->opening, point->pull);
+    }
+}
+
+/* Sweeps settle soonest from the forces of the last step. Where that leads to more than the cluster stores, they begin anew
+   without any: that way fewer clusters have to be limited. */
+static int32_t pull_cluster(const Pull *pull, int32_t cluster)
+{
+    const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
+    ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
+    double stored;
+    int32_t sweeps = settle(pull, start, end);
+    find_budget(pull, start, end, budget, &stored);
+    if (budget->left < 0.0) {
+        let_go(pull, start, end);
+        sweeps += settle(pull, start, end);
+        limit_given(pull, cluster);
+    }
+    leave_couples(pull, cluster);
+    return sweeps;
+}
+
+/* ---- couples ---- */
+
+static double push(const Pull *pull, int32_t node, ShvVec3 force)
+{
+    const ShvVec3 change = shv_scale(force, pull->kick / pull->state->mass[node]);
+    shv_add_to3(pull->state->velocity + 3 * (int64_t)node, change);
+    shv_add_to3(pull->state->force + 3 * (int64_t)node, force);
+    return fabs(change.x) + fabs(change.y) + fabs(change.z);
+}
+
+static void push_cluster(const Pull *pull, int32_t cluster)
+{
+    const ShvCohesive *cohesive = pull->cohesive;
+    double shift = 0.0;
+    for (int32_t i = cohesive->cluster_corner[cluster]; i < cohesive->cluster_corner[cluster + 1]; i++) {
+        const ShvCohesiveCorner *corner = &cohesive->corners[i];
+        const ShvFacetTurn *turn = &cohesive->turns[corner->slot / 3];
+        if (!turn->answers) continue;
+        const ShvVec3 half = shv_cross(turn->answer, turn->arm[corner->slot % 3]);
+        shift += push(pull, corner->first, half);
+        shift += push(pull, corner->second, half);
+    }
+    cohesive->budget[cluster].shift = shift;
+}
+
+static double change_of(ShvVec3 rate, ShvVec3 before)
+{
+    return fabs(rate.x - before.x) + fabs(rate.y - before.y) + fabs(rate.z - before.z);
+}
+
+/* What the pulls' couples have become since they were last answered. Nodes of a cluster are in no other. Returns the largest
+   change of a rate of turn, negative without answers. */
+static double answer_couples(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    const int32_t turns = cohesive->turn_count, count = cohesive->cluster_count, threads = cohesive->model->threads;
+    bool any = false;
+    double spin = 0.0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))          \
+    reduction(||                                                                                                       \
+              : any)
+    for (int32_t k = 0; k < turns; k++) {
+        if (cohesive->turns[k].carries) shv_turn_answer(&cohesive->turns[k], cohesive->couple + 3 * (int64_t)k);
+        any = any || cohesive->turns[k].answers;
+    }
+    if (!any) return -1.0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
+    for (int32_t c = 0; c < count; c++) push_cluster(pull, c);
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))          \
+    reduction(max                                                                                                      \
+              : spin)
+    for (int32_t k = 0; k < turns; k++) {
+        if (!cohesive->turns[k].carries) continue;
+        const ShvVec3 rate = shv_turn_rate(&cohesive->turns[k], pull->state);
+        spin = shv_larger(spin, change_of(rate, cohesive->turns[k].rate));
+        cohesive->turns[k].rate = rate;
+    }
+    return spin;
+}
+
+/* Whether the change of rates may have led a cluster beyond what it stores, and it was limited. */
+static bool check_limit(const Pull *pull, int32_t cluster, double spin)
+{
+    ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
+    budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
+    if (budget->left >= 0.0 || !limit_given(pull, cluster)) return false;
+    leave_couples(pull, cluster);
+    return true;
+}
+
+/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. */
+static void answer_within_limits(const Pull *pull)
+{
+    const ShvCohesive *cohesive = pull->cohesive;
+    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
+    bool limited = true;
+    double spin = answer_couples(pull);
+    for (int round = 0; limited && spin >= 0.0 && round < MOST_ROUNDS; round++) {
+        limited = false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
+    reduction(||                                                                                                       \
+              : limited)
+        for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
+        if (limited) spin = answer_couples(pull);
+    }
+}
+
+/* ---- news ---- */
+
+static bool has_news(const ShvCohesive *cohesive, int32_t cluster)
+{
+    for (int32_t i = cohesive->cluster_corner[cluster]; i < cohesive->cluster_corner[cluster + 1]; i++)
+        if (cohesive->turns[cohesive->corners[i].slot / 3].news) return true;
+    return false;
+}
+
+static bool compare_node(const ShvCohesive *cohesive, const ShvState *state, int64_t node)
+{
+    const double *now = state->velocity + 3 * node, *then = cohesive->pulled_velocity + 3 * node;
+    const bool news = now[0] != then[0] || now[1] != then[1] || now[2] != then[2];
+    cohesive->node_news[node] = news;
+    return news;
+}
+
+/* Of velocities, since the last pull. Returns whether there are any. */
+static bool look_for_news(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    const int32_t nodes = pull->state->node_count, turns = cohesive->turn_count, threads = cohesive->model->threads;
+    bool any = false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, nodes))          \
+    reduction(||                                                                                                       \
+              : any)
+    for (int32_t i = 0; i < nodes; i++) any = compare_node(cohesive, pull->state, i) || any;
+    if (!any) return false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))
+    for (int32_t k = 0; k < turns; k++) {
+        ShvFacetTurn *turn = &cohesive->turns[k];
+        turn->news = false;
+        for (int i = 0; i < 3; i++)
+            turn->news = turn->news || cohesive->node_news[turn->first[i]] || cohesive->node_news[turn->second[i]];
+        if (turn->news) turn->rate = shv_turn_rate(turn, pull->state);
+    }
+    return true;
+}
+
+/* ---- all ---- */
+
+void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step)
+{
+    cohesive->sweeps = 0;
+    if (!(step > 0.0 && kick > 0.0) || cohesive->point_count == 0) return;
+    const Pull pull = {cohesive, state, kick, step};
+    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
+    const bool first = cohesive->pull_kick == 0.0, again = cohesive->pull_kick == kick && cohesive->pull_step == step;
+    int64_t sweeps = 0;
+    if (!first && !look_for_news(&pull) && again) return;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
+    reduction(+ : sweeps)
+    for (int32_t c = 0; c < count; c++) {
+        const int32_t start = cohesive->cluster[c], end = cohesive->cluster[c + 1];
+        if (start == end || (again && !has_news(cohesive, c))) continue;
+        if (!again) prepare(&pull, start, end);
+        if (first) repeat_last(&pull, start, end);
+        sweeps += pull_cluster(&pull, c);
+    }
+    answer_within_limits(&pull);
+    memcpy(cohesive->pulled_velocity, state->velocity, 3 * (size_t)state->node_count * sizeof *state->velocity);
+    cohesive->pull_kick = kick;
+    cohesive->pull_step = step;
+    cohesive->sweeps = sweeps;
+}

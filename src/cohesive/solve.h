@@ -1,0 +1,34 @@
+/* What the parts of the cohesive solve share: lists (lists.c), histories (force.c), impulses (pull.c), closing faces
+   (closure.c). */
+#ifndef SHV_COHESIVE_SOLVE_H
+#define SHV_COHESIVE_SOLVE_H
+
+#include "cohesive/cohesive.h"
+
+/* Below this many, starting threads costs more than they save. */
+enum { SHV_FEWEST_PARALLEL = 256 };
+
+static inline bool shv_cohesive_in_parallel(const ShvCohesive *cohesive, int32_t count)
+{
+    return cohesive->model->threads > 1 && count >= SHV_FEWEST_PARALLEL;
+}
+
+/* Makes the lists of a step anew: facets in order of the nodes they stem from, points cluster by cluster and pair by pair. */
+void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* Pulls of the last step outlive the lists: the next step starts from them. */
+void shv_cohesive_keep_pulls(ShvCohesive *cohesive);
+/* Forgets the lists, and the step they belong to. */
+void shv_cohesive_drop_lists(ShvCohesive *cohesive);
+/* Takes facets that have separated off the list of live ones. */
+void shv_cohesive_drop_separated(ShvCohesive *cohesive);
+
+/* Of opening, seen by one who turns with the facet. */
+static inline ShvVec3 shv_cohesive_rate(const ShvCohesive *cohesive, const ShvState *state,
+                                        const ShvCohesivePoint *point)
+{
+    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
+                                 shv_load3(state->velocity + 3 * (int64_t)point->first));
+    return shv_sub(rate, shv_cross(cohesive->turns[point->turn].rate, point->opening));
+}
+
+#endif
