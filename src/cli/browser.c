@@ -79,6 +79,7 @@ static ShvStatus receive(ShvBrowser *browser, ShvError *error)
 /* Goes on to the next message; it is at the beginning of `answer`. */
 static ShvStatus next_message(ShvBrowser *browser, ShvError *error)
 {
+    if (browser->length == 0) SHV_TRY(receive(browser, error)); /* the first of all: there is no room yet */
     memmove(browser->answer, browser->answer + browser->used, browser->length - browser->used);
     browser->length -= browser->used;
     browser->used = 0;
