@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "cli/programs.h"
 
 /* A page of a gigabyte takes a browser that draws in software tens of seconds; a picture of it one. */
 enum { PATIENCE = 120 * 1000, NAP = 50 * 1000 * 1000, NAPS = 2400 }; /* ms; ns, times */
@@ -19,35 +20,11 @@ enum { COMMANDS = 3, ANSWERS = 4, FREE_DESCRIPTOR = 10 };
 
 /* ---- programs ---- */
 
-bool shv_on_path(const char *program)
-{
-    const char *path = getenv("PATH");
-    char candidate[SHV_CLI_PATH];
-    while (path && *path) {
-        const size_t length = strcspn(path, ":");
-        const int written = snprintf(candidate, sizeof candidate, "%.*s/%s", (int)length, path, program);
-        if (written > 0 && written < SHV_CLI_PATH && access(candidate, X_OK) == 0) return true;
-        path += length + (path[length] == ':');
-    }
-    return false;
-}
-
 static int wait_for(pid_t child)
 {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
     return status;
-}
-
-bool shv_run_program(const char *const *arguments)
-{
-    const pid_t child = fork();
-    if (child < 0) return false;
-    if (child > 0) return wait_for(child) == 0;
-    char *copies[32] = {NULL};
-    for (int i = 0; i < 31 && arguments[i]; i++) copies[i] = strdup(arguments[i]);
-    execvp(copies[0], copies);
-    _exit(127);
 }
 
 static const char *find_chromium(void)
@@ -102,6 +79,7 @@ static ShvStatus receive(ShvBrowser *browser, ShvError *error)
 /* Goes on to the next message; it is at the beginning of `answer`. */
 static ShvStatus next_message(ShvBrowser *browser, ShvError *error)
 {
+    if (browser->length == 0) SHV_TRY(receive(browser, error)); /* the first of all: there is no room yet */
     memmove(browser->answer, browser->answer + browser->used, browser->length - browser->used);
     browser->length -= browser->used;
     browser->used = 0;

@@ -2,7 +2,6 @@
 #ifndef SHV_CLI_BROWSER_H
 #define SHV_CLI_BROWSER_H
 
-#include <stdbool.h>
 #include <sys/types.h>
 
 #include "cli/command.h"
@@ -16,10 +15,6 @@ typedef struct ShvBrowser {
     char session[64];          /* that the page is attached to */
 } ShvBrowser;
 
-/* Whether a program of this name is on the PATH. */
-bool shv_on_path(const char *program);
-/* Runs a program that is given its arguments, the last one NULL; true when it ended well. */
-bool shv_run_program(const char *const *arguments);
 /* Opens the page; `profile` is a folder for the browser's own files. SHV_UNSUPPORTED without Chromium: the message says what to
    install. On failure there is nothing to close. */
 ShvStatus shv_browser_open(ShvBrowser *browser, const char *page, const char *profile, ShvError *error);

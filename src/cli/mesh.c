@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/publish.h"
+#include "cli/programs.h"
 #include "mesh/generate.h"
 #include "mesh/surface.h"
 
@@ -79,21 +80,6 @@ static ShvStatus check_kind(const char *path, bool script, ShvError *error)
                     has_extension(path, ".geo")
                         ? "; a .geo script can run any command on this machine: --script lets it, if you trust it"
                         : "");
-}
-
-static bool gmsh_on_path(void)
-{
-    const char *path = getenv("PATH");
-    char candidate[SHV_CLI_PATH];
-    while (path && *path) {
-        const size_t length = strcspn(path, ":");
-        if (length + 6 < sizeof candidate) {
-            snprintf(candidate, sizeof candidate, "%.*s/gmsh", (int)length, path);
-            if (access(candidate, X_OK) == 0) return true;
-        }
-        path += length + (path[length] == ':');
-    }
-    return false;
 }
 
 /* gmsh reads STL alone of the three surface formats: every closed surface goes to it as checked ASCII STL. */
@@ -276,7 +262,7 @@ static ShvStatus check_input(Workshop *workshop, const ShvArguments *arguments, 
         SHV_TRY(shv_cli_default_path(workshop->output, path, true, ".msh", error));
     SHV_TRY(shv_cli_keep_input(workshop->output, path, error));
     SHV_TRY(shv_publish_check(workshop->output, arguments->values[FORCE] != NULL, error));
-    if (!gmsh_on_path())
+    if (!shv_on_path("gmsh"))
         return shv_fail(error, SHV_UNSUPPORTED,
                         "gmsh is not on the PATH; install it (Debian, Ubuntu: apt-get install gmsh) and try again");
     return SHV_OK;

@@ -1,7 +1,6 @@
 #include "cli/pictures.h"
 
 #include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +11,7 @@
 #include "base/publish.h"
 #include "cli/browser.h"
 #include "cli/elasticity.h"
+#include "cli/programs.h"
 #include "shiver/view.h"
 
 /* Pictures a second of a film; of an animated picture for pages, which must be small. */
@@ -162,21 +162,12 @@ static ShvStatus check_width(const ShvPictures *pictures, ShvError *error)
 
 /* ---- frames as pictures ---- */
 
-static int64_t nearest_frame(ShvRunFile *file, double time)
-{
-    const double *times = shv_run_file_times(file);
-    int64_t best = 0;
-    for (int64_t i = 1; i < shv_run_file_info(file)->frame_count; i++)
-        if (fabs(times[i] - time) < fabs(times[best] - time)) best = i;
-    return best;
-}
-
 /* Number of the i-th frame asked for. */
 static int64_t frame_of(const Studio *studio, int64_t i)
 {
     const ShvPictures *pictures = studio->pictures;
     if (pictures->frame_count > 0) return (int64_t)pictures->frames[i];
-    return pictures->time_count > 0 ? nearest_frame(studio->file, pictures->times[i]) : i;
+    return pictures->time_count > 0 ? shv_run_file_nearest(studio->file, pictures->times[i]) : i;
 }
 
 static ShvStatus name_picture(const Studio *studio, int64_t i, char path[SHV_CLI_PATH], ShvError *error)

@@ -67,15 +67,6 @@ static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFileInfo *inf
 
 /* ---- which frames ---- */
 
-static int64_t nearest_frame(const Svg *svg, double time)
-{
-    const double *times = shv_run_file_times(svg->file);
-    int64_t best = 0;
-    for (int64_t i = 1; i < svg->info->frame_count; i++)
-        if (fabs(times[i] - time) < fabs(times[best] - time)) best = i;
-    return best;
-}
-
 /* Those asked for, or evenly over the time of the run, each once. */
 static int32_t choose_frames(const Svg *svg, int64_t frames[MOST_PANELS])
 {
@@ -83,9 +74,9 @@ static int32_t choose_frames(const Svg *svg, int64_t frames[MOST_PANELS])
     const double first = svg->info->first_time, span = svg->info->last_time - first;
     int32_t count = 0;
     for (int32_t i = 0; i < o->frame_count; i++) frames[count++] = o->frames[i];
-    for (int32_t i = 0; i < o->time_count; i++) frames[count++] = nearest_frame(svg, o->times[i]);
+    for (int32_t i = 0; i < o->time_count; i++) frames[count++] = shv_run_file_nearest(svg->file, o->times[i]);
     for (int32_t i = 0; i < PANELS && o->frame_count + o->time_count == 0; i++) {
-        const int64_t frame = nearest_frame(svg, first + span * i / (PANELS - 1));
+        const int64_t frame = shv_run_file_nearest(svg->file, first + span * i / (PANELS - 1));
         if (count == 0 || frames[count - 1] != frame) frames[count++] = frame;
     }
     return count;

@@ -432,6 +432,14 @@ ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64
     return good ? SHV_OK : shv_run_fail_damaged(file, shv_series_path(name), error);
 }
 
+int64_t shv_run_file_nearest(const ShvRunFile *file, double time)
+{
+    int64_t best = 0;
+    for (int64_t i = 1; i < file->info.frame_count; i++)
+        if (fabs(file->times[i] - time) < fabs(file->times[best] - time)) best = i;
+    return best;
+}
+
 ShvStatus shv_run_file_frame(ShvRunFile *file, int64_t frame, double *time, int32_t *mode, uint8_t *alive,
                              double *positions, double *orientations, double *velocities, double *angular_velocities,
                              ShvError *error)

@@ -1,0 +1,37 @@
+#include "cli/programs.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/command.h"
+
+bool shv_on_path(const char *program)
+{
+    const char *path = getenv("PATH");
+    char candidate[SHV_CLI_PATH];
+    while (path && *path) {
+        const size_t length = strcspn(path, ":");
+        const int written = snprintf(candidate, sizeof candidate, "%.*s/%s", (int)length, path, program);
+        if (written > 0 && written < SHV_CLI_PATH && access(candidate, X_OK) == 0) return true;
+        path += length + (path[length] == ':');
+    }
+    return false;
+}
+
+bool shv_run_program(const char *const *arguments)
+{
+    const pid_t child = fork();
+    if (child < 0) return false;
+    if (child > 0) {
+        int status = 0;
+        while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+        return status == 0;
+    }
+    char *copies[32] = {NULL};
+    for (int i = 0; i < 31 && arguments[i]; i++) copies[i] = strdup(arguments[i]);
+    execvp(copies[0], copies);
+    _exit(127);
+}

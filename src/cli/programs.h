@@ -1,0 +1,12 @@
+/* Other programs. */
+#ifndef SHV_CLI_PROGRAMS_H
+#define SHV_CLI_PROGRAMS_H
+
+#include <stdbool.h>
+
+/* Whether a program of this name is on the PATH. */
+bool shv_on_path(const char *program);
+/* Runs a program that is given its arguments, the last one NULL; true when it ended well. */
+bool shv_run_program(const char *const *arguments);
+
+#endif
