@@ -135,6 +135,7 @@ typedef struct ShvCohesive {
     ShvHistory *history; /* 3 per facet */
     ShvOpening *opening; /* 3 per facet: at the last half step */
     double *peak;        /* 3 per facet: largest traction still to come, Pa */
+    double *owed;        /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
     ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */

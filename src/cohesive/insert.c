@@ -134,6 +134,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
         cohesive->opening[point + i] = (ShvOpening){0};
         cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
+        cohesive->owed[point + i] = 0.0;
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;
