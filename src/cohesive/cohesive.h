@@ -234,12 +234,14 @@ ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const doub
                               int32_t count, int32_t *duplicated, ShvError *error);
 
 /* Gathers openings and frames and moves the histories on. Facets with an element in a fragment that is not awake (per
-   fragment index, NULL: all) rest. */
+   fragment index, NULL: all) rest; flags are read anew after an insertion, after shv_cohesive_watch and when the array is another
+   one. */
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
 /* Cohesive impulses on velocities after the kick; `kick`: mean of the steps before and after n, `step`: the one to come. The
    mean force goes to state->force as well. Pairs that share nodes are brought together by sweeps over the copies of a node,
-   pair after pair, points of one pair at once with shares of its masses. A second call goes on from the first: it looks
-   only at points whose nodes have other velocities since. The number of threads does not matter. */
+   pair after pair, points of one pair at once with shares of its masses, from the forces of the last step on; a cluster that
+   would have to be limited begins anew without any. A second call goes on from the first: it looks only at clusters with a
+   facet whose nodes have other velocities since. The number of threads does not matter. */
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step);
 /* Keeps closing crack faces from passing through each other: a pair whose normal opening after `step` would be negative gets
    the inelastic impulse that lets it just close (or, when it is closed already, stops it); it never pushes faces apart,

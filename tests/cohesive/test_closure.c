@@ -235,6 +235,13 @@ static void sleepers_rest(void **state)
     assert_int_equal(f.cohesive.pair_count, 0);
     shv_cohesive_begin(&f.cohesive, &f.state, NULL);
     assert_true(f.cohesive.pair_count > 0);
+    uint8_t flags[2] = {1, 1};
+    shv_cohesive_begin(&f.cohesive, &f.state, flags);
+    assert_true(f.cohesive.pair_count > 0);
+    flags[1] = 0;
+    shv_cohesive_watch(&f.cohesive, &f.state, flags);
+    shv_cohesive_begin(&f.cohesive, &f.state, flags);
+    assert_int_equal(f.cohesive.pair_count, 0);
     fixture_release(&f);
 }
 
