@@ -322,11 +322,10 @@ static ShvStatus not_finite(const ShvHybrid *hybrid, ShvError *error)
     const long long step = hybrid->state.step;
     const double time = hybrid->state.time;
     if (element < 0)
-        return shv_fail(
-            error, SHV_DIVERGED,
-            "an energy is too large for a number at step %lld, t = %.9g s; look for a speed or a size of the "
-            "scene that is out of all proportion",
-            step, time);
+        return shv_fail(error, SHV_DIVERGED,
+                        "the energy stopped being finite at step %lld, t = %.9g s; look for a speed or a size of the "
+                        "scene that is out of all proportion",
+                        step, time);
     return shv_fail(
         error, SHV_DIVERGED,
         "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a smaller "
