@@ -48,12 +48,6 @@ ShvVec3 shv_cohesive_opening(const ShvState *state, int32_t first, int32_t secon
                    shv_load3(state->displacement + 3 * (int64_t)first));
 }
 
-ShvOpening shv_cohesive_components(ShvVec3 opening, ShvVec3 normal)
-{
-    const double n = shv_dot(opening, normal);
-    return (ShvOpening){n, shv_norm(shv_madd(opening, -n, normal))};
-}
-
 ShvVec3 shv_cohesive_reference_area(const ShvModel *model, int32_t facet)
 {
     const int64_t element = model->adjacency.facet_elements[2 * (int64_t)facet];

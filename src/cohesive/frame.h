@@ -14,7 +14,11 @@ void shv_cohesive_find_sides(const ShvCohesive *cohesive, const ShvState *state,
 ShvCohesiveFrame shv_cohesive_frame(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet);
 /* second − first, m */
 ShvVec3 shv_cohesive_opening(const ShvState *state, int32_t first, int32_t second);
-ShvOpening shv_cohesive_components(ShvVec3 opening, ShvVec3 normal);
+static inline ShvOpening shv_cohesive_components(ShvVec3 opening, ShvVec3 normal)
+{
+    const double n = shv_dot(opening, normal);
+    return (ShvOpening){n, shv_norm(shv_madd(opening, -n, normal))};
+}
 /* Area vector of the reference face of a facet's first element: normal × area, towards the second element. */
 ShvVec3 shv_cohesive_reference_area(const ShvModel *model, int32_t facet);
 

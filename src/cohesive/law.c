@@ -102,7 +102,7 @@ ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, do
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) {
         history.normal = shv_larger(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
-    } else {
+    } else if (normal > history.normal || shear > history.shear) {
         history.normal = shv_larger(history.normal, normal);
         history.shear = shv_larger(history.shear, shv_larger(shear, counted_slip(law, history.normal)));
     }
