@@ -132,7 +132,7 @@ static void print_zsh(void)
            "        _arguments --help --version\n        return\n    fi\n"
            "    shift words\n    (( CURRENT-- ))\n    case $words[1] in\n");
     for (int i = 0; i < SHV_COMMANDS; i++) print_zsh_command(shv_commands[i]);
-    printf("    esac\n}\ncompdef _shiver shiver\n[[ $funcstack[1] = _shiver ]] && _shiver \"$@\"\n");
+    printf("    esac\n}\ncompdef _shiver shiver\nif [[ $funcstack[1] = _shiver ]]; then _shiver \"$@\"; fi\n");
 }
 
 /* ---- the manual page ---- */

@@ -84,10 +84,13 @@ static int bad_usage(const ShvCommand *command, const char *problem, const char 
     return SHV_EXIT_INPUT;
 }
 
-static int unknown_option(const ShvCommand *command, const char *word)
+/* `text` may go on with a value. */
+static int unknown_option(const ShvCommand *command, const char *text)
 {
     const ShvOption *options[SHV_MOST_LISTED];
     const char *names[SHV_MOST_LISTED];
+    char word[64];
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(text, "="), text);
     const int count = shv_cli_options(command, options);
     for (int i = 0; i < count; i++) names[i] = options[i]->name;
     return bad_usage(command, "unknown option ", word, shv_nearest_name(word, names, count));

@@ -359,7 +359,8 @@ const ShvCommand shv_command_stability = {
         "frequency, displacement and energy of its vibration at each step, against no bars at a quarter of the\n"
         "stable step. `bars alone`: the stiffness by the closed form, if bars did not share nodes. The form of bars\n"
         "is the scene's pbd.form.\n"
-        "With --suite: runs all cases that the scenes of FOLDER (scenes/extreme unless given) state in their "
+        "With --suite: runs all cases that the scenes of FOLDER (scenes/extreme unless given, here or as installed) "
+        "state in their "
         "comments,\n"
         "prints what was expected and found, and ends with 1 if a case misses without an explanation.",
     .least_positional = 0,

@@ -285,7 +285,7 @@ const ShvCommand shv_command_verify = {
                 {"--json", NULL, "print as JSON"},
                 {"--html", "FILE", "also write a page of HTML"},
                 {"--markdown", "FILE", "also write the tables as Markdown"},
-                {"--folder", "DIR", "where the cases are; scenes/verification unless given"},
+                {"--folder", "DIR", "where the cases are; scenes/verification unless given, here or as installed"},
                 {"--force", NULL, "replace existing files"}},
     .run = run,
 };
