@@ -6,13 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "base/memory.h"
 #include "cli/reserve.h"
-#include "scene/source.h"
 
 /* What a scene is called that comes through standard input. */
 static const char standard_input[] = "standard input";
@@ -57,21 +55,23 @@ ShvStatus shv_cli_scene_output(char path[SHV_CLI_PATH], const ShvArguments *argu
                     scene ? ", or a 'name' without slashes in the scene" : "");
 }
 
-/* The program may have been installed anywhere, its scenes with it. Where there are none, the name in the working folder
-   stands in the message. */
+/* The program may have been installed anywhere, its scenes with it. */
 ShvStatus shv_cli_scenes(char path[SHV_CLI_PATH], const char *folder, ShvError *error)
 {
     char program[SHV_CLI_PATH];
-    struct stat found;
     SHV_TRY(shv_cli_path(path, error, "scenes/%s", folder));
-    if (stat(path, &found) == 0) return SHV_OK;
+    if (access(path, R_OK) == 0) return SHV_OK;
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length < 0) return SHV_OK;
-    program[length] = '\0';
-    char installed[SHV_CLI_PATH];
-    SHV_TRY(shv_cli_path(installed, error, "%.*s%s/scenes/%s", (int)(strrchr(program, '/') + 1 - program), program,
-                         SHIVER_DATA_FROM_PROGRAM, folder));
-    return stat(installed, &found) == 0 ? shv_cli_path(path, error, "%s", installed) : SHV_OK;
+    program[length > 0 ? length : 0] = '\0';
+    const char *slash = strrchr(program, '/');
+    if (slash)
+        SHV_TRY(shv_cli_path(path, error, "%.*s/%s/scenes/%s", (int)(slash - program), program,
+                             SHIVER_DATA_FROM_PROGRAM, folder));
+    if (slash && access(path, R_OK) == 0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "there is no folder 'scenes/%s' here, and none was installed with the program; run from the source "
+                    "tree, or name the folder",
+                    folder);
 }
 
 ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error)

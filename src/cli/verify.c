@@ -61,9 +61,7 @@ static ShvStatus list_folder(Paths *paths, const char *folder, ShvError *error)
     DIR *stream = opendir(folder);
     ShvStatus status = SHV_OK;
     if (!stream)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "the folder '%s' cannot be read; run from the source tree, or give the folder of cases with "
-                        "--folder",
+        return shv_fail(error, SHV_BAD_INPUT, "the folder '%s' cannot be read; give the folder of cases with --folder",
                         folder);
     for (struct dirent *entry = readdir(stream); entry && status == SHV_OK; entry = readdir(stream))
         if (ends_with(entry->d_name, ending)) status = add_path(paths, folder, entry->d_name, "", error);
@@ -74,19 +72,25 @@ static ShvStatus list_folder(Paths *paths, const char *folder, ShvError *error)
     return status;
 }
 
+static ShvStatus find_folder(const ShvArguments *arguments, char folder[SHV_CLI_PATH], ShvError *error)
+{
+    const char *given = arguments->values[FOLDER];
+    return given ? shv_cli_path(folder, error, "%s", given) : shv_cli_scenes(folder, "verification", error);
+}
+
 /* A case is named by its file, or by the name of a file in the folder. */
 static ShvStatus list_cases(const ShvArguments *arguments, Paths *paths, ShvError *error)
 {
-    const char *folder = arguments->values[FOLDER];
-    char found[SHV_CLI_PATH];
-    if (!folder) SHV_TRY(shv_cli_scenes(found, "verification", error));
-    if (!folder) folder = found;
-    if (arguments->positional_count == 0) return list_folder(paths, folder, error);
+    char folder[SHV_CLI_PATH] = "";
+    if (arguments->positional_count == 0) {
+        SHV_TRY(find_folder(arguments, folder, error));
+        return list_folder(paths, folder, error);
+    }
     for (int i = 0; i < arguments->positional_count; i++) {
         const char *name = arguments->positional[i];
         const bool file = strchr(name, '/') || ends_with(name, ".yaml");
-        const ShvStatus status = add_path(paths, file ? "" : folder, name, file ? "" : ending, error);
-        if (status != SHV_OK) return status;
+        if (!file) SHV_TRY(find_folder(arguments, folder, error));
+        SHV_TRY(add_path(paths, file ? "" : folder, name, file ? "" : ending, error));
         if (access(paths->items[i], R_OK) != 0)
             return shv_fail(error, SHV_BAD_INPUT, "there is no case '%s' (the file %s cannot be read)", name,
                             paths->items[i]);

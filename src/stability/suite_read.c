@@ -210,7 +210,7 @@ static ShvStatus list_scenes(const ShvSuite *suite, Names *names, ShvError *erro
 {
     DIR *folder = opendir(suite->folder);
     if (!folder)
-        return shv_fail(error, SHV_BAD_INPUT, "there is no folder %s; name the one with the suite's scenes",
+        return shv_fail(error, SHV_FILE_ERROR, "there is no folder %s; name the one with the suite's scenes",
                         suite->folder);
     ShvStatus status = SHV_OK;
     for (struct dirent *entry; (entry = readdir(folder));) {

@@ -164,7 +164,9 @@ static void test_missing_inputs(void **state)
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         shell_fails(line_of("$shiver %s", commands[i]), 2,
                     "shiver: cannot read 'none': No such file or directory; check the name and the permissions\n");
-    shell_fails("$shiver verify none", 2, "there is no case 'none'");
+    shell_fails("$shiver verify none --folder .", 2, "there is no case 'none'");
+    shell_fails("$shiver verify", 2, "no folder 'scenes/verification'");
+    shell_fails("$shiver stability --suite", 2, "no folder 'scenes/extreme'");
     shell_fails("$shiver generate none", 2, "give man, bash or zsh");
 }
 
