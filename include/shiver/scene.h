@@ -28,7 +28,10 @@ typedef struct ShvDiagnostic {
     const char *message;  /* "file:line:column: error: …" or "--set a.b.c: error: …" */
 } ShvDiagnostic;
 
-/* Reads a scene file of at most 16 MiB. Each of `overrides` is "a.b.c=value": the value, YAML text, takes the place of that
+/* Of a scene's text. */
+enum { SHV_SCENE_LARGEST_BYTES = 16 << 20 };
+
+/* Reads a scene file of at most SHV_SCENE_LARGEST_BYTES. Each of `overrides` is "a.b.c=value": the value, YAML text, takes the place of that
    key; list elements are named by their index from 0. Overrides are applied in order.
    SHV_BAD_INPUT when the scene has errors (`error` tells their number and the first), SHV_FILE_ERROR when the file cannot
    be read; *scene is then NULL. *diagnostics (`diagnostics` may be NULL) lists the faults, also the warnings of a good

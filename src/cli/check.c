@@ -153,6 +153,7 @@ const ShvCommand shv_command_check = {
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
+    .takes_stream = true,
     .options = {{"--json", NULL, "print as JSON"}},
     .run = run,
 };

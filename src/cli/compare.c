@@ -157,7 +157,7 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, S
 {
     const bool force = arguments->values[FORCE] != NULL;
     options->folder = shv_scene_folder(scene);
-    options->begins = say_run;
+    options->begins = arguments->quiet ? NULL : say_run;
     ShvComparison *comparison = NULL;
     ShvStatus status = shv_comparison_check_files(prefix, force, error);
     if (status == SHV_OK) status = shv_compare(&comparison, shv_scene_definition(scene), options, error);
@@ -178,9 +178,7 @@ static int run(const ShvArguments *arguments)
     if (arguments->values[STEPS]) status = read_steps(arguments->values[STEPS], &options, &error);
     if (status == SHV_OK && arguments->values[ENGINES])
         status = read_engines(arguments->values[ENGINES], &options, &error);
-    if (status == SHV_OK)
-        status = arguments->values[OUTPUT] ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
-                                           : shv_cli_default_path(prefix, arguments->positional[0], false, "", &error);
+    if (status == SHV_OK) status = shv_cli_scene_output(prefix, arguments, arguments->values[OUTPUT], NULL, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     /* The engine that the scene names is not used; keys of pbd count. */
     ShvArguments loading = *arguments;
@@ -207,6 +205,7 @@ const ShvCommand shv_command_compare = {
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
+    .takes_stream = true,
     .options = {{"--steps", "A,B,…", "time steps of rigid flight, s; 1e-2,1e-3,1e-4 unless given"},
                 {"--engines", "A,B,…", "among bullet, bullet_plain, pbd, analytic; all unless given"},
                 {"--output", "PREFIX", "beginning of the file names; the scene file's name unless given"},

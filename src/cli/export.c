@@ -241,6 +241,7 @@ const ShvCommand shv_command_export = {
         "  mp4   PREFIX.mp4, H.264; webp: PREFIX.webp, a small moving picture for pages; takes ffmpeg, too\n",
     .least_positional = 2,
     .most_positional = 2,
+    .first_input = 1,
     .options = {{"--output", "PREFIX", "beginning of the file names; the run file's name without .h5 unless given"},
                 {"--force", NULL, "replace existing files"},
                 {"--animation", NULL, "csv, xdmf, vtk, gltf, usd: only frames on the animation grid"},

@@ -171,6 +171,7 @@ const ShvCommand shv_command_plan = {
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
+    .takes_stream = true,
     .options = {{"--json", NULL, "print as JSON"},
                 {"--trial", "SECONDS",
                  "processor time of the trial; 2 unless given, 0: none, bytes are those of the start"}},

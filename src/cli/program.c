@@ -11,11 +11,17 @@
 
 #include "base/names.h"
 
-static const ShvCommand *const commands[] = {&shv_command_run,    &shv_command_check,     &shv_command_plan,
-                                             &shv_command_mesh,   &shv_command_info,      &shv_command_view,
-                                             &shv_command_export, &shv_command_materials, &shv_command_compare,
-                                             &shv_command_study,  &shv_command_stability, &shv_command_verify};
-enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
+const ShvCommand *const shv_commands[SHV_COMMANDS] = {
+    &shv_command_run,       &shv_command_check,  &shv_command_plan,      &shv_command_mesh,    &shv_command_info,
+    &shv_command_view,      &shv_command_export, &shv_command_materials, &shv_command_compare, &shv_command_study,
+    &shv_command_stability, &shv_command_verify, &shv_command_generate};
+
+const ShvExitMeaning shv_exit_meanings[SHV_EXIT_MEANINGS] = {
+    {SHV_EXIT_DONE, "done"},
+    {SHV_EXIT_FAILED, "the work failed: a run diverged, a comparison misses, memory is out, a file cannot be written"},
+    {SHV_EXIT_INPUT, "the command line, a scene or another input is wrong or cannot be read, an output exists, or a "
+                     "program that it calls is not installed"},
+    {SHV_EXIT_INTERRUPTED, "stopped by a signal; what was written is whole"}};
 
 static void print_overview(FILE *stream)
 {
@@ -23,98 +29,46 @@ static void print_overview(FILE *stream)
             "shiver %s: scripted drops and impacts of brittle bodies, rigid in flight and cracking on impact\n\n"
             "usage: shiver COMMAND …\n\n",
             shv_version());
-    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(stream, "  %-9s %s\n", commands[i]->name, commands[i]->summary);
-    fprintf(
-        stream,
-        "\n`shiver COMMAND --help` tells more. Exit status: 0 done, 1 the run failed, 2 bad input, 130 interrupted.\n");
+    for (int i = 0; i < SHV_COMMANDS; i++)
+        fprintf(stream, "  %-9s %s\n", shv_commands[i]->name, shv_commands[i]->summary);
+    fprintf(stream, "\n`shiver COMMAND --help` tells more, `shiver --version` the version. Exit status:\n");
+    for (int i = 0; i < SHV_EXIT_MEANINGS; i++)
+        fprintf(stream, "  %-9d %s\n", shv_exit_meanings[i].status, shv_exit_meanings[i].meaning);
 }
 
-static void print_help(const ShvCommand *command)
+static bool is_any(const char *word, const char *const *words)
 {
-    printf("usage: shiver %s %s [options]\n\n%s\n\n", command->name, command->positional, command->details);
-    for (const ShvOption *option = command->options; option->name; option++)
-        printf("  %-10s %-8s %s\n", option->name, option->value ? option->value : "", option->help);
-    if (command->takes_scene)
-        printf("  %-10s %-8s %s\n", "--set", "KEY=VAL",
-               "override any key of the scene, e.g. --set fracture.threshold=0.8; repeatable");
-    printf("  %-10s %-8s %s\n", "--help", "", "this text");
-}
-
-static int bad_usage(const ShvCommand *command, const char *problem, const char *word, const char *hint)
-{
-    fprintf(stderr, "shiver %s: %s%s%s%s%s\n", command->name, problem, word, hint ? "; did you mean " : "",
-            hint ? hint : "", hint ? "?" : "");
-    fprintf(stderr, "usage: shiver %s %s [options]; --help tells more\n", command->name, command->positional);
-    return SHV_EXIT_INPUT;
-}
-
-static int unknown_option(const ShvCommand *command, const char *word)
-{
-    const char *names[SHV_MOST_OPTIONS + 2];
-    int count = 0;
-    for (const ShvOption *option = command->options; option->name; option++) names[count++] = option->name;
-    names[count++] = "--help";
-    if (command->takes_scene) names[count++] = "--set";
-    return bad_usage(command, "unknown option ", word, shv_nearest_name(word, names, count));
-}
-
-/* Takes one option; *i moves over its value. Returns an exit status, or −1 to go on. */
-static int take_option(const ShvCommand *command, ShvArguments *arguments, int argc, char **argv, int *i)
-{
-    const char *word = argv[*i];
-    if (command->takes_scene && strcmp(word, "--set") == 0) {
-        if (*i + 1 >= argc) return bad_usage(command, "--set needs KEY=VALUE", "", NULL);
-        if (arguments->override_count == SHV_MOST_OVERRIDES) return bad_usage(command, "too many --set", "", NULL);
-        arguments->overrides[arguments->override_count++] = argv[++*i];
-        return -1;
-    }
-    for (int k = 0; command->options[k].name; k++) {
-        if (strcmp(word, command->options[k].name) != 0) continue;
-        if (command->options[k].value && *i + 1 >= argc) return bad_usage(command, word, " needs a value", NULL);
-        arguments->values[k] = command->options[k].value ? argv[++*i] : word;
-        return -1;
-    }
-    return unknown_option(command, word);
+    while (*words && strcmp(word, *words) != 0) words++;
+    return *words != NULL;
 }
 
 static int run_command(const ShvCommand *command, int argc, char **argv)
 {
     ShvArguments arguments = {.positional_count = 0};
-    for (int i = 0; i < argc; i++) {
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            print_help(command);
-            return SHV_EXIT_DONE;
-        }
-        if (argv[i][0] == '-' && argv[i][1] != '\0') {
-            const int status = take_option(command, &arguments, argc, argv, &i);
-            if (status >= 0) return status;
-        } else if (arguments.positional_count == command->most_positional) {
-            return bad_usage(command, "one argument too many: ", argv[i], NULL);
-        } else {
-            arguments.positional[arguments.positional_count++] = argv[i];
-        }
-    }
-    if (arguments.positional_count < command->least_positional)
-        return bad_usage(command, "it needs ", command->positional, NULL);
-    return command->run(&arguments);
+    const int wrong = shv_cli_parse(command, &arguments, argc, argv);
+    if (wrong >= 0) return wrong;
+    const int status = shv_cli_run(command, &arguments);
+    return status == SHV_EXIT_MISSED ? (int)SHV_EXIT_FAILED : status;
 }
 
 static int dispatch(int argc, char **argv)
 {
-    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+    static const char *const help[] = {"--help", "-h", "help", NULL}, *const version[] = {"--version", "-v", "-V",
+                                                                                          NULL};
+    if (argc < 2 || is_any(argv[1], help)) {
         print_overview(argc < 2 ? stderr : stdout);
         return argc < 2 ? SHV_EXIT_INPUT : SHV_EXIT_DONE;
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (is_any(argv[1], version)) {
         printf("shiver %s\n", shv_version());
         return SHV_EXIT_DONE;
     }
-    const char *names[COMMAND_COUNT];
-    for (int i = 0; i < COMMAND_COUNT; i++) {
-        names[i] = commands[i]->name;
-        if (strcmp(argv[1], names[i]) == 0) return run_command(commands[i], argc - 2, argv + 2);
+    const char *names[SHV_COMMANDS];
+    for (int i = 0; i < SHV_COMMANDS; i++) {
+        names[i] = shv_commands[i]->name;
+        if (strcmp(argv[1], names[i]) == 0) return run_command(shv_commands[i], argc - 2, argv + 2);
     }
-    const char *near = shv_nearest_name(argv[1], names, COMMAND_COUNT);
+    const char *near = shv_nearest_name(argv[1], names, SHV_COMMANDS);
     fprintf(stderr, "shiver: there is no command '%s'%s%s%s; `shiver --help` lists them\n", argv[1],
             near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
     return SHV_EXIT_INPUT;

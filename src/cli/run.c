@@ -10,7 +10,7 @@
 #include "cli/progress.h"
 #include "cli/reserve.h"
 
-enum { OUTPUT, FORCE, JSON, QUIET, AUDIT_WAKE };
+enum { OUTPUT, FORCE, JSON, AUDIT_WAKE };
 
 static volatile sig_atomic_t interrupted;
 
@@ -45,8 +45,7 @@ static ShvStatus output_path(const ShvArguments *arguments, const ShvSceneDefini
                              ShvError *error)
 {
     const char *given = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : scene->output.file;
-    if (given) return shv_cli_path(path, error, "%s", given);
-    return shv_cli_default_path(path, arguments->positional[0], false, ".h5", error);
+    return shv_cli_scene_output(path, arguments, given, scene, ".h5", error);
 }
 
 /* The files a mesh is read from, as far as they are one: TetGen's have a second one beside it. */
@@ -312,9 +311,9 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, co
     if (shv_simulation_crack(simulation, &history.crack, &ignored) != SHV_OK) history.crack.normal[2] = (double)NAN;
     if (arguments->values[JSON])
         print_json(frame, &history, path, shv_now() - start, status);
-    else if (!arguments->values[QUIET])
+    else
         print_summary(frame, path, shv_now() - start, status);
-    if (!arguments->values[JSON] && !arguments->values[QUIET]) {
+    if (!arguments->values[JSON]) {
         print_squeezes(&history, frame, simulation);
         print_materials(simulation);
     }
@@ -348,7 +347,7 @@ static int run(const ShvArguments *arguments)
     ShvError error;
     char path[SHV_CLI_PATH];
     ShvSimulation *simulation = NULL;
-    ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->values[QUIET] != NULL);
+    ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->quiet);
     ShvSimulationOptions options = shv_simulation_options_default();
     options.folder = shv_scene_folder(scene);
     options.audit_wakes = audits;
@@ -377,11 +376,11 @@ const ShvCommand shv_command_run = {
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
+    .takes_stream = true,
     .options =
         {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
          {"--force", NULL, "replace an existing run file"},
          {"--json", NULL, "print the summary as JSON"},
-         {"--quiet", NULL, "no progress, no summary"},
          {"--audit-wake", "N",
           "solve the first N impacts that the wake rule takes for harmless in fracture mode, and report how many "
           "of them broke something; the run goes on from there"}},

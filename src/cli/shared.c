@@ -1,12 +1,19 @@
 #include "cli/command.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+#include <unistd.h>
+
 #include "base/file.h"
+#include "base/memory.h"
 #include "cli/reserve.h"
+
+/* What a scene is called that comes through standard input. */
+static const char standard_input[] = "standard input";
 
 /* ---- names of files ---- */
 
@@ -29,6 +36,42 @@ ShvStatus shv_cli_default_path(char path[SHV_CLI_PATH], const char *file, bool b
     const size_t length = dot && dot != name ? (size_t)(dot - begin) : strlen(begin);
     if (length >= SHV_CLI_PATH) return shv_cli_path(path, error, "%s", begin);
     return shv_cli_path(path, error, "%.*s%s", (int)length, begin, ending);
+}
+
+bool shv_cli_is_stream(const char *argument)
+{
+    return strcmp(argument, "-") == 0;
+}
+
+ShvStatus shv_cli_scene_output(char path[SHV_CLI_PATH], const ShvArguments *arguments, const char *given,
+                               const ShvSceneDefinition *scene, const char *ending, ShvError *error)
+{
+    const char *file = arguments->positional[0];
+    if (given) return shv_cli_path(path, error, "%s", given);
+    if (!shv_cli_is_stream(file)) return shv_cli_default_path(path, file, false, ending, error);
+    const bool named = scene && strcmp(scene->name, standard_input) != 0 && !strchr(scene->name, '/');
+    if (named) return shv_cli_path(path, error, "%s%s", scene->name, ending);
+    return shv_fail(error, SHV_BAD_INPUT, "a scene on standard input gives the output no name; give --output%s",
+                    scene ? ", or a 'name' without slashes in the scene" : "");
+}
+
+/* The program may have been installed anywhere, its scenes with it. */
+ShvStatus shv_cli_scenes(char path[SHV_CLI_PATH], const char *folder, ShvError *error)
+{
+    char program[SHV_CLI_PATH];
+    SHV_TRY(shv_cli_path(path, error, "scenes/%s", folder));
+    if (access(path, R_OK) == 0) return SHV_OK;
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    const char *slash = strrchr(program, '/');
+    if (slash)
+        SHV_TRY(shv_cli_path(path, error, "%.*s/%s/scenes/%s", (int)(slash - program), program,
+                             SHIVER_DATA_FROM_PROGRAM, folder));
+    if (slash && access(path, R_OK) == 0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "there is no folder 'scenes/%s' here, and none was installed with the program; run from the source "
+                    "tree, or name the folder",
+                    folder);
 }
 
 ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error)
@@ -61,19 +104,55 @@ ShvStatus shv_cli_why_stopped(ShvError *error)
 
 /* ---- scenes ---- */
 
-int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
+/* All of it, up to one byte more than a scene may have. */
+static ShvStatus read_standard_input(char **text, size_t *length, ShvError *error)
 {
-    ShvDiagnostics *diagnostics = NULL;
-    ShvError error;
-    const ShvStatus status = shv_scene_load(scene, arguments->positional[0], arguments->overrides,
-                                            (int32_t)arguments->override_count, NULL, &diagnostics, &error);
+    const size_t most = SHV_SCENE_LARGEST_BYTES + 1;
+    *text = shv_allocate(NULL, SHV_PART_SCENE, most, 1);
+    if (!*text) return shv_fail_memory(error, "a scene", most);
+    *length = fread(*text, 1, most, stdin);
+    if (!ferror(stdin)) return SHV_OK;
+    shv_release(*text);
+    *text = NULL;
+    return shv_fail(error, SHV_BAD_INPUT, "cannot read standard input: %s", strerror(errno));
+}
+
+static ShvStatus read_scene(ShvScene **scene, const ShvArguments *arguments, ShvDiagnostics **diagnostics,
+                            ShvError *error)
+{
+    const char *file = arguments->positional[0];
+    const int32_t count = (int32_t)arguments->override_count;
+    if (!shv_cli_is_stream(file))
+        return shv_scene_load(scene, file, arguments->overrides, count, NULL, diagnostics, error);
+    char *text = NULL;
+    size_t length = 0;
+    *scene = NULL;
+    SHV_TRY(read_standard_input(&text, &length, error));
+    const ShvStatus status = shv_scene_parse(scene, text, length, standard_input, NULL, arguments->overrides, count,
+                                             NULL, diagnostics, error);
+    shv_release(text);
+    return status;
+}
+
+bool shv_cli_print_faults(const ShvDiagnostics *diagnostics)
+{
     const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
     for (int32_t i = 0; i < count; i++) {
         shv_cli_print_plain(stderr, shv_diagnostics_get(diagnostics, i)->message);
         putc('\n', stderr);
     }
+    return diagnostics && shv_diagnostics_errors(diagnostics) > 0;
+}
+
+int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
+{
+    ShvDiagnostics *diagnostics = NULL;
+    ShvError error;
+    const ShvStatus status = read_scene(scene, arguments, &diagnostics, &error);
+    const bool told = shv_cli_print_faults(diagnostics);
     shv_diagnostics_destroy(diagnostics);
     if (status == SHV_OK) return SHV_EXIT_DONE;
+    if (told && status == SHV_BAD_INPUT) return SHV_EXIT_INPUT;
     const int exit_status = shv_cli_failed(status, &error);
     return status == SHV_FILE_ERROR ? (int)SHV_EXIT_INPUT : exit_status; /* a scene that cannot be read is bad input */
 }

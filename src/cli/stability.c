@@ -275,9 +275,11 @@ static int run_suite(const ShvArguments *arguments)
     ShvSuite *suite = NULL;
     ShvSuiteOptions options = shv_suite_default();
     options.quick = arguments->values[QUICK] != NULL;
-    options.begins = say_case;
-    const char *folder = arguments->positional_count > 0 ? arguments->positional[0] : "scenes/extreme";
-    const ShvStatus status = shv_suite_run(&suite, folder, &options, &error);
+    options.begins = arguments->quiet ? NULL : say_case;
+    char folder[SHV_CLI_PATH];
+    ShvStatus status = arguments->positional_count > 0 ? shv_cli_path(folder, &error, "%s", arguments->positional[0])
+                                                       : shv_cli_scenes(folder, "extreme", &error);
+    if (status == SHV_OK) status = shv_suite_run(&suite, folder, &options, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     (arguments->values[JSON] ? print_suite_json : arguments->values[MARKDOWN] ? print_markdown : print_suite)(suite);
     const int misses = (int)shv_suite_verdicts(suite, SHV_SUITE_MISS);
@@ -285,7 +287,7 @@ static int run_suite(const ShvArguments *arguments)
             (int)shv_suite_verdicts(suite, SHV_SUITE_PASS), misses, (int)shv_suite_verdicts(suite, SHV_SUITE_EXPLAINED),
             (int)shv_suite_verdicts(suite, SHV_SUITE_SKIPPED));
     shv_suite_destroy(suite);
-    return misses > 0 ? SHV_EXIT_FAILED : SHV_EXIT_DONE;
+    return misses > 0 ? SHV_EXIT_MISSED : SHV_EXIT_DONE;
 }
 
 /* ---- the command ---- */
@@ -305,7 +307,7 @@ static ShvStatus measure(const ShvArguments *arguments, const ShvScene *scene, S
     const char *csv = arguments->values[CSV], *svg = arguments->values[SVG];
     const bool force = arguments->values[FORCE] != NULL;
     options->folder = shv_scene_folder(scene);
-    options->begins = say_setting;
+    options->begins = arguments->quiet ? NULL : say_setting;
     ShvStability *stability = NULL;
     ShvStatus status = shv_stability_check_files(csv, svg, force, error);
     if (status == SHV_OK) status = shv_stability(&stability, shv_scene_definition(scene), options, error);
@@ -320,6 +322,9 @@ static ShvStatus measure(const ShvArguments *arguments, const ShvScene *scene, S
     }
     if (csv) status = shv_stability_write_csv(stability, csv, force, error);
     if (status == SHV_OK && svg) status = shv_stability_write_svg(stability, svg, force, error);
+    if (status == SHV_OK && csv && !arguments->json) printf("wrote %s\n", csv);
+    if (status == SHV_OK && svg && !arguments->json)
+        printf("wrote %s_limit.svg, %s_stiffness.svg and %s_error.svg\n", svg, svg, svg);
     shv_stability_destroy(stability);
     return status;
 }
@@ -354,12 +359,14 @@ const ShvCommand shv_command_stability = {
         "frequency, displacement and energy of its vibration at each step, against no bars at a quarter of the\n"
         "stable step. `bars alone`: the stiffness by the closed form, if bars did not share nodes. The form of bars\n"
         "is the scene's pbd.form.\n"
-        "With --suite: runs all cases that the scenes of FOLDER (scenes/extreme unless given) state in their "
+        "With --suite: runs all cases that the scenes of FOLDER (scenes/extreme unless given, here or as installed) "
+        "state in their "
         "comments,\n"
         "prints what was expected and found, and ends with 1 if a case misses without an explanation.",
     .least_positional = 0,
     .most_positional = 1,
     .takes_scene = true,
+    .takes_stream = true,
     .options = {{"--k", "A,B,…", "stiffnesses of bars; 1,0.5,0.1 unless given"},
                 {"--iterations", "A,B,…", "sweeps a step; 1,4,10 unless given"},
                 {"--moduli", "A,B,…", "Young's moduli, Pa; the scene's own unless given"},

@@ -76,7 +76,7 @@ static void write_command(const ShvArguments *arguments, char *text, size_t size
     for (int i = 0; i < arguments->override_count && length < size; i++)
         length += (size_t)snprintf(text + length, size - length, " --set '%s'", arguments->overrides[i]);
     if (arguments->values[JOBS] && length < size)
-        snprintf(text + length, size - length, " -j %s", arguments->values[JOBS]);
+        snprintf(text + length, size - length, " --jobs %s", arguments->values[JOBS]);
 }
 
 /* ---- what is printed ---- */
@@ -227,18 +227,18 @@ static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *op
     *jobs = 0;
     if (values[JOBS]) {
         const ShvStatus status = read_whole(values[JOBS], strlen(values[JOBS]), 1, MOST_JOBS,
-                                            "-j needs a number of runs at a time, 1 to 256", jobs, error);
+                                            "--jobs needs a number of runs at a time, 1 to 256", jobs, error);
         if (status != SHV_OK) return status;
     }
     if ((values[TASK] != NULL) + (values[MERGE] != NULL) + (values[JOBS] != NULL) > 1)
-        return shv_fail(error, SHV_BAD_INPUT, "of -j, --task and --merge only one can be given");
+        return shv_fail(error, SHV_BAD_INPUT, "of --jobs, --task and --merge only one can be given");
     if (values[TASK] && values[PICK])
         return shv_fail(error, SHV_BAD_INPUT, "--pick needs all runs; give it with --merge once all tasks are done");
     options->force = values[FORCE] != NULL;
     options->shared = *jobs > 1;
     options->overrides = arguments->overrides;
     options->override_count = arguments->override_count;
-    options->begins = say_run;
+    options->begins = arguments->quiet ? NULL : say_run;
     options->stop = asked_to_stop;
     return values[TASK] ? read_task(values[TASK], options, error) : SHV_OK;
 }
@@ -288,7 +288,7 @@ const ShvCommand shv_command_study = {
     .takes_scene = true,
     .options = {{"--output", "DIR", "folder of results; the study file's name unless given"},
                 {"--force", NULL, "run again what has been run"},
-                {"-j", "N", "N runs at a time; marks run times as invalid"},
+                {"--jobs", "N", "N runs at a time; marks run times as invalid"},
                 {"--task", "I/N", "run only share I of N, for batch arrays; no report"},
                 {"--merge", NULL, "run nothing, report on the runs in DIR"},
                 {"--pick", "M=ERROR",

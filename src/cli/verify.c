@@ -12,7 +12,6 @@
 
 enum { FULL, JSON, HTML, MARKDOWN, FOLDER, FORCE };
 
-enum { LONGEST_PATH = 4096 };
 static const char ending[] = ".case.yaml";
 
 /* ---- which cases ---- */
@@ -24,7 +23,7 @@ typedef struct Paths {
 
 static ShvStatus add_path(Paths *paths, const char *folder, const char *name, const char *with, ShvError *error)
 {
-    char path[LONGEST_PATH];
+    char path[SHV_CLI_PATH];
     if (paths->count == paths->capacity) {
         const size_t capacity = 2 * (size_t)paths->capacity + 16;
         char **grown = shv_reallocate(NULL, SHV_PART_GENERAL, paths->items, capacity, sizeof *grown);
@@ -62,9 +61,7 @@ static ShvStatus list_folder(Paths *paths, const char *folder, ShvError *error)
     DIR *stream = opendir(folder);
     ShvStatus status = SHV_OK;
     if (!stream)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "the folder '%s' cannot be read; run from the source tree, or give the folder of cases with "
-                        "--folder",
+        return shv_fail(error, SHV_BAD_INPUT, "the folder '%s' cannot be read; give the folder of cases with --folder",
                         folder);
     for (struct dirent *entry = readdir(stream); entry && status == SHV_OK; entry = readdir(stream))
         if (ends_with(entry->d_name, ending)) status = add_path(paths, folder, entry->d_name, "", error);
@@ -75,16 +72,25 @@ static ShvStatus list_folder(Paths *paths, const char *folder, ShvError *error)
     return status;
 }
 
+static ShvStatus find_folder(const ShvArguments *arguments, char folder[SHV_CLI_PATH], ShvError *error)
+{
+    const char *given = arguments->values[FOLDER];
+    return given ? shv_cli_path(folder, error, "%s", given) : shv_cli_scenes(folder, "verification", error);
+}
+
 /* A case is named by its file, or by the name of a file in the folder. */
 static ShvStatus list_cases(const ShvArguments *arguments, Paths *paths, ShvError *error)
 {
-    const char *folder = arguments->values[FOLDER] ? arguments->values[FOLDER] : "scenes/verification";
-    if (arguments->positional_count == 0) return list_folder(paths, folder, error);
+    char folder[SHV_CLI_PATH] = "";
+    if (arguments->positional_count == 0) {
+        SHV_TRY(find_folder(arguments, folder, error));
+        return list_folder(paths, folder, error);
+    }
     for (int i = 0; i < arguments->positional_count; i++) {
         const char *name = arguments->positional[i];
         const bool file = strchr(name, '/') || ends_with(name, ".yaml");
-        const ShvStatus status = add_path(paths, file ? "" : folder, name, file ? "" : ending, error);
-        if (status != SHV_OK) return status;
+        if (!file) SHV_TRY(find_folder(arguments, folder, error));
+        SHV_TRY(add_path(paths, file ? "" : folder, name, file ? "" : ending, error));
         if (access(paths->items[i], R_OK) != 0)
             return shv_fail(error, SHV_BAD_INPUT, "there is no case '%s' (the file %s cannot be read)", name,
                             paths->items[i]);
@@ -179,13 +185,8 @@ typedef struct Work {
     ShvVerification **made; /* per path; NULL: left out */
     const ShvVerifyCase **cases;
     int32_t count;
+    bool told; /* what is wrong with a case has been printed */
 } Work;
-
-static void print_faults(const ShvDiagnostics *diagnostics)
-{
-    const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
-    for (int32_t i = 0; i < count; i++) fprintf(stderr, "%s\n", shv_diagnostics_get(diagnostics, i)->message);
-}
 
 static ShvStatus run_case(Work *work, int32_t index, ShvError *error)
 {
@@ -201,7 +202,7 @@ static ShvStatus run_case(Work *work, int32_t index, ShvError *error)
         shv_diagnostics_destroy(diagnostics);
         status = shv_verify_run(&work->made[index], path, &options, &diagnostics, error);
     }
-    print_faults(diagnostics);
+    work->told = shv_cli_print_faults(diagnostics);
     shv_diagnostics_destroy(diagnostics);
     if (status != SHV_OK || !wanted) return status;
     const ShvVerifyCase *verified = work->cases[work->count++] = shv_verification_case(work->made[index]);
@@ -229,6 +230,8 @@ static ShvStatus write_pages(const Work *work, ShvError *error)
     if (html) status = shv_verify_write_html(html, force, work->cases, work->count, error);
     if (status == SHV_OK && markdown)
         status = shv_verify_write_markdown(markdown, force, work->cases, work->count, error);
+    if (status == SHV_OK && !work->arguments->json && (html || markdown))
+        printf("wrote %s%s%s\n", html ? html : "", html && markdown ? " and " : "", markdown ? markdown : "");
     return status;
 }
 
@@ -257,10 +260,12 @@ static int run(const ShvArguments *arguments)
     ShvStatus status = run_cases(&work, &error);
     if (status == SHV_OK) status = write_pages(&work, &error);
     int exit_status = SHV_EXIT_DONE;
-    if (status != SHV_OK)
+    if (status == SHV_BAD_INPUT && work.told)
+        exit_status = SHV_EXIT_INPUT;
+    else if (status != SHV_OK)
         exit_status = shv_cli_failed(status, &error);
     else if (finish(&work) > 0)
-        exit_status = SHV_EXIT_FAILED;
+        exit_status = SHV_EXIT_MISSED;
     for (int32_t i = 0; work.made && i < work.paths.count; i++) shv_verify_destroy(work.made[i]);
     shv_release(work.made);
     shv_release(work.cases);
@@ -279,11 +284,12 @@ const ShvCommand shv_command_verify = {
                "misses without an explanation. scenes/verification/README.md tells how a case is written.",
     .least_positional = 0,
     .most_positional = SHV_MOST_POSITIONAL,
+    .first_input = SHV_MOST_POSITIONAL,
     .options = {{"--full", NULL, "all cases with all their runs"},
                 {"--json", NULL, "print as JSON"},
                 {"--html", "FILE", "also write a page of HTML"},
                 {"--markdown", "FILE", "also write the tables as Markdown"},
-                {"--folder", "DIR", "where the cases are; scenes/verification unless given"},
+                {"--folder", "DIR", "where the cases are; scenes/verification unless given, here or as installed"},
                 {"--force", NULL, "replace existing files"}},
     .run = run,
 };

@@ -4,7 +4,7 @@
 
 #include "scene/diagnostics.h"
 
-enum { SHV_SCENE_LARGEST_BYTES = 16 << 20, SHV_SCENE_LARGEST_DEPTH = 32 };
+enum { SHV_SCENE_LARGEST_DEPTH = 32 };
 
 /* Reports the first byte that is not text (UTF-8 without control characters other than tab, line feed and carriage
    return) and a run of more opening brackets than any nesting may have (the YAML scanner would look ahead through all of

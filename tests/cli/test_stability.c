@@ -32,7 +32,7 @@ static void test_bad_words(void **state)
     shell_fails("$shiver stability bar.yaml --iterations 1.5", 2, "whole");
     shell_fails("$shiver stability bar.yaml --steps 1", 2, "at least 100");
     shell_fails("$shiver stability nowhere.yaml", 2, "nowhere.yaml");
-    shell_fails("$shiver stability --suite nowhere", 1, "no folder nowhere");
+    shell_fails("$shiver stability --suite nowhere", 2, "cannot read 'nowhere'");
 }
 
 static void test_suite_of_a_folder(void **state)

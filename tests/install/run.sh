@@ -8,6 +8,14 @@ trap 'rm -rf "$prefix"' EXIT
 cmake --install "$build" --prefix "$prefix" >"$prefix/install.log"
 "$prefix/bin/shiver" --version
 
+# From anywhere: scenes and cases, the manual page, completion.
+(cd / && "$prefix/bin/shiver" verify fall --quiet && "$prefix/bin/shiver" verify fall >"$prefix/verify.log")
+tail -n 1 "$prefix/verify.log"
+for file in man/man1/shiver.1 bash-completion/completions/shiver zsh/site-functions/_shiver shiver/scenes/sphere_drop.yaml \
+    doc/shiver/scene.md; do
+    [ -s "$prefix/share/$file" ] || { echo "$file is not installed"; exit 1; }
+done
+
 cmake -S "$source/tests/install" -B "$prefix/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$compiler" >"$prefix/cmake.log"
 cmake --build "$prefix/by-cmake" >>"$prefix/cmake.log" || { cat "$prefix/cmake.log"; exit 1; }
 "$prefix/by-cmake/drop"
@@ -15,5 +23,5 @@ cmake --build "$prefix/by-cmake" >>"$prefix/cmake.log" || { cat "$prefix/cmake.l
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name shiver.pc)")
 export PKG_CONFIG_PATH
 # shellcheck disable=SC2046 # flags on purpose
-"$compiler" -std=c17 "$source/tests/install/drop.c" $(pkg-config --define-variable=prefix="$prefix" --cflags --libs --static shiver) -o "$prefix/by-pkg-config"
+"$compiler" -std=c17 "$source/tests/install/drop.c" $(pkg-config --cflags --libs --static shiver) -o "$prefix/by-pkg-config"
 "$prefix/by-pkg-config"
