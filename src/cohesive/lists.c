@@ -173,7 +173,7 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
     list_turns(cohesive, state, awake);
     list_corners(cohesive, state);
     list_points(cohesive);
-    memset(cohesive->couple, 0, 3 * (size_t)cohesive->turn_count * sizeof *cohesive->couple);
+    for (int64_t i = 0; i < 3 * (int64_t)cohesive->turn_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }
