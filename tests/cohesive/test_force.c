@@ -284,7 +284,7 @@ static void trembling_wears_nothing(void **state)
     for (int64_t i = 0; i < 3 * (int64_t)f.state.node_count; i++)
         f.state.velocity[i] = 1e-3 * opening / step / 100.0 * (shv_random_uniform(9, (uint64_t)i) - 0.5);
     ShvLedger ledger = {0};
-    for (int k = 0; k < 2000; k++) {
+    for (int k = 0; k < 300; k++) {
         step_once(&f, (Step){k == 0 ? 0.0 : step, step, 0.2, true}, &ledger);
         zero_force(&f);
     }
