@@ -36,17 +36,6 @@ static void on_signal(int number)
     interrupted = 1;
 }
 
-/* Without SA_RESTART: waiting for gmsh ends, and gmsh is ended. */
-static void catch_signals(void)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
-    sigemptyset(&action.sa_mask);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) sigaction(numbers[i], &action, NULL);
-}
-
 /* ---- what may be meshed ---- */
 
 static bool has_extension(const char *path, const char *extension)
@@ -286,7 +275,7 @@ static int run(const ShvArguments *arguments)
     ShvStatus status = check_input(&workshop, arguments, &error);
     if (status == SHV_OK) status = open_workshop(&workshop, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    catch_signals();
+    shv_interrupt_waiting(on_signal); /* gmsh is ended */
     status = make(&workshop, arguments->values[FORCE] != NULL, arguments->values[JSON] != NULL, &error);
     unlink(workshop.script);
     unlink(workshop.surface);

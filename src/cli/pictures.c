@@ -31,17 +31,6 @@ static void on_signal(int number)
     (void)number;
 }
 
-/* Without SA_RESTART: waiting for the browser ends, and what was begun is removed. */
-static void catch_signals(void)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
-    sigemptyset(&action.sa_mask);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) sigaction(numbers[i], &action, NULL);
-}
-
 /* ---- one picture ---- */
 
 static int digit_of(char letter)
@@ -136,7 +125,7 @@ static ShvStatus set_up_page(Studio *studio, ShvError *error)
 static ShvStatus open_studio(Studio *studio, ShvError *error)
 {
     const char *base = getenv("TMPDIR");
-    catch_signals();
+    shv_interrupt_waiting(on_signal); /* what was begun is removed */
     SHV_TRY(shv_cli_path(studio->folder, error, "%s/shiver-XXXXXX", base && *base == '/' ? base : "/tmp"));
     if (!mkdtemp(studio->folder))
         return shv_fail(error, SHV_FILE_ERROR, "cannot make a folder '%s': %s", studio->folder, strerror(errno));

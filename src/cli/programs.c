@@ -1,6 +1,7 @@
 #include "cli/programs.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -34,4 +35,14 @@ bool shv_run_program(const char *const *arguments)
     for (int i = 0; i < 31 && arguments[i]; i++) copies[i] = strdup(arguments[i]);
     execvp(copies[0], copies);
     _exit(127);
+}
+
+void shv_interrupt_waiting(void (*handler)(int))
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = handler;
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) sigaction(numbers[i], &action, NULL);
 }

@@ -47,7 +47,8 @@ enum { SHV_SURFACE_BEAT = 8 };
 /* What touches one fragment in a step. */
 typedef struct ShvFragmentTouch {
     double impulse; /* Σ of magnitudes, N·s */
-    /* of the touch from a gap, of rigid bodies also of one that is to come in the next step, with the largest speed × √max(1, mass of the other/own); 0 where there is none: */
+    /* of the touch from a gap (of rigid bodies also of one that is to come in the next step) with the largest speed ×
+       √max(1, mass of the other/own); 0 where there is none: */
     double closing_speed; /* m/s */
     double other_mass;    /* kg; infinite: an obstacle */
     double severity;      /* m/s: that product */

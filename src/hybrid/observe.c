@@ -3,7 +3,6 @@
 #include "hybrid/hybrid.h"
 
 #include <stdio.h>
-
 #include <string.h>
 
 static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
