@@ -296,8 +296,9 @@ static ShvStatus put_file(const Gltf *gltf, FILE *stream, ShvError *error)
     return SHV_OK;
 }
 
-static ShvStatus write_gltf(const ShvTracks *tracks, struct ShvMemory *memory, FILE *stream, ShvError *error)
+static ShvStatus write_gltf(const ShvTracks *tracks, const ShvExportOptions *options, FILE *stream, ShvError *error)
 {
+    struct ShvMemory *memory = options->memory;
     const ShvJson empty = {.memory = memory};
     Gltf gltf = {
         .tracks = tracks, .json = empty, .views = empty, .accessors = empty, .channels = empty, .samplers = empty};
@@ -316,18 +317,5 @@ static ShvStatus write_gltf(const ShvTracks *tracks, struct ShvMemory *memory, F
 
 ShvStatus shv_export_gltf(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    static const char *const suffix[] = {".glb"};
-    ShvExportOptions options;
-    ShvTracks tracks;
-    ShvOutput output;
-    SHV_TRY(shv_export_options(given, &options, error));
-    SHV_TRY(shv_output_check(&options, prefix, suffix, 1, error));
-    SHV_TRY(shv_tracks_create(&tracks, file, &options, error));
-    ShvStatus status = shv_output_open(&output, &options, prefix, suffix[0], error);
-    if (status == SHV_OK) {
-        status = write_gltf(&tracks, options.memory, output.stream, error);
-        status = shv_output_close(&output, &options, status, error);
-    }
-    shv_tracks_release(&tracks);
-    return status;
+    return shv_tracks_export(file, prefix, ".glb", given, write_gltf, error);
 }

@@ -166,3 +166,21 @@ void shv_tracks_name(const ShvTracks *tracks, int32_t body, char name[32])
     else
         shv_format(name, 32, "obstacle_%d", (int)(body - lines->count));
 }
+
+ShvStatus shv_tracks_export(ShvRunFile *file, const char *prefix, const char *suffix, const ShvExportOptions *given,
+                            ShvTracksWriter write, ShvError *error)
+{
+    ShvExportOptions options;
+    ShvTracks tracks;
+    ShvOutput output;
+    SHV_TRY(shv_export_options(given, &options, error));
+    SHV_TRY(shv_output_check(&options, prefix, &suffix, 1, error));
+    SHV_TRY(shv_tracks_create(&tracks, file, &options, error));
+    ShvStatus status = shv_output_open(&output, &options, prefix, suffix, error);
+    if (status == SHV_OK) {
+        status = write(&tracks, &options, output.stream, error);
+        status = shv_output_close(&output, &options, status, error);
+    }
+    shv_tracks_release(&tracks);
+    return status;
+}

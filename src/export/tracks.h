@@ -2,6 +2,8 @@
 #ifndef SHV_EXPORT_TRACKS_H
 #define SHV_EXPORT_TRACKS_H
 
+#include <stdio.h>
+
 #include "export/obstacle_mesh.h"
 #include "shiver/export.h"
 
@@ -20,6 +22,11 @@ typedef struct ShvTracks {
 /* All frames, or those on the animation grid. On failure everything is released. */
 ShvStatus shv_tracks_create(ShvTracks *tracks, ShvRunFile *file, const ShvExportOptions *options, ShvError *error);
 void shv_tracks_release(ShvTracks *tracks);
+/* One file, PREFIX and `suffix`, of all tracks of a run, which takes its name when `write` has made it whole. */
+typedef ShvStatus (*ShvTracksWriter)(const ShvTracks *tracks, const ShvExportOptions *options, FILE *stream,
+                                     ShvError *error);
+ShvStatus shv_tracks_export(ShvRunFile *file, const char *prefix, const char *suffix, const ShvExportOptions *given,
+                            ShvTracksWriter write, ShvError *error);
 const float *shv_tracks_pose(const ShvTracks *tracks, int32_t body, int64_t frame);
 /* False for a body that is there at all frames (`moves`: that stands still). */
 bool shv_tracks_vanishes(const ShvTracks *tracks, int32_t body);

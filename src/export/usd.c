@@ -204,21 +204,16 @@ static void put_file(const Usd *usd)
     fputs("}\n", stream);
 }
 
+static ShvStatus write_usd(const ShvTracks *tracks, const ShvExportOptions *options, FILE *stream, ShvError *error)
+{
+    (void)options;
+    (void)error;
+    const Usd usd = {tracks, stream, find_rate(tracks->lines.pieces.file)};
+    put_file(&usd);
+    return SHV_OK;
+}
+
 ShvStatus shv_export_usd(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
 {
-    static const char *const suffix[] = {".usda"};
-    ShvExportOptions options;
-    ShvTracks tracks;
-    ShvOutput output;
-    SHV_TRY(shv_export_options(given, &options, error));
-    SHV_TRY(shv_output_check(&options, prefix, suffix, 1, error));
-    SHV_TRY(shv_tracks_create(&tracks, file, &options, error));
-    ShvStatus status = shv_output_open(&output, &options, prefix, suffix[0], error);
-    if (status == SHV_OK) {
-        const Usd usd = {&tracks, output.stream, find_rate(file)};
-        put_file(&usd);
-        status = shv_output_close(&output, &options, SHV_OK, error);
-    }
-    shv_tracks_release(&tracks);
-    return status;
+    return shv_tracks_export(file, prefix, ".usda", given, write_usd, error);
 }
