@@ -2,6 +2,8 @@
 #include "rigid/fragment.h"
 #include "rigid/severed.h"
 
+#include <string.h>
+
 /* Workspace of one search, all in proportion to the fragment. */
 typedef struct Parts {
     int32_t count;
@@ -72,6 +74,22 @@ static ShvStatus reserve_parts(Parts *parts, const ShvFragments *fragments, int3
                            ((size_t)elements + 2 * (size_t)nodes + sorted) * sizeof(int32_t));
 }
 
+/* Where the entries of one part end that begin at `begin`: parts that have come off are small, so runs are long. */
+static int32_t run_end(const int32_t *part_of, int32_t begin, int32_t count)
+{
+    int32_t end = begin + 1;
+    while (end < count && part_of[end] == part_of[begin]) end++;
+    return end;
+}
+
+static void count_entries(const int32_t *part_of, int32_t count, int32_t *counts)
+{
+    for (int32_t begin = 0, end = 0; begin < count; begin = end) {
+        end = run_end(part_of, begin, count);
+        counts[part_of[begin]] += end - begin;
+    }
+}
+
 /* How many elements and nodes each part has. */
 static ShvStatus count_parts(Parts *parts, const ShvFragments *fragments, int32_t elements, ShvError *error)
 {
@@ -82,8 +100,8 @@ static ShvStatus count_parts(Parts *parts, const ShvFragments *fragments, int32_
         return shv_fail_memory(error, "the components of a fragment", bytes);
     }
     parts->node_counts = parts->element_counts + parts->count;
-    for (int32_t i = 0; i < elements; i++) parts->element_counts[parts->element_part[i]]++;
-    for (int32_t i = 0; i < parts->node_count; i++) parts->node_counts[parts->node_part[i]]++;
+    count_entries(parts->element_part, elements, parts->element_counts);
+    count_entries(parts->node_part, parts->node_count, parts->node_counts);
     return SHV_OK;
 }
 
@@ -150,23 +168,51 @@ static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvStat
     return count_parts(parts, fragments, count, error);
 }
 
+/* Where an element of the fragment stands in its list, which increases. */
+static int32_t place_of(const int32_t *elements, int32_t count, int32_t element)
+{
+    int32_t low = 0;
+    for (int32_t high = count; high - low > 1;) {
+        const int32_t middle = low + (high - low) / 2;
+        if (elements[middle] <= element)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The part of each element: all are of the rest but those at the nodes that have come off. */
+static void mark_severed(Parts *parts, const ShvFragments *fragments, const ShvState *state,
+                         const ShvFragment *fragment, const ShvSevered *severed)
+{
+    const int32_t *elements = fragments->elements + fragment->element_begin;
+    memset(parts->element_part, 0, (size_t)fragment->element_count * sizeof *parts->element_part);
+    for (int32_t k = 0; k < severed->node_count; k++) {
+        const int32_t node = fragments->label[k], *corners = state->corners + state->corner_start[node];
+        for (int32_t i = 0; i < state->corner_count[node]; i++)
+            parts->element_part[place_of(elements, fragment->element_count, corners[i] / 4)] = fragments->found[node];
+    }
+}
+
 /* The same from what has come off: `found` says for each node of it which part it is of, 0 the rest. The node list goes on,
    copies have the highest numbers. */
 static ShvStatus name_parts(Parts *parts, const ShvFragments *fragments, const ShvState *state,
                             const ShvFragment *fragment, const ShvSevered *severed, int32_t first_copy, int32_t *number,
                             ShvError *error)
 {
-    const int32_t *elements = fragments->elements + fragment->element_begin;
     SHV_TRY(reserve_parts(parts, fragments, fragment->element_count, (int64_t)fragment->node_count + severed->copies,
                           error));
+    mark_severed(parts, fragments, state, fragment, severed);
     for (int32_t k = 0; k <= severed->count; k++) number[k] = NO_PART;
-    for (int32_t i = 0; i < fragment->element_count; i++) {
-        const int32_t found = fragments->found[shv_state_node(state, elements[i], 0)];
+    for (int32_t begin = 0, end = 0; begin < fragment->element_count; begin = end) {
+        end = run_end(parts->element_part, begin, fragment->element_count);
+        const int32_t found = parts->element_part[begin];
         if (number[found] == NO_PART) number[found] = parts->count++;
-        parts->element_part[i] = number[found];
+        for (int32_t i = begin; i < end; i++) parts->element_part[i] = number[found];
     }
-    for (int32_t i = 0; i < fragment->node_count; i++)
-        parts->nodes[parts->node_count++] = fragments->nodes[fragment->node_begin + i];
+    parts->node_count = fragment->node_count;
+    memcpy(parts->nodes, fragments->nodes + fragment->node_begin, (size_t)parts->node_count * sizeof *parts->nodes);
     for (int32_t node = first_copy; parts->node_count < fragment->node_count + severed->copies; node++)
         if (state->element_fragment[state->corners[state->corner_start[node]] / 4] == fragment->id)
             parts->nodes[parts->node_count++] = node;
@@ -258,7 +304,11 @@ static void group(const int32_t *values, int32_t count, int32_t *counts, int32_t
         counts[p] = begin;
         begin += size;
     }
-    for (int32_t i = 0; i < count; i++) sorted[counts[part_of[i]]++] = values[i];
+    for (int32_t from = 0, end = 0; from < count; from = end) {
+        end = run_end(part_of, from, count);
+        memcpy(sorted + counts[part_of[from]], values + from, (size_t)(end - from) * sizeof *values);
+        counts[part_of[from]] += end - from;
+    }
     for (int32_t p = parts - 1; p > 0; p--) counts[p] = counts[p - 1];
     if (parts > 0) counts[0] = 0;
 }
@@ -273,7 +323,7 @@ static void write_lists(ShvFragments *fragments, Parts *parts, int32_t element_b
 {
     int32_t *elements = fragments->elements + element_begin;
     group(elements, count, parts->element_counts, parts->count, parts->element_part, parts->sorted);
-    for (int32_t i = 0; i < count; i++) elements[i] = parts->sorted[i];
+    memcpy(elements, parts->sorted, (size_t)count * sizeof *elements);
     group(parts->nodes, parts->node_count, parts->node_counts, parts->count, parts->node_part,
           fragments->nodes + fragments->node_end);
 }

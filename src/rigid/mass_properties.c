@@ -2,12 +2,13 @@
 
 static void sum_elements(ShvFragment *fragment, const int32_t *elements, const ShvModel *model, const ShvState *state)
 {
-    fragment->mass = 0.0;
-    fragment->volume = 0.0;
+    double mass = 0.0, volume = 0.0;
     for (int32_t i = 0; i < fragment->element_count; i++) {
-        fragment->mass += state->element_mass[elements[i]];
-        fragment->volume += shv_mesh_element_volume(&model->mesh, elements[i]);
+        mass += state->element_mass[elements[i]];
+        volume += state->element_mass[elements[i]] / shv_model_material(model, elements[i])->density;
     }
+    fragment->mass = mass;
+    fragment->volume = volume;
 }
 
 /* Centre of the lumped masses, summed from the first node so that a body far from the origin loses no digits. */
@@ -23,6 +24,16 @@ static ShvVec3 lumped_centre(const int32_t *nodes, int32_t count, const ShvState
         mass += m;
     }
     return mass > 0.0 ? shv_madd(start, 1.0 / mass, moment) : start;
+}
+
+static ShvVec3 lower(ShvVec3 a, ShvVec3 b)
+{
+    return shv_vec3(b.x < a.x ? b.x : a.x, b.y < a.y ? b.y : a.y, b.z < a.z ? b.z : a.z);
+}
+
+static ShvVec3 upper(ShvVec3 a, ShvVec3 b)
+{
+    return shv_vec3(b.x > a.x ? b.x : a.x, b.y > a.y ? b.y : a.y, b.z > a.z ? b.z : a.z);
 }
 
 void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
@@ -42,9 +53,10 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
         yz -= m * r.y * r.z;
         xz -= m * r.x * r.z;
         xy -= m * r.x * r.y;
-        farthest = fmax(farthest, shv_dot(r, r));
-        low = shv_vec3(fmin(low.x, r.x), fmin(low.y, r.y), fmin(low.z, r.z));
-        high = shv_vec3(fmax(high.x, r.x), fmax(high.y, r.y), fmax(high.z, r.z));
+        const double square = shv_dot(r, r);
+        farthest = square > farthest ? square : farthest;
+        low = lower(low, r);
+        high = upper(high, r);
     }
     fragment->inertia = (ShvMat3){{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
     fragment->radius = sqrt(farthest);
