@@ -370,6 +370,19 @@ typedef enum ShvOverlapPolicy {
     SHV_OVERLAPS_KEEP    /* the run goes on as shv_simulation_overlap_course says */
 } ShvOverlapPolicy;
 
+/* What `shiver survive` varies, and what it calls broken. */
+typedef enum ShvSurvivalVariation {
+    SHV_SURVIVAL_HEIGHT, /* the speed along gravity that a fall from a height gives */
+    SHV_SURVIVAL_SPEED   /* the speed along the velocity that the object has in the scene */
+} ShvSurvivalVariation;
+
+typedef struct ShvSurvivalDefinition {
+    const char *object; /* that is dropped; NULL: the scene's only one */
+    double broken;      /* share of its mass that the largest piece is below when it has broken, in (0, 1); 0.95 */
+    ShvSurvivalVariation vary;
+    bool turn; /* each specimen in an orientation of its own, at random; its lowest point stays as high as it was */
+} ShvSurvivalDefinition;
+
 typedef struct ShvSceneDefinition {
     uint32_t cookie;
     const char *name;
@@ -394,6 +407,7 @@ typedef struct ShvSceneDefinition {
     ShvAuditDefinition audit;
     ShvOutputDefinition output;
     ShvReferenceDefinition reference;
+    ShvSurvivalDefinition survival;
     double duration; /* s */
     uint64_t seed;   /* Weibull strengths */
     int32_t threads; /* 0: as many processors as have work */

@@ -13,6 +13,7 @@
 #include "shiver/status.h"
 #include "shiver/study.h"
 #include "shiver/suite.h"
+#include "shiver/survive.h"
 #include "shiver/verify.h"
 #include "shiver/version.h"
 #include "shiver/view.h"

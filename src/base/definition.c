@@ -103,5 +103,6 @@ ShvSceneDefinition shv_scene_default(void)
                                 .fracture = fracture_default(),
                                 .audit = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
                                 .output = {.rate = 240.0, .probe_every = 1},
+                                .survival = {.broken = 0.95},
                                 .duration = unset};
 }

@@ -53,10 +53,10 @@ typedef struct ShvCommand {
 
 extern const ShvCommand shv_command_run, shv_command_check, shv_command_plan, shv_command_mesh, shv_command_info,
     shv_command_export, shv_command_materials, shv_command_compare, shv_command_study, shv_command_stability,
-    shv_command_verify, shv_command_view, shv_command_generate;
+    shv_command_verify, shv_command_view, shv_command_survive, shv_command_generate;
 
 /* In the order of the overview. */
-enum { SHV_COMMANDS = 13 };
+enum { SHV_COMMANDS = 14 };
 extern const ShvCommand *const shv_commands[SHV_COMMANDS];
 
 /* Room for the name of a file: the longest that POSIX promises to open. */

@@ -12,9 +12,9 @@
 #include "base/names.h"
 
 const ShvCommand *const shv_commands[SHV_COMMANDS] = {
-    &shv_command_run,       &shv_command_check,  &shv_command_plan,      &shv_command_mesh,    &shv_command_info,
-    &shv_command_view,      &shv_command_export, &shv_command_materials, &shv_command_compare, &shv_command_study,
-    &shv_command_stability, &shv_command_verify, &shv_command_generate};
+    &shv_command_run,     &shv_command_check,     &shv_command_plan,      &shv_command_mesh,    &shv_command_info,
+    &shv_command_view,    &shv_command_export,    &shv_command_materials, &shv_command_compare, &shv_command_study,
+    &shv_command_survive, &shv_command_stability, &shv_command_verify,    &shv_command_generate};
 
 const ShvExitMeaning shv_exit_meanings[SHV_EXIT_MEANINGS] = {
     {SHV_EXIT_DONE, "done"},

@@ -1,44 +1,12 @@
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "cli/command.h"
-#include "cli/reserve.h"
+#include "cli/jobs.h"
 
 enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
-enum { MOST_JOBS = 256 };
-
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
-
-static bool asked_to_stop(void *data)
-{
-    (void)data;
-    return interrupted != 0 || shv_reserve_used();
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
-    action.sa_flags = (int)SA_RESETHAND; /* the second Ctrl-C ends the program at once */
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
 static void say_run(void *data, const char *setting)
 {
     (void)data;
@@ -46,27 +14,6 @@ static void say_run(void *data, const char *setting)
 }
 
 /* ---- options ---- */
-
-static ShvStatus read_whole(const char *text, size_t length, int32_t least, int32_t most, const char *what,
-                            int32_t *value, ShvError *error)
-{
-    int64_t read = 0;
-    if (shv_parse_int64(text, length, &read, NULL) != SHV_OK || read < least || read > most)
-        return shv_fail(error, SHV_BAD_INPUT, "%s, not '%.60s'", what, text);
-    *value = (int32_t)read;
-    return SHV_OK;
-}
-
-static ShvStatus read_task(const char *text, ShvStudyOptions *options, ShvError *error)
-{
-    static const char what[] = "--task needs I/N, share I (from 1) of N";
-    const char *slash = strchr(text, '/');
-    if (!slash) return shv_fail(error, SHV_BAD_INPUT, "%s, not '%.60s'", what, text);
-    ShvStatus status = read_whole(slash + 1, strlen(slash + 1), 1, 1000000, what, &options->tasks, error);
-    if (status == SHV_OK)
-        status = read_whole(text, (size_t)(slash - text), 1, options->tasks, what, &options->task, error);
-    return status;
-}
 
 /* The command as it was given, for the report. */
 static void write_command(const ShvArguments *arguments, char *text, size_t size)
@@ -173,38 +120,23 @@ static int pick(const ShvStudy *study, const char *text, bool quiet)
 
 /* ---- the command ---- */
 
-/* One process a job, each with its share of the runs. */
-static ShvStatus run_jobs(const ShvArguments *arguments, const ShvStudyOptions *options, int32_t jobs, ShvError *error)
+/* A study with its share of the runs. */
+typedef struct Share {
+    const ShvArguments *arguments;
+    const ShvStudyOptions *options;
+    int32_t jobs;
+} Share;
+
+static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
 {
-    pid_t children[MOST_JOBS];
-    int32_t started = 0;
-    ShvStatus status = SHV_OK;
-    fflush(stdout);
-    for (; started < jobs; started++) {
-        children[started] = fork();
-        if (children[started] < 0) {
-            status = shv_fail(error, SHV_NO_MEMORY, "cannot start a process: %s", strerror(errno));
-            break;
-        }
-        if (children[started] > 0) continue;
-        ShvStudyOptions own = *options;
-        ShvStudy *study = NULL;
-        ShvError failure;
-        own.task = started + 1;
-        own.tasks = jobs;
-        ShvStatus done = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &own, &failure);
-        if (done == SHV_OK) done = shv_study_run(study, &failure);
-        if (done != SHV_OK) shv_cli_failed(done, &failure);
-        _exit(done == SHV_OK ? 0 : 1);
-    }
-    for (int32_t i = 0; i < started; i++) {
-        int code = 1;
-        while (waitpid(children[i], &code, 0) < 0 && errno == EINTR) continue;
-        if (status == SHV_OK && (!WIFEXITED(code) || WEXITSTATUS(code) != 0))
-            status = interrupted ? shv_fail(error, SHV_INTERRUPTED, "stopped")
-                                 : shv_fail(error, SHV_DIVERGED, "a job failed, see above");
-    }
-    return status;
+    const Share *share = data;
+    ShvStudyOptions own = *share->options;
+    ShvStudy *study = NULL;
+    own.task = index;
+    own.tasks = share->jobs;
+    const char *const *files = share->arguments->positional;
+    const ShvStatus status = shv_study_open(&study, files[0], files[1], &own, error);
+    return status == SHV_OK ? shv_study_run(study, error) : status;
 }
 
 static int show(ShvStudy *study, const ShvArguments *arguments)
@@ -224,12 +156,8 @@ static int show(ShvStudy *study, const ShvArguments *arguments)
 static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
 {
     const char *const *values = arguments->values;
-    *jobs = 0;
-    if (values[JOBS]) {
-        const ShvStatus status = read_whole(values[JOBS], strlen(values[JOBS]), 1, MOST_JOBS,
-                                            "--jobs needs a number of runs at a time, 1 to 256", jobs, error);
-        if (status != SHV_OK) return status;
-    }
+    const ShvStatus status = shv_jobs_read(values[JOBS], jobs, error);
+    if (status != SHV_OK) return status;
     if ((values[TASK] != NULL) + (values[MERGE] != NULL) + (values[JOBS] != NULL) > 1)
         return shv_fail(error, SHV_BAD_INPUT, "of --jobs, --task and --merge only one can be given");
     if (values[TASK] && values[PICK])
@@ -239,8 +167,8 @@ static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *op
     options->overrides = arguments->overrides;
     options->override_count = arguments->override_count;
     options->begins = arguments->quiet ? NULL : say_run;
-    options->stop = asked_to_stop;
-    return values[TASK] ? read_task(values[TASK], options, error) : SHV_OK;
+    options->stop = shv_jobs_asked_to_stop;
+    return values[TASK] ? shv_jobs_read_task(values[TASK], &options->task, &options->tasks, error) : SHV_OK;
 }
 
 static int run(const ShvArguments *arguments)
@@ -256,9 +184,10 @@ static int run(const ShvArguments *arguments)
     write_command(arguments, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
-    catch_signals();
+    shv_jobs_catch_signals();
     status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
-    if (status == SHV_OK && jobs > 1) status = run_jobs(arguments, &options, jobs, &error);
+    const Share share = {.arguments = arguments, .options = &options, .jobs = jobs};
+    if (status == SHV_OK && jobs > 1) status = shv_jobs_run(jobs, run_share, &share, &error);
     if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
     if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);

@@ -869,6 +869,27 @@ static const ShvTable reference_table = {
     .keys = reference_keys,
     .key_count = LENGTH_OF(reference_keys)};
 
+static const ShvChoice variation_choices[] = {
+    {"height", SHV_SURVIVAL_HEIGHT}, {"speed", SHV_SURVIVAL_SPEED}, {NULL, 0}};
+static const ShvKey survival_keys[] = {
+    {"object", SHV_KEY_TEXT, .offset = SCENE(survival.object), .absent = "the scene's only one",
+     .sentence = "Name of the object that is dropped or thrown."},
+    {"broken", SHV_KEY_NUMBER, .range = &open_share, .offset = SCENE(survival.broken),
+     .sentence = "It has broken when its largest piece has less than this share of its mass."},
+    {"vary", SHV_KEY_CHOICE, .choices = variation_choices, .offset = SCENE(survival.vary),
+     .sentence = "`height`: it starts where the scene has it, with the speed of a fall from that height along gravity. "
+                 "`speed`: with the speed of such a fall along the velocity that it has in the scene."},
+    {"turn", SHV_KEY_BOOLEAN, .offset = SCENE(survival.turn),
+     .sentence = "Each specimen falls in an orientation of its own, at random, with its foremost point where the "
+                 "scene's is; else all fall as the scene has them."},
+};
+static const ShvTable survival_table = {
+    .name = "survival",
+    .sentence = "From what height it breaks: what `shiver survive` varies and calls broken. Other commands do not look "
+                "at it.",
+    .keys = survival_keys,
+    .key_count = LENGTH_OF(survival_keys)};
+
 static const ShvChoice overlap_choices[] = {{"refuse", SHV_OVERLAPS_REFUSE}, {"keep", SHV_OVERLAPS_KEEP}, {NULL, 0}};
 
 #define ITEMS(member) offsetof(ShvSceneItem, member)
@@ -910,6 +931,7 @@ static const ShvKey scene_keys[] = {
     {"audit", SHV_KEY_MAPPING, .table = &audit_table, .sentence = "Bounds on mode switches."},
     {"output", SHV_KEY_MAPPING, .table = &output_table, .sentence = "The run file."},
     {"reference", SHV_KEY_MAPPING, .table = &reference_table, .sentence = "The exact motion, where one is known."},
+    {"survival", SHV_KEY_MAPPING, .table = &survival_table, .sentence = "From what height something breaks."},
 };
 static void start_scene(void *item)
 {

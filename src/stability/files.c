@@ -61,7 +61,8 @@ static void put_limits(FILE *stream, Drawing *drawing)
             shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", options->stiffness[k]);
         else
             shv_format(drawing->names[k], sizeof drawing->names[k], "no bars");
-        drawing->lines[k] = (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations_count};
+        drawing->lines[k] =
+            (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations_count, SHV_PLOT_MARKED_LINE};
     }
     shv_plot_write(stream, &(ShvPlot){.title = stability->name,
                                       .x_label = "sweeps of bars a step",
@@ -82,7 +83,7 @@ static void add_line(Drawing *drawing, int32_t *count, const ShvStabilityRow *ro
         shv_format(drawing->names[i], sizeof drawing->names[i], "k %g, n %d", row->stiffness, (int)row->iterations);
     else
         shv_format(drawing->names[i], sizeof drawing->names[i], "no bars");
-    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], row->point_count};
+    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], row->point_count, SHV_PLOT_MARKED_LINE};
 }
 
 /* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the

@@ -81,7 +81,8 @@ static void put_plot(FILE *stream, const ShvComparison *comparison)
     for (int32_t e = 0; e < options->engine_count; e++) {
         for (int32_t s = 0; s < options->step_count; s++)
             points[e][s] = point_of(&comparison->runs[e * options->step_count + s].view);
-        lines[e] = (ShvPlotLine){shv_rigid_engine_name(options->engines[e]), points[e], options->step_count};
+        lines[e] = (ShvPlotLine){shv_rigid_engine_name(options->engines[e]), points[e], options->step_count,
+                                 SHV_PLOT_MARKED_LINE};
     }
     const ShvPlot plot = {.title = comparison->scene->name ? comparison->scene->name : "comparison",
                           .x_label = "run time, s",

@@ -162,16 +162,20 @@ static void put_point_label(FILE *stream, double x, double y, int32_t line, cons
               left ? "text-anchor=\"end\" class=\"point\"" : "class=\"point\"", label);
 }
 
-static void put_line(const Page *page, int32_t index)
+static void put_strokes(const Page *page, const ShvPlotLine *line, const char *colour)
 {
-    const ShvPlotLine *line = &page->plot->lines[index];
-    shv_print(page->stream, "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.6\" points=\"",
-              colours[index % COLOURS]);
+    shv_print(page->stream, "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.6\" points=\"", colour);
     for (int32_t i = 0; i < line->count; i++)
         if (shown(page->plot, &line->points[i]))
             shv_print(page->stream, "%.1f,%.1f ", place_x(page, line->points[i].x), place_y(page, line->points[i].y));
     shv_print(page->stream, "\"/>\n");
-    for (int32_t i = 0; i < line->count; i++) {
+}
+
+static void put_line(const Page *page, int32_t index)
+{
+    const ShvPlotLine *line = &page->plot->lines[index];
+    if (line->style != SHV_PLOT_MARKERS) put_strokes(page, line, colours[index % COLOURS]);
+    for (int32_t i = 0; i < line->count && line->style != SHV_PLOT_PLAIN_LINE; i++) {
         if (!shown(page->plot, &line->points[i])) continue;
         const double x = place_x(page, line->points[i].x), y = place_y(page, line->points[i].y);
         put_marker(page->stream, x, y, index);

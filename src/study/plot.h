@@ -11,10 +11,13 @@ typedef struct ShvPlotPoint {
     char label[24]; /* "": none */
 } ShvPlotPoint;
 
+typedef enum ShvPlotStyle { SHV_PLOT_MARKED_LINE, SHV_PLOT_MARKERS, SHV_PLOT_PLAIN_LINE } ShvPlotStyle;
+
 typedef struct ShvPlotLine {
     const char *name;
     const ShvPlotPoint *points;
     int32_t count;
+    ShvPlotStyle style;
 } ShvPlotLine;
 
 /* From `low` to `high` at x, in the colour of a line: what lies around a point. */

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "scene/source.h"
 #include "shiver/version.h"
+#include "study/inputs.h"
 
 ShvStudyOptions shv_study_default(void)
 {
@@ -59,34 +60,6 @@ ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinit
 
 /* ---- what a run follows from ---- */
 
-/* Files that cannot be read make runs fail later, with their own message. */
-static ShvStatus hash_file(const ShvStudy *study, uint64_t *hash, const char *file, const char *ending, ShvError *error)
-{
-    char *path, *data;
-    size_t size;
-    char name[1024];
-    if (!file) return SHV_OK;
-    shv_format(name, sizeof name, "%s%s", file, ending);
-    SHV_TRY(shv_path_join(study->memory, SHV_PART_GENERAL, study->folder, name, &path, error));
-    const ShvStatus status = shv_read_file(study->memory, SHV_PART_GENERAL, path, (size_t)1 << 30, &data, &size, error);
-    if (status == SHV_OK) *hash = shv_hash_bytes(*hash, data, size);
-    shv_release(data);
-    shv_release(path);
-    return status == SHV_NO_MEMORY ? status : SHV_OK;
-}
-
-/* TetGen's elements are in a second file. */
-static ShvStatus hash_mesh(const ShvStudy *study, uint64_t *hash, const ShvMeshDefinition *mesh, ShvError *error)
-{
-    if (mesh->kind != SHV_MESH_TETGEN) return hash_file(study, hash, mesh->file, "", error);
-    const size_t length = strlen(mesh->file);
-    const bool node = length > 5 && strcmp(mesh->file + length - 5, ".node") == 0;
-    char base[1000];
-    shv_format(base, sizeof base, "%.*s", (int)(node ? length - 5 : length), mesh->file);
-    SHV_TRY(hash_file(study, hash, base, ".node", error));
-    return hash_file(study, hash, base, ".ele", error);
-}
-
 static ShvStatus hash_setting(const ShvStudy *study, const ShvScene *scene, const ShvStudySetting *setting,
                               uint64_t *hash, ShvError *error)
 {
@@ -96,11 +69,7 @@ static ShvStatus hash_setting(const ShvStudy *study, const ShvScene *scene, cons
     *hash = shv_hash_bytes(*hash, &setting->multiple, sizeof setting->multiple);
     *hash = shv_hash_bytes(*hash, &study->plan.repeats, sizeof study->plan.repeats);
     *hash = shv_hash_bytes(*hash, &study->plan.audit_wakes, sizeof study->plan.audit_wakes);
-    for (int32_t i = 0; i < definition->object_count; i++)
-        SHV_TRY(hash_mesh(study, hash, &definition->objects[i].mesh, error));
-    for (int32_t i = 0; i < definition->obstacle_count; i++)
-        SHV_TRY(hash_file(study, hash, definition->obstacles[i].file, "", error));
-    return SHV_OK;
+    return shv_inputs_hash(study->memory, study->folder, definition, hash, error);
 }
 
 static uint64_t hash_member(const ShvStudy *study, uint64_t hash, int32_t member)

@@ -53,7 +53,7 @@ static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figu
         figure->spans[figure->span_count++] = (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least),
                                                             row->errors_high[measure], figure->line_count};
     }
-    figure->lines[figure->line_count++] = (ShvPlotLine){name, points, count};
+    figure->lines[figure->line_count++] = (ShvPlotLine){name, points, count, SHV_PLOT_MARKED_LINE};
     *used += count;
 }
 
@@ -93,7 +93,7 @@ static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, F
     char title[200], label[96];
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
-    const ShvPlotLine front = {"Pareto front", figure->front, figure->front_count};
+    const ShvPlotLine front = {"Pareto front", figure->front, figure->front_count, SHV_PLOT_MARKED_LINE};
     const ShvPlot plot = {.title = title,
                           .x_label =
                               study->timings_valid ? "run time, s" : "run time, s (invalid: runs shared the machine)",

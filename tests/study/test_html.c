@@ -18,7 +18,8 @@ static void test_page(void **state)
     (void)state;
     static const char *const heads[] = {"a < b", "verdict"};
     const ShvPlotPoint points[] = {{1.0, 2.0, "one"}, {10.0, 1.0, "two"}};
-    const ShvPlotLine line = {"line & dot", points, 2}, front = {"front", points, 2};
+    const ShvPlotLine line = {"line & dot", points, 2, SHV_PLOT_MARKED_LINE},
+                      front = {"front", points, 2, SHV_PLOT_MARKED_LINE};
     const ShvPlotSpan span = {1.0, 0.5, 3.0, 0};
     const ShvPlot plot = {.title = "plot",
                           .x_label = "x",
@@ -65,7 +66,8 @@ static void test_plot_within(void **state)
 {
     (void)state;
     const ShvPlotPoint points[] = {{1.0, 2.0, "one"}, {3.0, 1.0, ""}};
-    const ShvPlotLine line = {"line", points, 2}, front = {"front", points, 1};
+    const ShvPlotLine line = {"line", points, 2, SHV_PLOT_MARKED_LINE},
+                      front = {"front", points, 1, SHV_PLOT_MARKED_LINE};
     const ShvPlotSpan spans[] = {{1.0, -1.0, 2.0, 0}, {2.0, 1.0, (double)NAN, 0}, {2.0, (double)NAN, 1.0, 0}};
     const ShvPlot plot = {.title = "p",
                           .x_label = "x",

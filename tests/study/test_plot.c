@@ -45,7 +45,9 @@ static void test_points(void **state)
     const ShvPlotPoint up[] = {{1.0, 1e-2, "first"}, {10.0, 1e-1, ""}, {100.0, 1.0, "last"}};
     const ShvPlotPoint odd[] = {
         {(double)NAN, 1.0, "a"}, {0.0, 1.0, "b"}, {-2.0, 1.0, "c"}, {10.0, (double)INFINITY, "d"}};
-    const ShvPlotLine lines[] = {{"up & <away>", up, 3}, {"odd", odd, 4}, {"none", NULL, 0}};
+    const ShvPlotLine lines[] = {{"up & <away>", up, 3, SHV_PLOT_MARKED_LINE},
+                                 {"odd", odd, 4, SHV_PLOT_MARKED_LINE},
+                                 {"none", NULL, 0, SHV_PLOT_MARKED_LINE}};
     const ShvPlot plot = {.title = "a < b\n& c",
                           .x_label = "time, s",
                           .y_label = "error, µm",

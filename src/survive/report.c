@@ -1,0 +1,356 @@
+/* The page, the tables and the curve of a search. */
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "export/output.h"
+#include "study/html.h"
+#include "survive/pictures.h"
+
+enum { CURVE_POINTS = 61, LINES = 4 };
+
+/* ---- figures ---- */
+
+typedef struct Figure {
+    ShvPlotPoint *points;
+    int32_t count;
+    ShvPlotLine lines[LINES];
+    int32_t line_count;
+} Figure;
+
+static void begin_line(Figure *figure, const char *name, ShvPlotStyle style)
+{
+    figure->lines[figure->line_count++] =
+        (ShvPlotLine){.name = name, .points = figure->points + figure->count, .style = style};
+}
+
+static void add_point(Figure *figure, double x, double y)
+{
+    figure->points[figure->count++] = (ShvPlotPoint){.x = x, .y = y};
+    figure->lines[figure->line_count - 1].count++;
+}
+
+static void add_law(Figure *figure, ShvFragilityLaw law, const ShvFragilityView *view, double low, double high)
+{
+    const ShvFragilityFit fit = {.location = view->location, .scale = view->scale};
+    begin_line(figure, shv_fragility_law_name(law), SHV_PLOT_PLAIN_LINE);
+    for (int i = 0; i < CURVE_POINTS; i++) {
+        const double height = low * pow(high / low, (double)i / (CURVE_POINTS - 1));
+        add_point(figure, height, 1.0 - shv_fragility_share(law, &fit, height));
+    }
+}
+
+static void add_isotonic(Figure *figure, const ShvSurviveView *view, int32_t *order, double *shares)
+{
+    begin_line(figure, "without a law", SHV_PLOT_MARKED_LINE);
+    shv_fragility_isotonic(view->shots, view->shot_count, order, shares);
+    for (int32_t i = 0; i < view->shot_count; i++) add_point(figure, view->shots[order[i]].height, 1.0 - shares[i]);
+}
+
+/* Room for the points of one figure, the shots by height, the pictures. */
+typedef struct Room {
+    ShvPlotPoint *points;
+    int32_t *order;
+    double *shares;
+    ShvSurvivePictures *pictures;
+} Room;
+
+/* A logarithmic axis of whole decades would leave most of a figure empty. */
+static bool is_wide(const ShvSurviveView *view, const int32_t *order)
+{
+    const double most_on_a_scale = 30.0;
+    return view->shots[order[view->shot_count - 1]].height > most_on_a_scale * view->shots[order[0]].height;
+}
+
+static void put_plot(FILE *stream, const Figure *figure, const char *title, const char *x, const char *y, bool log_x,
+                     bool within)
+{
+    const ShvPlot plot = {.title = title,
+                          .x_label = x,
+                          .y_label = y,
+                          .log_x = log_x,
+                          .lines = figure->lines,
+                          .line_count = figure->line_count};
+    if (within)
+        shv_html_plot(stream, &plot);
+    else
+        shv_plot_write(stream, &plot);
+}
+
+static void put_curve(const ShvSurviveView *view, const Room *room, FILE *stream, bool within)
+{
+    Figure figure = {.points = room->points};
+    double low = HUGE_VAL, high = 0.0;
+    for (int32_t i = 0; i < view->shot_count; i++) {
+        low = fmin(low, view->shots[i].height);
+        high = fmax(high, view->shots[i].height);
+    }
+    if (isfinite(view->laws[0].h50) && low < high)
+        for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) add_law(&figure, law, &view->laws[law], low, high);
+    add_isotonic(&figure, view, room->order, room->shares);
+    put_plot(stream, &figure, "Share that survives", "height, m", "share that survives", is_wide(view, room->order),
+             within);
+}
+
+static void put_pieces(const ShvSurviveView *view, const Room *room, FILE *stream)
+{
+    static const char *const names[] = {"largest piece", "second", "third"};
+    Figure figure = {.points = room->points};
+    for (int k = 0; k < 3; k++) {
+        begin_line(&figure, names[k], SHV_PLOT_MARKERS);
+        for (int32_t i = 0; i < view->shot_count; i++) {
+            const ShvShot *shot = &view->shots[room->order[i]];
+            if (shot->shares[k] > 0.0) add_point(&figure, shot->height, shot->shares[k]);
+        }
+    }
+    put_plot(stream, &figure, "Masses of the pieces", "height, m", "share of the mass", is_wide(view, room->order),
+             true);
+}
+
+/* Of those that broke, seen along an axis. */
+static void put_origins(const ShvSurviveView *view, const Room *room, int x, int y, const char *title, FILE *stream)
+{
+    static const char *const axes[] = {"x, m", "y, m", "z, m"};
+    Figure figure = {.points = room->points};
+    begin_line(&figure, "first crack", SHV_PLOT_MARKERS);
+    for (int32_t i = 0; i < view->shot_count; i++) {
+        const ShvShot *shot = &view->shots[i];
+        if (shot->broken && isfinite(shot->origin[0])) add_point(&figure, shot->origin[x], shot->origin[y]);
+    }
+    if (figure.count > 0) put_plot(stream, &figure, title, axes[x], axes[y], false, true);
+}
+
+/* ---- words ---- */
+
+static void put_interval(FILE *stream, double height, double low, double high)
+{
+    char text[96], from[32] = "no lower bound", to[32] = "no upper bound";
+    if (low > 0.0) shv_format(from, sizeof from, "%.3g", low);
+    if (isfinite(high)) shv_format(to, sizeof to, "%.3g m", high);
+    shv_format(text, sizeof text, "%.3g m, %.3g m/s", height, shv_drop_speed(height));
+    shv_html_cell(stream, text, "number");
+    shv_format(text, sizeof text, "%s to %s", from, to);
+    shv_html_cell(stream, text, "number");
+}
+
+static void put_laws(const ShvSurviveView *view, FILE *stream)
+{
+    static const char *const heads[] = {"law",  "half break from", "95 %",          "a tenth breaks from",
+                                        "95 %", "spread of ln h",  "log-likelihood"};
+    shv_html_table_begin(stream, heads, sizeof heads / sizeof heads[0]);
+    for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
+        const ShvFragilityView *fit = &view->laws[law];
+        char text[32];
+        shv_html_row_begin(stream, NULL);
+        shv_html_cell(stream, shv_fragility_law_name(law), NULL);
+        put_interval(stream, fit->h50, fit->h50_low, fit->h50_high);
+        put_interval(stream, fit->h10, fit->h10_low, fit->h10_high);
+        shv_format(text, sizeof text, "%.3g", fit->scale);
+        shv_html_cell(stream, text, "number");
+        shv_format(text, sizeof text, "%.2f", fit->likelihood);
+        shv_html_cell(stream, text, "number");
+        shv_html_row_end(stream);
+    }
+    shv_html_table_end(stream);
+}
+
+static void put_answer(const ShvSurvive *survive, FILE *stream)
+{
+    const ShvSurviveView *view = &survive->view;
+    char text[400];
+    shv_format(text, sizeof text,
+               "%d shots at %d specimens, %d of which broke. Broken: the largest piece has less than %g of the mass.",
+               (int)view->shot_count, (int)view->specimens, (int)view->broken,
+               shv_scene_definition(survive->scene)->survival.broken);
+    shv_html_paragraph(stream, text);
+    if (isfinite(view->bound)) {
+        const bool broke = isfinite(view->all_broke_from);
+        shv_format(text, sizeof text,
+                   "All %s from %.3g m: the share that does otherwise there is below %.2g with 95 %% confidence.",
+                   broke ? "broke, even" : "survived, even", broke ? view->all_broke_from : view->all_survived_from,
+                   view->bound);
+        shv_html_paragraph(stream, text);
+        return;
+    }
+    put_laws(view, stream);
+    if (!view->overlap)
+        shv_html_paragraph(
+            stream, "No specimen survived from as high as another one broke: of the spread nothing is known yet.");
+    shv_format(
+        text, sizeof text,
+        "%d specimens fell a third time, from where the first two had told what would happen: %d survived higher and "
+        "broke lower. Where many do, chance decides in the impact itself, not the strength of the specimen.",
+        (int)view->checked, (int)view->contradictory);
+    shv_html_paragraph(stream, text);
+    if (isfinite(view->staircase_mean)) {
+        shv_format(text, sizeof text, "ASTM D2463, procedure B: mean failure height %.3g m, standard deviation %.2g m.",
+                   view->staircase_mean, view->staircase_deviation);
+        shv_html_paragraph(stream, text);
+    }
+}
+
+static void put_shots(const ShvSurviveView *view, FILE *stream)
+{
+    static const char *const heads[] = {"specimen", "height, m", "speed, m/s", "", "pieces", "largest piece"};
+    shv_html_heading(stream, 2, "Shots");
+    shv_html_table_begin(stream, heads, sizeof heads / sizeof heads[0]);
+    for (int32_t i = 0; i < view->shot_count; i++) {
+        const ShvShot *shot = &view->shots[i];
+        char text[32];
+        shv_html_row_begin(stream, NULL);
+        shv_format(text, sizeof text, "%llu", (unsigned long long)shot->specimen);
+        shv_html_cell(stream, text, "number");
+        shv_format(text, sizeof text, "%.4g", shot->height);
+        shv_html_cell(stream, text, "number");
+        shv_format(text, sizeof text, "%.3g", shv_drop_speed(shot->height));
+        shv_html_cell(stream, text, "number");
+        shv_html_cell(stream, shot->broken ? "broke" : "survived", shot->broken ? "miss" : "pass");
+        shv_format(text, sizeof text, "%d", (int)shot->pieces);
+        shv_html_cell(stream, text, "number");
+        shv_format(text, sizeof text, "%.1f %%", 100.0 * shot->shares[0]);
+        shv_html_cell(stream, text, "number");
+        shv_html_row_end(stream);
+    }
+    shv_html_table_end(stream);
+}
+
+static void put_pictures(const ShvSurvivePictures *pictures, FILE *stream)
+{
+    for (int i = 0; i < SHV_SURVIVE_PICTURES; i++) {
+        const ShvShot *shot = &pictures->shot[i];
+        char text[160];
+        if (!pictures->title[i]) continue;
+        shv_format(text, sizeof text, "%s: specimen %llu from %.3g m, %d piece%s, largest %.0f %% of the mass.",
+                   pictures->title[i], (unsigned long long)shot->specimen, shot->height, (int)shot->pieces,
+                   shot->pieces == 1 ? "" : "s", 100.0 * shot->shares[0]);
+        shv_html_paragraph(stream, text);
+        fputs("<figure>\n", stream);
+        fputs(pictures->drawing[i], stream);
+        fputs("</figure>\n", stream);
+    }
+}
+
+static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
+{
+    char title[300];
+    const char *name = shv_scene_definition(survive->scene)->name;
+    shv_format(title, sizeof title, "%.200s: from what height does it break?", name);
+    shv_html_begin(stream, title);
+    if (survive->options.command) shv_html_command(stream, survive->options.command);
+    put_answer(survive, stream);
+    put_curve(&survive->view, room, stream, true);
+    put_pieces(&survive->view, room, stream);
+    put_pictures(room->pictures, stream);
+    put_origins(&survive->view, room, 0, 2, "Where the first crack of those that broke began, from the front", stream);
+    put_origins(&survive->view, room, 0, 1, "The same, from above", stream);
+    put_shots(&survive->view, stream);
+    shv_html_end(stream);
+}
+
+/* ---- JSON ---- */
+
+static void put_number(FILE *stream, const char *name, double value)
+{
+    char text[SHV_OUTPUT_NUMBER] = "null";
+    if (isfinite(value)) shv_output_format(text, value);
+    shv_print(stream, "\"%s\": %s", name, text);
+}
+
+static void put_law_json(FILE *stream, const ShvFragilityView *fit)
+{
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"h50", fit->h50},           {"h50_low", fit->h50_low}, {"h50_high", fit->h50_high},
+                   {"h10", fit->h10},           {"h10_low", fit->h10_low}, {"h10_high", fit->h10_high},
+                   {"location", fit->location}, {"scale", fit->scale},     {"likelihood", fit->likelihood}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        shv_print(stream, "%s", i > 0 ? ", " : "{");
+        put_number(stream, numbers[i].name, numbers[i].value);
+    }
+    shv_print(stream, "}");
+}
+
+void shv_survive_print_json(const ShvSurvive *survive, FILE *stream)
+{
+    const ShvSurviveView *view = &survive->view;
+    static const char *const laws[SHV_FRAGILITY_LAWS] = {"lognormal", "weibull"};
+    shv_print(
+        stream,
+        "{\"shots\": %d, \"specimens\": %d, \"broken\": %d, \"overlap\": %s, \"checked\": %d, \"contradictory\": %d",
+        (int)view->shot_count, (int)view->specimens, (int)view->broken, view->overlap ? "true" : "false",
+        (int)view->checked, (int)view->contradictory);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"all_survived_from", view->all_survived_from},
+                   {"all_broke_from", view->all_broke_from},
+                   {"bound", view->bound},
+                   {"staircase_mean", view->staircase_mean},
+                   {"staircase_deviation", view->staircase_deviation}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        shv_print(stream, ", ");
+        put_number(stream, numbers[i].name, numbers[i].value);
+    }
+    for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
+        shv_print(stream, ", \"%s\": ", laws[law]);
+        put_law_json(stream, &view->laws[law]);
+    }
+    shv_print(stream, "}\n");
+}
+
+/* ---- files ---- */
+
+typedef enum File { FILE_TABLE, FILE_JSON, FILE_CURVE, FILE_PAGE, FILE_COUNT } File;
+
+static void put_file(const ShvSurvive *survive, const Room *room, File file, FILE *stream)
+{
+    if (file == FILE_JSON) shv_survive_print_json(survive, stream);
+    if (file == FILE_CURVE) put_curve(&survive->view, room, stream, false);
+    if (file == FILE_PAGE) put_html(survive, room, stream);
+    if (file != FILE_TABLE) return;
+    shv_shot_put_heads(stream);
+    for (int32_t i = 0; i < survive->view.shot_count; i++) shv_shot_put(stream, &survive->view.shots[i]);
+}
+
+static ShvStatus write_file(const ShvSurvive *survive, const Room *room, File file, ShvError *error)
+{
+    static const char *const names[FILE_COUNT] = {"shots.csv", "survive.json", "curve.svg", "report.html"};
+    ShvExportOptions options = shv_export_default();
+    ShvOutput output;
+    char *path;
+    options.force = true;
+    options.memory = survive->options.memory;
+    SHV_TRY(shv_path_join(options.memory, SHV_PART_GENERAL, survive->options.output, names[file], &path, error));
+    ShvStatus status = shv_output_open(&output, &options, path, "", error);
+    if (status == SHV_OK) {
+        put_file(survive, room, file, output.stream);
+        status = shv_output_close(&output, &options, SHV_OK, error);
+    }
+    shv_release(path);
+    return status;
+}
+
+ShvStatus shv_survive_write(ShvSurvive *survive, ShvError *error)
+{
+    ShvSurvivePictures pictures = {0};
+    const size_t count = (size_t)survive->view.shot_count;
+    const size_t points = SHV_FRAGILITY_LAWS * CURVE_POINTS + 3 * count;
+    if (count == 0) return shv_fail(error, SHV_BAD_INPUT, "a search is written after it has shot");
+    const Room room = {.points = shv_allocate(survive->options.memory, SHV_PART_GENERAL, points, sizeof(ShvPlotPoint)),
+                       .order = shv_allocate(survive->options.memory, SHV_PART_GENERAL, count, sizeof(int32_t)),
+                       .pictures = &pictures,
+                       .shares = shv_allocate(survive->options.memory, SHV_PART_GENERAL, count, sizeof(double))};
+    ShvStatus status = room.points && room.order && room.shares
+                           ? SHV_OK
+                           : shv_fail_memory(error, "the report", points * sizeof(ShvPlotPoint));
+    if (status == SHV_OK) shv_fragility_isotonic(survive->view.shots, (int32_t)count, room.order, room.shares);
+    if (status == SHV_OK) status = shv_survive_draw(survive, &pictures, error);
+    for (int file = 0; status == SHV_OK && file < FILE_COUNT; file++) status = write_file(survive, &room, file, error);
+    shv_survive_pictures_release(&pictures);
+    shv_release(room.points);
+    shv_release(room.order);
+    shv_release(room.shares);
+    return status;
+}
