@@ -241,6 +241,9 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->reference.law, SHV_REFERENCE_BOUNCE);
     assert_string_equal(scene->reference.body, "plate_1");
     assert_string_equal(scene->reference.on, "floor");
+    assert_string_equal(scene->survival.object, "plate_1");
+    assert_true(scene->survival.broken == 0.9 && scene->survival.turn);
+    assert_int_equal(scene->survival.vary, SHV_SURVIVAL_SPEED);
     assert_string_equal(scene->name, "every key");
     check_vector(scene->gravity, 0.5, -0.001, -1.62);
     assert_true(scene->seed == UINT64_MAX);
