@@ -245,6 +245,12 @@ static const ShvKey shell_keys[] = {
      .sentence = "Splits the longest edges until the surface has at least so many triangles; 0 leaves it."}};
 MESH_TABLE(shell, "A shell, extruded from a surface.");
 
+static const ShvKey stl_keys[] = {
+    FILE_KEY("file", MESH(file),
+             "File of a closed triangle surface (STL, OBJ, PLY), or of CAD that gmsh reads (STEP, IGES, BREP)."),
+    SCALE_KEY(MESH(scale)), EDGE_KEY};
+MESH_TABLE(stl, "A body filled with tetrahedra by gmsh, which must be installed, each time that the scene is read.");
+
 #define MESH_KIND(kind, value, text)                                                                                   \
     {                                                                                                                  \
 #kind, SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &kind##_table, .variant = value, .sentence = text   \
@@ -258,6 +264,7 @@ static const ShvKey mesh_keys[] = {
     MESH_KIND(gmsh, SHV_MESH_GMSH, "Reads a Gmsh file."),
     MESH_KIND(tetgen, SHV_MESH_TETGEN, "Reads TetGen files."),
     MESH_KIND(shell, SHV_MESH_SHELL, "Extrudes a surface."),
+    MESH_KIND(stl, SHV_MESH_STL, "Fills a surface, by gmsh."),
     {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
@@ -281,6 +288,13 @@ static const ShvKey repeat_keys[] = {
      .sentence = "How many; they are named name_1, name_2, …"},
     {"offset", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, .offset = offsetof(ShvObjectItem, repeat_offset),
      .sentence = "From each to the next; the first is at `position`."},
+    {"spread", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, .range = &not_negative,
+     .offset = offsetof(ShvObjectItem, repeat_spread),
+     .sentence = "Each is shifted at random, by up to half of this along each axis to either side."},
+    {"turn", SHV_KEY_BOOLEAN, .offset = offsetof(ShvObjectItem, repeat_turn),
+     .sentence = "Each is turned at random, all orientations alike."},
+    {"seed", SHV_KEY_UINT64, .offset = offsetof(ShvObjectItem, repeat_seed),
+     .sentence = "Seed of what is random here. What overlaps by it is refused: take another seed, or a larger offset."},
 };
 static const ShvTable repeat_table = {.name = "objects.<name>.repeat",
                                       .sentence = "A row or stack of equal objects.",
