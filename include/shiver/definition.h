@@ -119,6 +119,7 @@ typedef struct ShvObjectDefinition {
     ShvMeshDefinition mesh;
     const char *material;
     ShvPlacement placement;
+    bool waits; /* it is not in the scene until shv_simulation_enter brings it */
 } ShvObjectDefinition;
 ShvObjectDefinition shv_object_default(void);
 
@@ -187,6 +188,7 @@ typedef struct ShvObstacleDefinition {
     ShvObstacleMotion motion;
     double mass; /* kg, free: > 0; inertia that of the homogeneous solid */
     ShvPlacement placement;
+    bool waits; /* free ones: not in the scene until shv_simulation_enter brings it */
     const ShvKeyframe *keyframes;
     int32_t keyframe_count;
 } ShvObstacleDefinition;

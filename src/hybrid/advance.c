@@ -51,6 +51,7 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     SHV_TRY(reserve_wakes(hybrid, error));
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
+    shv_hybrid_hold_waiting(hybrid);
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
     shv_companions_take_back(hybrid);

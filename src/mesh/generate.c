@@ -46,12 +46,13 @@ static ShvStatus check_definition(const ShvMeshDefinition *definition, ShvError 
     if (!(definition->jitter >= 0.0 && definition->jitter <= 0.3))
         return shv_fail(error, SHV_BAD_INPUT, "%s: jitter is %g, but must lie between 0 and 0.3", name,
                         definition->jitter);
-    if (!is_read(definition->kind)) return SHV_OK;
-    if (!definition->file || !*definition->file)
+    const bool read = is_read(definition->kind);
+    if (!read && definition->kind != SHV_MESH_MEMORY) return SHV_OK;
+    if (read && (!definition->file || !*definition->file))
         return shv_fail(error, SHV_BAD_INPUT, "%s: no file is named; set file", name);
     if (!(isfinite(definition->scale) && definition->scale > 0.0))
         return shv_fail(error, SHV_BAD_INPUT, "%s %s: scale is %g, but must be positive and finite", name,
-                        definition->file, definition->scale);
+                        read ? definition->file : "", definition->scale);
     if (definition->kind == SHV_MESH_STL && !(isfinite(definition->edge) && definition->edge > 0.0))
         return shv_fail(error, SHV_BAD_INPUT, "%s %s: edge is %g, but must be positive and finite", name,
                         definition->file, definition->edge);
@@ -108,6 +109,7 @@ static ShvStatus copy_mesh(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefini
     SHV_TRY(shv_mesh_allocate(mesh, memory, definition->node_count, definition->tet_count, error));
     memcpy(mesh->positions, definition->positions, 3 * (size_t)definition->node_count * sizeof(double));
     memcpy(mesh->elements, definition->tets, 4 * (size_t)definition->tet_count * sizeof(int32_t));
+    scale_positions(mesh, definition->scale);
     return SHV_OK;
 }
 

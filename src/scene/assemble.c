@@ -114,6 +114,7 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
         }
     }
     assembly->object_sources = sources;
+    assembly->objects = objects;
     assembly->definition.objects = objects;
     assembly->definition.object_count = count;
 }

@@ -249,6 +249,8 @@ static const ShvKey stl_keys[] = {
     FILE_KEY("file", MESH(file),
              "File of a closed triangle surface (STL, OBJ, PLY), or of CAD that gmsh reads (STEP, IGES, BREP)."),
     SCALE_KEY(MESH(scale)), EDGE_KEY};
+static const ShvKey memory_keys[] = {SCALE_KEY(MESH(scale))};
+MESH_TABLE(memory, "Tetrahedra that the calling program has (docs/library.md).");
 MESH_TABLE(stl, "A body filled with tetrahedra by gmsh, which must be installed, each time that the scene is read.");
 
 #define MESH_KIND(kind, value, text)                                                                                   \
@@ -265,6 +267,7 @@ static const ShvKey mesh_keys[] = {
     MESH_KIND(tetgen, SHV_MESH_TETGEN, "Reads TetGen files."),
     MESH_KIND(shell, SHV_MESH_SHELL, "Extrudes a surface."),
     MESH_KIND(stl, SHV_MESH_STL, "Fills a surface, by gmsh."),
+    MESH_KIND(memory, SHV_MESH_MEMORY, "Takes what the calling program gives."),
     {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
@@ -315,6 +318,8 @@ static const ShvKey object_keys[] = {
          "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
          "to the velocity. Such an object starts in fracture mode."},
     {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
+    {"waits", SHV_KEY_BOOLEAN, .offset = OBJECT(waits),
+     .sentence = "Whether it is not in the scene until a program brings it (shv_simulation_enter, docs/library.md)."},
 };
 static void start_object(void *item)
 {
@@ -525,6 +530,8 @@ static const ShvKey obstacle_keys[] = {
      .sentence = "Coulomb coefficient of friction."},
     {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = OBSTACLE(restitution),
      .sentence = "Coefficient of restitution of rigid impacts; deforming bodies rebound by their own elasticity."},
+    {"waits", SHV_KEY_BOOLEAN, .offset = OBSTACLE(waits),
+     .sentence = "Of one with a mass: it is not in the scene until a program brings it (shv_simulation_enter)."},
     {"mass", SHV_KEY_NUMBER, SHV_DIMENSION_MASS, .range = &positive, .offset = OBSTACLE(mass),
      .absent = "none: not free",
      .sentence = "Makes it a free, unbreakable rigid body with the inertia of a homogeneous solid."},

@@ -161,6 +161,8 @@ static void compare(Finder *finder, const Pair *pair)
 
 static ShvStatus compare_objects(Finder *finder, int32_t i, int32_t k, ShvError *error)
 {
+    const ShvObjectDefinition *objects = finder->hybrid->scene->objects;
+    if (objects[i].waits || objects[k].waits) return SHV_OK;
     ShvStartBody *first = &finder->bodies[i < k ? i : k], *second = &finder->bodies[i < k ? k : i];
     const double allowance = touch_of_size * fmin(first->size, second->size);
     if (!(shv_bound_of_objects(first, second) > allowance)) return SHV_OK;
@@ -218,7 +220,7 @@ static ShvStatus compare_all(Finder *finder, ShvError *error)
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         shv_start_obstacle(&finder->obstacles[i], &hybrid->obstacles.items[i]);
     for (int32_t i = 0; i < hybrid->model.object_count; i++)
-        for (int32_t k = 0; k < hybrid->obstacles.count; k++)
+        for (int32_t k = 0; k < hybrid->obstacles.count && !hybrid->scene->objects[i].waits; k++)
             SHV_TRY(compare_obstacle(finder, &finder->bodies[i], &finder->obstacles[k], error));
     return compare_all_objects(finder, error);
 }

@@ -30,7 +30,8 @@ apt-get update -qq
 apt-get install -y -qq --no-install-recommends /shiver.deb python3-numpy >/log 2>&1 || { tail /log; exit 1; }
 cd /tmp
 shiver --version
-shiver verify fall | tail -n 1
+shiver verify fall >verify.log
+tail -n 1 verify.log
 shiver run /usr/share/shiver/scenes/rigid/free_fall.yaml --quiet --force -o fall.h5
 shiver info fall.h5 | head -n 3
 for program in /*.py; do python3 "$program"; done

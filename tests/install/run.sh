@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs a build to a temporary prefix and builds a program against it, once through CMake and once through pkg-config.
+# Installs a build to a temporary prefix, builds programs against it through CMake and through pkg-config, and runs a third in Python.
 # usage: run.sh BUILD_FOLDER SOURCE_FOLDER C_COMPILER
 set -eu
 build=$1 source=$2 compiler=$3
@@ -25,10 +25,19 @@ cmp "$prefix/shown" "$prefix/declared" || { diff "$prefix/shown" "$prefix/declar
 cmake -S "$source/tests/install" -B "$prefix/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$compiler" >"$prefix/cmake.log"
 cmake --build "$prefix/by-cmake" >>"$prefix/cmake.log" || { cat "$prefix/cmake.log"; exit 1; }
 "$prefix/by-cmake/drop"
+"$prefix/by-cmake/live"
 
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name shiver.pc)")
 LD_LIBRARY_PATH=$(dirname "$library")
 export PKG_CONFIG_PATH LD_LIBRARY_PATH
 # shellcheck disable=SC2046 # flags on purpose
-"$compiler" -std=c17 "$source/tests/install/drop.c" $(pkg-config --cflags --libs shiver) -o "$prefix/by-pkg-config"
+"$compiler" -std=c17 "$source/tests/install/drop.c" $(pkg-config --cflags --libs shiver) -lm -o "$prefix/by-pkg-config"
 "$prefix/by-pkg-config"
+
+# Python finds the library beside its own prefix.
+unset LD_LIBRARY_PATH
+if python3 -c 'import numpy' 2>/dev/null; then
+    PYTHONPATH=$(dirname "$(find "$prefix" -name shiver.py)") python3 "$source/tests/install/live.py"
+else
+    echo "the Python module is left out: no NumPy here"
+fi

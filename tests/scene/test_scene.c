@@ -121,7 +121,7 @@ static void check_plates(const ShvSceneDefinition *scene)
 static void check_meshes(const ShvSceneDefinition *scene)
 {
     const ShvObjectDefinition *o = scene->objects + 3;
-    assert_int_equal(scene->object_count, 12);
+    assert_int_equal(scene->object_count, 13);
     assert_int_equal(o[0].mesh.kind, SHV_MESH_BALL);
     assert_string_equal(o[0].material, "steel");
     same(o[0].mesh.radius, 0.05);
@@ -167,6 +167,8 @@ static void check_heap(const ShvSceneDefinition *scene)
         check_near(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2], 1.0, 1e-14);
         assert_true(at->rotation_degrees > 0.0 && at->rotation_degrees <= 360.0);
     }
+    assert_int_equal(heap[2].mesh.kind, SHV_MESH_MEMORY);
+    assert_true(heap[2].waits && !heap[1].waits);
     assert_true(heap[0].placement.rotation_degrees != heap[1].placement.rotation_degrees);
 }
 
