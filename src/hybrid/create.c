@@ -62,7 +62,9 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         }
     }
     hybrid->awake.stale = true;
-    return shv_awake_refresh(hybrid, error);
+    SHV_TRY(shv_awake_refresh(hybrid, error));
+    shv_hybrid_fall_asleep(hybrid);
+    return SHV_OK;
 }
 
 /* Where nothing can meet anything, Bullet is left out. */

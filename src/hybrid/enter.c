@@ -102,7 +102,7 @@ static void changed(ShvHybrid *hybrid)
 {
     shv_node_contact_invalidate(&hybrid->contact);
     shv_surface_contact_invalidate(&hybrid->surface);
-    hybrid->awake.stale = true;
+    hybrid->awake.stale = true; /* what dozes goes on: it sees what comes near */
 }
 
 /* ---- obstacles ---- */

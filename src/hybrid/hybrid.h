@@ -108,6 +108,7 @@ typedef struct ShvHybrid {
     double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
 
     ShvAwake awake;
+    bool dozes;             /* what is awake is held, unmoved, and nothing is near it */
     ShvRigidContact *wakes; /* pending in the present interval, by time */
     int32_t wake_count, wake_next, wake_capacity;
     double interval_end;  /* s; ≤ state.time: no interval is under way */
@@ -275,6 +276,11 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
    world point of one fragment in flight or awake. */
 ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error);
 ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t fragment, ShvVec3 impulse, ShvVec3 point, ShvError *error);
+/* doze.c: whether what is awake at the start may doze until something comes; whether it stirs in the interval that begins. */
+void shv_hybrid_fall_asleep(ShvHybrid *hybrid);
+void shv_hybrid_stir(ShvHybrid *hybrid);
+/* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
+double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
 /* enter.c: puts away the obstacles that wait; keeps them there, at the beginning of an interval; whether one waits. One comes, or
    goes; an object's only fragment, put away, comes into flight; a fragment in flight is put away. Between rigid intervals,
    with records and ledger of the moment; works are booked. And the records alone, as a placement has them. */

@@ -118,6 +118,7 @@ static double happen(ShvHybrid *hybrid, const ShvEventDefinition *event)
 /* Records and nodes of the present moment, for changes from outside. */
 static ShvStatus open_moment(ShvHybrid *hybrid, ShvError *error)
 {
+    hybrid->dozes = false;
     SHV_TRY(shv_hybrid_observe(hybrid, error));
     return shv_hybrid_in_substeps(hybrid) ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
 }
