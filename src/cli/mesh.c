@@ -42,7 +42,7 @@ static void print_object(const char *output, const ShvMesh *mesh)
     for (int k = 0; k < 3; k++) size = fmax(size, high[k] - low[k]);
     const char *scale = size > most_likely_metres ? ", scale: 0.001" : "";
     printf("\nobjects:\n  body:\n    mesh: {gmsh: {file: %s%s}}\n    material: stoneware\n    position: [0, 0, %.4g]\n",
-           output, scale, -low[2] * (*scale ? 0.001 : 1.0));
+           output, scale, 0.0 - low[2] * (*scale ? 0.001 : 1.0));
     if (*scale)
         printf("# It is %.4g units long: scale 0.001 takes them for millimetres. A scene is in metres.\n", size);
 }

@@ -116,9 +116,8 @@ static ShvStatus write_script(const Workshop *workshop, ShvError *error)
     }
     fprintf(file, "Mesh.CharacteristicLengthMin = %.17g;\nMesh.CharacteristicLengthMax = %.17g;\n", workshop->edge,
             workshop->edge);
-    fprintf(
-        file,
-        "Mesh.CharacteristicLengthFromPoints = 0;\nMesh.Optimize = 1;\nMesh.MshFileVersion = 4.1;\nMesh.Binary = 1;\n");
+    fprintf(file, "Mesh.CharacteristicLengthFromPoints = 0;\nMesh.Optimize = 1;\nMesh.OptimizeThreshold = 0.6;\n"
+                  "Mesh.MshFileVersion = 4.1;\nMesh.Binary = 1;\n");
     if (fclose(file) != 0)
         return shv_fail(error, SHV_FILE_ERROR, "cannot write %s: %s", workshop->script, strerror(errno));
     return SHV_OK;
