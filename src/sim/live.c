@@ -264,7 +264,7 @@ static ShvStatus enter_object(ShvSimulation *simulation, int32_t object, const S
     ShvHybrid *hybrid = &simulation->hybrid;
     int32_t fragment = -1;
     SHV_TRY(find_whole(hybrid, object, &fragment, error));
-    Tets all = {NULL}, newcomer = {NULL};
+    Tets all = {.count = 0}, newcomer = {.count = 0};
     ShvStatus status = all_corners(simulation, &all, error);
     if (status == SHV_OK) status = make_newcomer(simulation, object, fragment, placement, &newcomer, error);
     if (status == SHV_OK) status = check_object_room(hybrid, &all, &newcomer, object, error);

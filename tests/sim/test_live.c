@@ -51,7 +51,7 @@ static void steps_go_where_frames_would(void **state)
     check_near(shv_simulation_frame(by_steps)->fragments[0].position[2], 1.0 - 0.5 * 9.81 * 0.0612345 * 0.0612345,
                1e-12);
     check_fails(shv_simulation_step(by_steps, 0.05, &error), SHV_BAD_INPUT, error, "give a later time");
-    check_fails(shv_simulation_step(by_steps, NAN, &error), SHV_BAD_INPUT, error, "give a later time");
+    check_fails(shv_simulation_step(by_steps, (double)NAN, &error), SHV_BAD_INPUT, error, "give a later time");
     shv_simulation_destroy(by_steps);
 }
 
