@@ -62,7 +62,9 @@ typedef enum ShvMeshKind {
     SHV_MESH_NOTCHED_BEAM,
     SHV_MESH_GMSH,   /* .msh 2.2 ASCII, 4.1 ASCII and binary */
     SHV_MESH_TETGEN, /* .node and .ele */
-    SHV_MESH_SHELL   /* prisms extruded from a closed triangle surface, three tets a prism */
+    SHV_MESH_SHELL,  /* prisms extruded from a closed triangle surface, three tets a prism */
+    SHV_MESH_STL, /* a closed triangle surface (STL, OBJ, PLY) or a CAD file, filled by gmsh, which must be installed */
+    SHV_MESH_MEMORY /* nodes and tets of the caller's */
 } ShvMeshKind;
 
 typedef enum ShvMeshPattern {
@@ -86,12 +88,17 @@ typedef struct ShvMeshDefinition {
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
     uint64_t seed;    /* of the jitter */
-    const char *file; /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY) */
-    double scale;     /* multiplies every coordinate of a file, > 0; 1 */
+    const char *file; /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY), stl */
+    double scale;     /* multiplies every coordinate of a file, > 0; 1. stl: `edge` is that after it */
     double thickness; /* shell: inwards, m (after scale) */
     int32_t layers;   /* shell: ≥ 1 */
     int64_t
         refine_to; /* shell: split the longest edges until the surface has at least this many triangles; 0: as it is */
+    /* memory: 3 × node_count, m; 4 × tet_count, nodes from 0, the fourth on the side to which the triangle of the first three
+       goes counter-clockwise. They are copied when the simulation is made. */
+    const double *positions;
+    const int32_t *tets;
+    int32_t node_count, tet_count;
 } ShvMeshDefinition;
 ShvMeshDefinition shv_mesh_default(void);
 
@@ -112,6 +119,7 @@ typedef struct ShvObjectDefinition {
     ShvMeshDefinition mesh;
     const char *material;
     ShvPlacement placement;
+    bool waits; /* it is not in the scene until shv_simulation_enter brings it */
 } ShvObjectDefinition;
 ShvObjectDefinition shv_object_default(void);
 
@@ -180,6 +188,7 @@ typedef struct ShvObstacleDefinition {
     ShvObstacleMotion motion;
     double mass; /* kg, free: > 0; inertia that of the homogeneous solid */
     ShvPlacement placement;
+    bool waits; /* free ones: not in the scene until shv_simulation_enter brings it */
     const ShvKeyframe *keyframes;
     int32_t keyframe_count;
 } ShvObstacleDefinition;

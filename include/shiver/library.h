@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* One number under the name that the scene's key has; SI. */
+/* One number under the name that the scene's key has (weibull_modulus: `weibull: {modulus: …}`); SI. */
 typedef struct ShvLibraryNumber {
     const char *key; /* NULL ends the list */
     double value;
@@ -16,7 +16,7 @@ typedef struct ShvLibraryNumber {
     bool unchecked; /* quoted from memory: the source has not been read */
 } ShvLibraryNumber;
 
-enum { SHV_LIBRARY_NUMBERS = 8 };
+enum { SHV_LIBRARY_NUMBERS = 10 };
 
 typedef struct ShvLibraryMaterial {
     const char *name, *title;

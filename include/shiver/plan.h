@@ -113,6 +113,11 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
    but not with the bits of a run that nothing looked at in between. Its own `stop` is asked as ever. */
 ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error);
 
+/* Until when what is awake may be expected to stay so, s, mean over its tets: the geometric mean of the least and the longest time
+   that the quiet rule grants; infinity where conditions hold it, the present moment where nothing is awake. Cheap, and may be asked
+   from `stop`. */
+double shv_simulation_awake_until(const ShvSimulation *simulation);
+
 #ifdef __cplusplus
 }
 #endif

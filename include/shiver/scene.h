@@ -48,6 +48,10 @@ void shv_scene_destroy(ShvScene *scene);
 
 /* Valid as long as the scene. File names in it are as written: relative ones start from shv_scene_folder. */
 const ShvSceneDefinition *shv_scene_definition(const ShvScene *scene);
+/* Gives an object whose mesh is `memory: {…}` its tets, which are copied: 3 × node_count positions, m, and 4 × tet_count nodes from
+   0 (ShvMeshDefinition). All objects of a `repeat` get them by the name of their first, without its number. */
+ShvStatus shv_scene_give_mesh(ShvScene *scene, const char *object, const double *positions, int32_t node_count,
+                              const int32_t *tets, int32_t tet_count, ShvError *error);
 /* The text as it was read, without the overrides, terminated. */
 const char *shv_scene_text(const ShvScene *scene);
 size_t shv_scene_text_length(const ShvScene *scene);

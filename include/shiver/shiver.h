@@ -5,6 +5,7 @@
 #include "shiver/definition.h"
 #include "shiver/export.h"
 #include "shiver/library.h"
+#include "shiver/live.h"
 #include "shiver/plan.h"
 #include "shiver/run_file.h"
 #include "shiver/scene.h"

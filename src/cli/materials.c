@@ -13,7 +13,9 @@ static const struct {
                {"youngs_modulus", "E, GPa", 1e-9},
                {"poissons_ratio", "ν", 1.0},
                {"fracture_energy", "G, J/m²", 1.0},
-               {"cohesive_strength", "σ, MPa", 1e-6}};
+               {"cohesive_strength", "σ, MPa", 1e-6},
+               {"cohesive_strength_shear", "τ, MPa", 1e-6},
+               {"weibull_modulus", "m", 1.0}};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
 static const ShvLibraryNumber *find_number(const ShvLibraryMaterial *material, const char *key)
@@ -94,6 +96,8 @@ static const char *const formulas =
     "the mesh resolves it, is printed by `shiver check`, `plan`, `run` and `info`, and stands in `/materials` of the "
     "run "
     "file.\n\n"
+    "m is the Weibull modulus of the strength from facet to facet: `weibull: {modulus: 0}` takes the scatter away. A "
+    "source that is marked [from memory, check] was not at hand.\n\n"
     "A statement that results converge is possible where the zone is resolved: with plaster or this concrete, at edges "
     "below a millimetre. It is not for glass or alumina in bodies of decimetres.\n\n"
     "## Sources\n";

@@ -4,12 +4,21 @@
 
 #include "shiver/simulation.h"
 
+/* What simulated time costs in one mode: run time and simulated time, of which what is long past counts less. */
+typedef struct ShvPace {
+    double wall, time; /* s */
+} ShvPace;
+
 typedef struct ShvProgress {
     const ShvSimulation *simulation; /* NULL until it is made */
     double duration;                 /* s, simulated */
     bool quiet, terminal;
     double start, shown; /* wall clock, s */
     int64_t shown_steps;
+    /* for the time to go */
+    ShvPace pace[2]; /* in flight; in fracture mode */
+    double looked, looked_time;
+    bool woken; /* something was in fracture mode */
 } ShvProgress;
 
 ShvProgress shv_progress_start(double duration, bool quiet);

@@ -68,6 +68,8 @@ ShvStatus shv_cli_scenes(char path[SHV_CLI_PATH], const char *folder, ShvError *
         SHV_TRY(shv_cli_path(path, error, "%.*s/%s/scenes/%s", (int)(slash - program), program,
                              SHIVER_DATA_FROM_PROGRAM, folder));
     if (slash && access(path, R_OK) == 0) return SHV_OK;
+    SHV_TRY(shv_cli_path(path, error, "%s/scenes/%s", SHIVER_DATA, folder)); /* where /proc is not mounted */
+    if (access(path, R_OK) == 0) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT,
                     "there is no folder 'scenes/%s' here, and none was installed with the program; run from the source "
                     "tree, or name the folder",

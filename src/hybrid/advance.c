@@ -51,10 +51,12 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     SHV_TRY(reserve_wakes(hybrid, error));
     hybrid->wake_count = 0;
     hybrid->wake_next = 0;
+    shv_hybrid_hold_waiting(hybrid);
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
     shv_companions_take_back(hybrid);
-    SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
+    shv_hybrid_stir(hybrid);
+    if (!hybrid->dozes) SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
     SHV_TRY(fly(hybrid, error));
     shv_companions_begin(hybrid);
     return SHV_OK;
@@ -113,6 +115,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
     if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
+    hybrid->dozes = false;
     while (next_wake_time(hybrid) <= now) {
         const ShvRigidContact *wake = &hybrid->wakes[hybrid->wake_next++];
         /* A companion may have been woken by another touch before. */
@@ -122,7 +125,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
-/* Nothing is awake: time jumps to the next impact or the end of the interval. */
+/* Nothing is awake, or what is dozes: time jumps to the next impact or the end of the interval. */
 static void jump(ShvHybrid *hybrid)
 {
     const double to = fmin(next_wake_time(hybrid), hybrid->interval_end);
@@ -152,7 +155,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (shv_hybrid_in_substeps(hybrid)) {
+        if (shv_hybrid_in_substeps(hybrid) && !hybrid->dozes) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
         } else {

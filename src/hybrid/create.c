@@ -52,6 +52,9 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         if (starts_stretching(hybrid, fragment) ||
             shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
             fragment->mode = SHV_MODE_FRACTURE;
+        } else if (hybrid->scene->objects[fragment->object].waits) {
+            shv_fragment_fit(fragment, fragments, &hybrid->state);
+            fragment->mode = SHV_MODE_BINNED;
         } else {
             shv_fragment_fit(fragment, fragments, &hybrid->state);
             fragment->mode = SHV_MODE_FLIGHT;
@@ -59,7 +62,9 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         }
     }
     hybrid->awake.stale = true;
-    return shv_awake_refresh(hybrid, error);
+    SHV_TRY(shv_awake_refresh(hybrid, error));
+    shv_hybrid_fall_asleep(hybrid);
+    return SHV_OK;
 }
 
 /* Where nothing can meet anything, Bullet is left out. */
@@ -103,6 +108,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(create_backend(hybrid, &world, error));
     SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, scene->rigid.friction, error));
     SHV_TRY(shv_probes_create(&hybrid->probes, &hybrid->model, scene, &hybrid->obstacles, &hybrid->state, error));
+    SHV_TRY(shv_hybrid_let_wait(hybrid, error));
     return start_fragments(hybrid, error);
 }
 
@@ -135,6 +141,7 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_solid_release(&hybrid->solid);
     shv_state_release(&hybrid->state);
     shv_model_release(&hybrid->model);
+    shv_release(hybrid->waiting);
     shv_release(hybrid->awake.flags);
     shv_release(hybrid->awake.nodes);
     shv_release(hybrid->wakes);

@@ -103,9 +103,12 @@ typedef struct ShvHybrid {
     ShvProbes probes;
     ShvFragments fragments;
     ShvRigidBackend *backend;
+    uint8_t *waiting;                             /* per obstacle: it is not in the scene; NULL: all are */
+    ShvVec3 waiting_way;                          /* whither they wait, of unit length */
     double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
 
     ShvAwake awake;
+    bool dozes;             /* what is awake is held, unmoved, and nothing is near it */
     ShvRigidContact *wakes; /* pending in the present interval, by time */
     int32_t wake_count, wake_next, wake_capacity;
     double interval_end;  /* s; ≤ state.time: no interval is under way */
@@ -269,6 +272,28 @@ void shv_check_clock_start(ShvCheckClock *clock);
 /* time_line.c: scene events that are due. */
 ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
 double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
+/* The same things at the present moment, between rigid intervals, for whoever drives the simulation: an event, an impulse (N s) at a
+   world point of one fragment in flight or awake. */
+ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error);
+ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t fragment, ShvVec3 impulse, ShvVec3 point, ShvError *error);
+/* doze.c: whether what is awake at the start may doze until something comes; whether it stirs in the interval that begins. */
+void shv_hybrid_fall_asleep(ShvHybrid *hybrid);
+void shv_hybrid_stir(ShvHybrid *hybrid);
+/* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
+double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
+/* enter.c: puts away the obstacles that wait; keeps them there, at the beginning of an interval; whether one waits. One comes, or
+   goes; an object's only fragment, put away, comes into flight; a fragment in flight is put away. Between rigid intervals,
+   with records and ledger of the moment; works are booked. And the records alone, as a placement has them. */
+ShvStatus shv_hybrid_let_wait(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_hold_waiting(ShvHybrid *hybrid);
+bool shv_hybrid_waits(const ShvHybrid *hybrid, int32_t obstacle);
+void shv_hybrid_enter_obstacle(ShvHybrid *hybrid, int32_t obstacle, const ShvPlacement *placement);
+ShvStatus shv_hybrid_leave_obstacle(ShvHybrid *hybrid, int32_t obstacle, ShvError *error);
+ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t fragment, const ShvPlacement *placement,
+                                    ShvError *error);
+void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t fragment);
+void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvPlacement *placement);
+void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement);
 /* squeeze.c: events of bodies that obstacles which hold their place leave no room; asked at the end of a rigid interval. */
 ShvStatus shv_hybrid_look_for_squeeze(ShvHybrid *hybrid, ShvError *error);
 /* event_log.c */

@@ -178,9 +178,10 @@ static void add_fragment(const ShvHybrid *hybrid, ShvLedgerView *balance, const 
     add_kept_strain(hybrid, balance, fragment);
 }
 
-static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvObstacle *obstacle)
+static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, int32_t index)
 {
-    if (obstacle->motion != SHV_OBSTACLE_FREE) return;
+    const ShvObstacle *obstacle = &hybrid->obstacles.items[index];
+    if (obstacle->motion != SHV_OBSTACLE_FREE || shv_hybrid_waits(hybrid, index)) return;
     balance->kinetic += shv_obstacle_kinetic(obstacle);
     balance->gravity_potential -= obstacle->mass * shv_dot(shv_load3(hybrid->gravity), obstacle->position);
     shv_add_to3(balance->momentum, shv_scale(obstacle->velocity, obstacle->mass));
@@ -365,7 +366,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     for (int32_t i = 0; i < hybrid->fragments.count; i++) add_fragment(hybrid, &balance, &hybrid->fragments.items[i]);
     shv_add_to3(balance.momentum, shv_load3(hybrid->binned_momentum));
     shv_add_to3(balance.angular_momentum, shv_load3(hybrid->binned_angular));
-    for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, &hybrid->obstacles.items[i]);
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, i);
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);
     close_balance(hybrid, &balance);

@@ -88,7 +88,8 @@ static double change_gravity(ShvHybrid *hybrid, const double gravity[3])
     }
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         const ShvObstacle *obstacle = &hybrid->obstacles.items[i];
-        if (obstacle->motion == SHV_OBSTACLE_FREE) given -= obstacle->mass * shv_dot(change, obstacle->position);
+        if (obstacle->motion == SHV_OBSTACLE_FREE && !shv_hybrid_waits(hybrid, i))
+            given -= obstacle->mass * shv_dot(change, obstacle->position);
     }
     /* The step to come gives half of its new gravity to the half step that is past: velocities of now stay. */
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
@@ -114,22 +115,59 @@ static double happen(ShvHybrid *hybrid, const ShvEventDefinition *event)
     return event_on_fragments(hybrid, event) + event_on_obstacle(hybrid, event);
 }
 
+/* Records and nodes of the present moment, for changes from outside. */
+static ShvStatus open_moment(ShvHybrid *hybrid, ShvError *error)
+{
+    hybrid->dozes = false;
+    SHV_TRY(shv_hybrid_observe(hybrid, error));
+    return shv_hybrid_in_substeps(hybrid) ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
+}
+
+static void close_moment(ShvHybrid *hybrid)
+{
+    if (shv_hybrid_in_substeps(hybrid)) shv_hybrid_resume(hybrid);
+    shv_node_contact_invalidate(&hybrid->contact);
+}
+
+/* `value`: as the log tells it. */
+static ShvStatus carry_out(ShvHybrid *hybrid, const ShvEventDefinition *event, double value, ShvError *error)
+{
+    hybrid->ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
+    const ShvEventView entry = {
+        .time = hybrid->state.time, .kind = SHV_RUN_SCENE, .fragment = -1, .obstacle = -1, .value = value};
+    return shv_hybrid_log(hybrid, &entry, error);
+}
+
 ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error)
 {
     if (shv_hybrid_next_event_time(hybrid) > hybrid->state.time) return SHV_OK;
-    SHV_TRY(shv_hybrid_observe(hybrid, error));
-    if (shv_hybrid_in_substeps(hybrid)) SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+    SHV_TRY(open_moment(hybrid, error));
     while (shv_hybrid_next_event_time(hybrid) <= hybrid->state.time) {
-        const ShvEventDefinition *event = &hybrid->scene->events[hybrid->next_event];
-        hybrid->ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
-        const ShvEventView entry = {.time = hybrid->state.time,
-                                    .kind = SHV_RUN_SCENE,
-                                    .fragment = -1,
-                                    .obstacle = -1,
-                                    .value = hybrid->next_event++};
-        SHV_TRY(shv_hybrid_log(hybrid, &entry, error));
+        const int32_t index = hybrid->next_event++;
+        SHV_TRY(carry_out(hybrid, &hybrid->scene->events[index], index, error));
     }
-    if (shv_hybrid_in_substeps(hybrid)) shv_hybrid_resume(hybrid);
-    shv_node_contact_invalidate(&hybrid->contact);
+    close_moment(hybrid);
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error)
+{
+    SHV_TRY(open_moment(hybrid, error));
+    const ShvStatus status = carry_out(hybrid, event, -1.0, error);
+    close_moment(hybrid);
+    return status;
+}
+
+ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t index, ShvVec3 impulse, ShvVec3 point, ShvError *error)
+{
+    SHV_TRY(open_moment(hybrid, error));
+    ShvFragment *fragment = &hybrid->fragments.items[index];
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    const ShvVec3 moment = shv_cross(shv_sub(point, fragment->position), impulse);
+    ShvMat3 inverse;
+    const ShvVec3 spin = shv_invert(&inertia, &inverse) ? shv_apply(&inverse, moment) : shv_vec3(0.0, 0.0, 0.0);
+    hybrid->ledger.booked[SHV_WORK_EVENT] +=
+        change_motion(hybrid, fragment, shv_scale(impulse, 1.0 / fragment->mass), spin);
+    close_moment(hybrid);
     return SHV_OK;
 }

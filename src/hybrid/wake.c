@@ -40,17 +40,21 @@ void shv_hybrid_extents(const ShvFragment *fragment, double sides[3])
     for (int i = 0; i < 3; i++) sides[i] = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[i]) / fragment->mass));
 }
 
-/* Load estimate F/A + F L/(4 W) of a simply supported beam: smallest section A = b h, W = b h²/6 of the box. A load that it has
-   borne once does not wake it again. */
+/* F/A + F L/(4 W) of a simply supported beam: smallest section A = b h, W = b h²/6 of the box. */
+double shv_hybrid_load_stress(const ShvFragment *fragment, double load)
+{
+    double sides[3];
+    shv_hybrid_extents(fragment, sides);
+    const double area = sides[1] * sides[2], bending = area * sides[2] / 6.0;
+    return load / area + load * sides[0] / (4.0 * bending);
+}
+
+/* A load that it has borne once does not wake it again. */
 static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     if (!isfinite(fragment->strength) || !(contact->load > 1.1 * fragment->borne)) return false;
-    double sides[3];
-    shv_hybrid_extents(fragment, sides);
-    const double area = sides[1] * sides[2], bending = area * sides[2] / 6.0;
-    const double stress = contact->load / area + contact->load * sides[0] / (4.0 * bending);
-    return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
+    return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
 static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)

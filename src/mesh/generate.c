@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "mesh/fill.h"
+
 static const char *kind_name(ShvMeshKind kind)
 {
     switch (kind) {
@@ -22,13 +24,17 @@ static const char *kind_name(ShvMeshKind kind)
         return "tetgen mesh";
     case SHV_MESH_SHELL:
         return "shell";
+    case SHV_MESH_STL:
+        return "filled surface";
+    case SHV_MESH_MEMORY:
+        return "mesh from memory";
     }
     return NULL;
 }
 
 static bool is_read(ShvMeshKind kind)
 {
-    return kind == SHV_MESH_GMSH || kind == SHV_MESH_TETGEN || kind == SHV_MESH_SHELL;
+    return kind == SHV_MESH_GMSH || kind == SHV_MESH_TETGEN || kind == SHV_MESH_SHELL || kind == SHV_MESH_STL;
 }
 
 static ShvStatus check_definition(const ShvMeshDefinition *definition, ShvError *error)
@@ -40,12 +46,16 @@ static ShvStatus check_definition(const ShvMeshDefinition *definition, ShvError 
     if (!(definition->jitter >= 0.0 && definition->jitter <= 0.3))
         return shv_fail(error, SHV_BAD_INPUT, "%s: jitter is %g, but must lie between 0 and 0.3", name,
                         definition->jitter);
-    if (!is_read(definition->kind)) return SHV_OK;
-    if (!definition->file || !*definition->file)
+    const bool read = is_read(definition->kind);
+    if (!read && definition->kind != SHV_MESH_MEMORY) return SHV_OK;
+    if (read && (!definition->file || !*definition->file))
         return shv_fail(error, SHV_BAD_INPUT, "%s: no file is named; set file", name);
     if (!(isfinite(definition->scale) && definition->scale > 0.0))
         return shv_fail(error, SHV_BAD_INPUT, "%s %s: scale is %g, but must be positive and finite", name,
-                        definition->file, definition->scale);
+                        read ? definition->file : "", definition->scale);
+    if (definition->kind == SHV_MESH_STL && !(isfinite(definition->edge) && definition->edge > 0.0))
+        return shv_fail(error, SHV_BAD_INPUT, "%s %s: edge is %g, but must be positive and finite", name,
+                        definition->file, definition->edge);
     return SHV_OK;
 }
 
@@ -68,10 +78,37 @@ static ShvStatus read_mesh(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefini
                            ShvError *error)
 {
     if (definition->kind == SHV_MESH_SHELL) return shv_mesh_shell(mesh, memory, definition, path, error);
-    if (definition->kind == SHV_MESH_GMSH)
+    if (definition->kind == SHV_MESH_STL)
+        SHV_TRY(shv_mesh_fill(mesh, memory, definition, path, error));
+    else if (definition->kind == SHV_MESH_GMSH)
         SHV_TRY(shv_mesh_read_gmsh(mesh, memory, path, error));
     else
         SHV_TRY(shv_mesh_read_tetgen(mesh, memory, path, error));
+    scale_positions(mesh, definition->scale);
+    return SHV_OK;
+}
+
+static ShvStatus check_memory(const ShvMeshDefinition *definition, ShvError *error)
+{
+    const int32_t nodes = definition->node_count, tets = definition->tet_count;
+    if (!definition->positions || !definition->tets || nodes < 4 || tets < 1 || tets > SHV_MESH_LARGEST)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "a mesh from memory has %d nodes and %d tets; give positions of at least 4 nodes and at least "
+                        "one tet",
+                        (int)nodes, (int)tets);
+    for (int64_t i = 0; i < 4 * (int64_t)tets; i++)
+        if (definition->tets[i] < 0 || definition->tets[i] >= nodes)
+            return shv_fail(error, SHV_BAD_INPUT, "a mesh from memory: tet %d names node %d, of 0 to %d", (int)(i / 4),
+                            (int)definition->tets[i], (int)nodes - 1);
+    return SHV_OK;
+}
+
+static ShvStatus copy_mesh(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error)
+{
+    SHV_TRY(check_memory(definition, error));
+    SHV_TRY(shv_mesh_allocate(mesh, memory, definition->node_count, definition->tet_count, error));
+    memcpy(mesh->positions, definition->positions, 3 * (size_t)definition->node_count * sizeof(double));
+    memcpy(mesh->elements, definition->tets, 4 * (size_t)definition->tet_count * sizeof(int32_t));
     scale_positions(mesh, definition->scale);
     return SHV_OK;
 }
@@ -93,7 +130,10 @@ static ShvStatus make_mesh(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefini
     case SHV_MESH_GMSH:
     case SHV_MESH_TETGEN:
     case SHV_MESH_SHELL:
+    case SHV_MESH_STL:
         break;
+    case SHV_MESH_MEMORY:
+        return copy_mesh(mesh, memory, definition, error);
     }
     return read_mesh(mesh, memory, definition, path, error);
 }

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "base/deterministic.h"
+#include "base/random.h"
 #include "base/text.h"
 #include "base/vector.h"
 
@@ -49,6 +51,34 @@ static const char *copy_name(ShvPool *pool, const char *name, int32_t number)
     return shv_pool_text(pool, text, (size_t)length);
 }
 
+/* All orientations alike (K. Shoemake's quaternion of three numbers), after the object's own rotation. */
+static void turn_at_random(ShvPlacement *placement, uint64_t seed, uint64_t index)
+{
+    const double full = 6.283185307179586, degrees = 360.0 / full;
+    const double u = shv_random_uniform(seed, index), v = full * shv_random_uniform(seed, index + 1),
+                 w = full * shv_random_uniform(seed, index + 2);
+    const double s = sqrt(1.0 - u), c = sqrt(u);
+    const ShvQuat turn = {s * shv_sin(v), s * shv_cos(v), c * shv_sin(w), c * shv_cos(w)};
+    const ShvQuat own =
+        shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), placement->rotation_degrees / degrees);
+    const ShvQuat both = shv_quat_multiply(turn, own);
+    const ShvVec3 axis = {both.x, both.y, both.z};
+    placement->rotation_degrees = degrees * 2.0 * shv_acos(fmin(1.0, fmax(-1.0, both.w)));
+    shv_store3(placement->rotation_axis, axis);
+    make_unit(placement->rotation_axis);
+}
+
+static void place_copy(ShvPlacement *placement, const ShvObjectItem *item, int32_t number)
+{
+    enum { NUMBERS_A_COPY = 6 };
+    const uint64_t first = NUMBERS_A_COPY * (uint64_t)number;
+    for (int axis = 0; axis < 3; axis++)
+        placement->position[axis] +=
+            (double)number * item->repeat_offset[axis] +
+            item->repeat_spread[axis] * (shv_random_uniform(item->repeat_seed, first + (uint64_t)axis) - 0.5);
+    if (item->repeat_turn) turn_at_random(placement, item->repeat_seed, first + 3);
+}
+
 static int64_t count_objects(const ShvSceneItem *scene)
 {
     const ShvObjectItem *items = scene->objects.data;
@@ -80,11 +110,11 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
             *object = finished_object(item);
             if (copies == 0) continue;
             object->name = copy_name(pool, item->head.name, k + 1);
-            for (int axis = 0; axis < 3; axis++)
-                object->placement.position[axis] += (double)k * item->repeat_offset[axis];
+            place_copy(&object->placement, item, k);
         }
     }
     assembly->object_sources = sources;
+    assembly->objects = objects;
     assembly->definition.objects = objects;
     assembly->definition.object_count = count;
 }

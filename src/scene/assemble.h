@@ -9,6 +9,7 @@ enum { SHV_SCENE_LARGEST_OBJECTS = 65535 };
 
 typedef struct ShvAssembly {
     ShvSceneDefinition definition;
+    ShvObjectDefinition *objects;         /* those of the definition */
     const ShvObjectItem **object_sources; /* the item that each object comes from; in the work pool */
 } ShvAssembly;
 

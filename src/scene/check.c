@@ -199,6 +199,9 @@ static void check_mesh(Checker *checker, const ShvNode *node, const ShvMeshDefin
     case SHV_MESH_SHELL:
         check_file(checker, node, "shell.surface", mesh->file, "");
         break;
+    case SHV_MESH_STL:
+        check_file(checker, node, "stl.file", mesh->file, "");
+        break;
     default:
         break;
     }

@@ -23,6 +23,16 @@ static bool add(ShvPool *pool, ShvNode *mapping, ShvPlace place, const char *key
     return name && node && shv_tree_append(pool, mapping, name, node);
 }
 
+/* Scatter is a mapping of its own. */
+static bool add_number(ShvPool *pool, ShvNode *material, ShvPlace place, const char *key, const char *value)
+{
+    if (strcmp(key, "weibull_modulus") != 0) return add(pool, material, place, key, value);
+    if (shv_tree_find(material, "weibull")) return true;
+    ShvNode *name = scalar(pool, place, "weibull"), *weibull = shv_tree_node(pool, SHV_NODE_MAPPING, place);
+    return name && weibull && add(pool, weibull, place, "modulus", value) &&
+           shv_tree_append(pool, material, name, weibull);
+}
+
 static void report_unknown(ShvDiagnostics *diagnostics, const ShvNode *node)
 {
     const char *names[LARGEST_LIBRARY] = {NULL};
@@ -53,7 +63,7 @@ static ShvNode *expanded(ShvPool *pool, ShvDiagnostics *diagnostics, ShvNode *ma
     for (const ShvLibraryNumber *number = found->numbers; number->key; number++) {
         char text[40];
         shv_format(text, sizeof text, "%.17g", number->value);
-        if (!add(pool, copy, place, number->key, text)) return NULL;
+        if (!add_number(pool, copy, place, number->key, text)) return NULL;
     }
     return found->breakable || add(pool, copy, place, "breakable", "false") ? copy : NULL;
 }

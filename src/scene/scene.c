@@ -13,6 +13,7 @@
 struct ShvScene {
     ShvPool pool;
     ShvSceneDefinition definition;
+    ShvObjectDefinition *objects; /* of the definition */
     const char *text, *folder;
     size_t length;
     const char **overrides;
@@ -74,6 +75,7 @@ static void make_scene(ShvScene *scene, const Source *source, ShvPool *work, Shv
     if (work->failed || scene->pool.failed) return;
     shv_check_scene(items, &assembly, source->folder, work, diagnostics);
     scene->definition = assembly.definition;
+    scene->objects = assembly.objects;
     if (!scene->definition.name) scene->definition.name = name_from_file(&scene->pool, source->name);
 }
 
@@ -161,6 +163,41 @@ void shv_scene_destroy(ShvScene *scene)
 const ShvSceneDefinition *shv_scene_definition(const ShvScene *scene)
 {
     return &scene->definition;
+}
+
+/* "ball" is the object of that name, and "ball_1" where it is repeated. */
+static bool is_named(const char *name, const char *wanted)
+{
+    const size_t length = strlen(wanted);
+    if (strncmp(name, wanted, length) != 0) return false;
+    return name[length] == '\0' || (name[length] == '_' && strspn(name + length + 1, "0123456789") > 0 &&
+                                    strspn(name + length + 1, "0123456789") == strlen(name + length + 1));
+}
+
+ShvStatus shv_scene_give_mesh(ShvScene *scene, const char *object, const double *positions, int32_t node_count,
+                              const int32_t *tets, int32_t tet_count, ShvError *error)
+{
+    ShvPool *pool = &scene->pool;
+    if (node_count < 4 || tet_count < 1)
+        return shv_fail(error, SHV_BAD_INPUT, "the mesh of '%s' has %d nodes and %d tets; give 4 and 1 at least",
+                        object, (int)node_count, (int)tet_count);
+    double *nodes = shv_pool_take(pool, 3 * (size_t)node_count, sizeof(double));
+    int32_t *corners = shv_pool_take(pool, 4 * (size_t)tet_count, sizeof(int32_t));
+    if (!nodes || !corners) return shv_fail_memory(error, "a mesh", 24 * (size_t)node_count + 16 * (size_t)tet_count);
+    memcpy(nodes, positions, 3 * (size_t)node_count * sizeof(double));
+    memcpy(corners, tets, 4 * (size_t)tet_count * sizeof(int32_t));
+    int32_t given = 0;
+    for (int32_t i = 0; i < scene->definition.object_count; i++) {
+        ShvMeshDefinition *mesh = &scene->objects[i].mesh;
+        if (mesh->kind != SHV_MESH_MEMORY || !is_named(scene->objects[i].name, object)) continue;
+        mesh->positions = nodes;
+        mesh->tets = corners;
+        mesh->node_count = node_count;
+        mesh->tet_count = tet_count;
+        given++;
+    }
+    if (given > 0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "the scene has no object '%s' with 'mesh: {memory: {scale: 1}}'", object);
 }
 
 const char *shv_scene_text(const ShvScene *scene)

@@ -245,6 +245,14 @@ static const ShvKey shell_keys[] = {
      .sentence = "Splits the longest edges until the surface has at least so many triangles; 0 leaves it."}};
 MESH_TABLE(shell, "A shell, extruded from a surface.");
 
+static const ShvKey stl_keys[] = {
+    FILE_KEY("file", MESH(file),
+             "File of a closed triangle surface (STL, OBJ, PLY), or of CAD that gmsh reads (STEP, IGES, BREP)."),
+    SCALE_KEY(MESH(scale)), EDGE_KEY};
+static const ShvKey memory_keys[] = {SCALE_KEY(MESH(scale))};
+MESH_TABLE(memory, "Tetrahedra that the calling program has (docs/library.md).");
+MESH_TABLE(stl, "A body filled with tetrahedra by gmsh, which must be installed, each time that the scene is read.");
+
 #define MESH_KIND(kind, value, text)                                                                                   \
     {                                                                                                                  \
 #kind, SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &kind##_table, .variant = value, .sentence = text   \
@@ -258,6 +266,8 @@ static const ShvKey mesh_keys[] = {
     MESH_KIND(gmsh, SHV_MESH_GMSH, "Reads a Gmsh file."),
     MESH_KIND(tetgen, SHV_MESH_TETGEN, "Reads TetGen files."),
     MESH_KIND(shell, SHV_MESH_SHELL, "Extrudes a surface."),
+    MESH_KIND(stl, SHV_MESH_STL, "Fills a surface, by gmsh."),
+    MESH_KIND(memory, SHV_MESH_MEMORY, "Takes what the calling program gives."),
     {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
@@ -281,6 +291,13 @@ static const ShvKey repeat_keys[] = {
      .sentence = "How many; they are named name_1, name_2, …"},
     {"offset", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, .offset = offsetof(ShvObjectItem, repeat_offset),
      .sentence = "From each to the next; the first is at `position`."},
+    {"spread", SHV_KEY_VECTOR, SHV_DIMENSION_LENGTH, .range = &not_negative,
+     .offset = offsetof(ShvObjectItem, repeat_spread),
+     .sentence = "Each is shifted at random, by up to half of this along each axis to either side."},
+    {"turn", SHV_KEY_BOOLEAN, .offset = offsetof(ShvObjectItem, repeat_turn),
+     .sentence = "Each is turned at random, all orientations alike."},
+    {"seed", SHV_KEY_UINT64, .offset = offsetof(ShvObjectItem, repeat_seed),
+     .sentence = "Seed of what is random here. What overlaps by it is refused: take another seed, or a larger offset."},
 };
 static const ShvTable repeat_table = {.name = "objects.<name>.repeat",
                                       .sentence = "A row or stack of equal objects.",
@@ -301,6 +318,8 @@ static const ShvKey object_keys[] = {
          "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
          "to the velocity. Such an object starts in fracture mode."},
     {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
+    {"waits", SHV_KEY_BOOLEAN, .offset = OBJECT(waits),
+     .sentence = "Whether it is not in the scene until a program brings it (shv_simulation_enter, docs/library.md)."},
 };
 static void start_object(void *item)
 {
@@ -511,6 +530,8 @@ static const ShvKey obstacle_keys[] = {
      .sentence = "Coulomb coefficient of friction."},
     {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = OBSTACLE(restitution),
      .sentence = "Coefficient of restitution of rigid impacts; deforming bodies rebound by their own elasticity."},
+    {"waits", SHV_KEY_BOOLEAN, .offset = OBSTACLE(waits),
+     .sentence = "Of one with a mass: it is not in the scene until a program brings it (shv_simulation_enter)."},
     {"mass", SHV_KEY_NUMBER, SHV_DIMENSION_MASS, .range = &positive, .offset = OBSTACLE(mass),
      .absent = "none: not free",
      .sentence = "Makes it a free, unbreakable rigid body with the inertia of a homogeneous solid."},

@@ -94,6 +94,9 @@ typedef struct ShvObjectItem {
     ShvObjectDefinition definition;
     int32_t repeat_count; /* 0: stands for itself */
     double repeat_offset[3];
+    double repeat_spread[3]; /* m: each is shifted at random by up to half of it */
+    bool repeat_turn;        /* each is turned at random */
+    uint64_t repeat_seed;
 } ShvObjectItem;
 
 typedef struct ShvConditionItem {

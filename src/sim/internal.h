@@ -3,6 +3,7 @@
 #define SHV_SIM_INTERNAL_H
 
 #include "hybrid/hybrid.h"
+#include "shiver/live.h"
 #include "shiver/plan.h"
 #include "shiver/simulation.h"
 
@@ -27,10 +28,20 @@ struct ShvSimulation {
     int64_t animation_frame; /* frames of the animation grid given so far */
     int64_t fracture_steps;  /* substeps since the last frame of the fracture phase */
     bool started;
+    ShvListener listener;
+    void *listener_data;
 };
 
 /* Refuses what would steer a run wrongly (scene_check.c). */
 ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error);
+/* Cookie, numbers and target of an event; `what` names it in messages. */
+ShvStatus shv_simulation_check_event(const ShvSceneDefinition *scene, const ShvEventDefinition *event, const char *what,
+                                     ShvError *error);
+
+/* The frame view of the present moment; and the animation grid passes over the frames that the present moment has left behind
+   (simulation.c). */
+ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvError *error);
+void shv_simulation_pass_frames(ShvSimulation *simulation);
 
 /* Refuses a simulation whose objects overlap at the start, unless its scene keeps that (overlap.c). */
 ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error);

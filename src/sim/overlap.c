@@ -161,6 +161,8 @@ static void compare(Finder *finder, const Pair *pair)
 
 static ShvStatus compare_objects(Finder *finder, int32_t i, int32_t k, ShvError *error)
 {
+    const ShvObjectDefinition *objects = finder->hybrid->scene->objects;
+    if (objects[i].waits || objects[k].waits) return SHV_OK;
     ShvStartBody *first = &finder->bodies[i < k ? i : k], *second = &finder->bodies[i < k ? k : i];
     const double allowance = touch_of_size * fmin(first->size, second->size);
     if (!(shv_bound_of_objects(first, second) > allowance)) return SHV_OK;
@@ -218,7 +220,7 @@ static ShvStatus compare_all(Finder *finder, ShvError *error)
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         shv_start_obstacle(&finder->obstacles[i], &hybrid->obstacles.items[i]);
     for (int32_t i = 0; i < hybrid->model.object_count; i++)
-        for (int32_t k = 0; k < hybrid->obstacles.count; k++)
+        for (int32_t k = 0; k < hybrid->obstacles.count && !hybrid->scene->objects[i].waits; k++)
             SHV_TRY(compare_obstacle(finder, &finder->bodies[i], &finder->obstacles[k], error));
     return compare_all_objects(finder, error);
 }
@@ -264,6 +266,31 @@ static int describe(char *text, size_t size, const ShvOverlap *o)
                       o->point[2], o->mover, o->parting[0], o->parting[1], o->parting[2]);
 }
 
+/* A body of a file that is larger than this, m, at scale 1, was most likely drawn in millimetres. */
+static const double likely_metres = 5.0;
+
+static double object_size(const ShvHybrid *hybrid, int32_t object)
+{
+    ShvStartBody body;
+    shv_start_body(&body, &hybrid->model, object);
+    const ShvVec3 size = shv_sub(body.box.high, body.box.low);
+    return fmax(size.x, fmax(size.y, size.z));
+}
+
+static void hint_at_scale(const ShvHybrid *hybrid, const ShvOverlap *overlap, char *text, size_t size)
+{
+    for (int32_t i = 0; i < hybrid->model.object_count; i++) {
+        const ShvObjectDefinition *object = &hybrid->scene->objects[i];
+        const bool named = strcmp(object->name, overlap->first) == 0 || strcmp(object->name, overlap->second) == 0;
+        if (!named || !object->mesh.file || object->mesh.scale != 1.0) continue;
+        const double length = object_size(hybrid, i);
+        if (length > likely_metres)
+            shv_format(text, size,
+                       ". '%.63s' is %.3g m long: if its file is in millimetres, give its mesh 'scale: 0.001'",
+                       object->name, length);
+    }
+}
+
 ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error)
 {
     ShvOverlap deepest[3];
@@ -272,12 +299,13 @@ ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvErr
     if (simulation->scene->overlaps == SHV_OVERLAPS_KEEP) return SHV_OK;
     SHV_TRY(find(&simulation->hybrid, deepest, room, &count, error));
     if (count == 0) return SHV_OK;
-    char texts[3][384] = {"", "", ""}, more[48] = "";
+    char texts[3][384] = {"", "", ""}, more[48] = "", hint[200] = "";
+    hint_at_scale(&simulation->hybrid, &deepest[0], hint, sizeof hint);
     for (int32_t i = 0; i < count && i < room; i++) describe(texts[i], sizeof texts[i], &deepest[i]);
     if (count > room) shv_format(more, sizeof more, "; and %d more", (int)(count - room));
-    return shv_fail(error, SHV_BAD_INPUT, "%s, or give 'overlaps: keep', and %s%s%s%s%s%s", texts[0],
+    return shv_fail(error, SHV_BAD_INPUT, "%s, or give 'overlaps: keep', and %s%s%s%s%s%s%s", texts[0],
                     shv_simulation_overlap_course(simulation, &deepest[0]), count > 1 ? "; also " : "", texts[1],
-                    count > 2 ? "; also " : "", texts[2], more);
+                    count > 2 ? "; also " : "", texts[2], more, hint);
 }
 
 /* What each engine does, in one sentence for check and run. */

@@ -225,3 +225,20 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     plan->frames = (int32_t)fmin(1e9, (double)shv_frame_intervals(scene)) + 1;
     return shv_awake_refresh(hybrid, error);
 }
+
+double shv_simulation_awake_until(const ShvSimulation *simulation)
+{
+    const ShvHybrid *hybrid = &simulation->hybrid;
+    const double now = hybrid->state.time, shortest = 0.01; /* of the longest: what is about to rest seldom does */
+    double sum = 0.0, tets = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_FRACTURE) continue;
+        double soonest, latest;
+        shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
+        const double most = fmax(0.0, latest - now), least = fmax(shortest * most, soonest - now);
+        sum += fragment->element_count * (isfinite(most) ? sqrt(least * most) : most);
+        tets += fragment->element_count;
+    }
+    return tets > 0.0 ? now + sum / tets : now;
+}

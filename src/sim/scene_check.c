@@ -1,5 +1,6 @@
 /* What a scene made in C may get wrong where no part of the solver would notice: numbers and names that only steer the run. Parts
    check what they build from: materials, meshes, obstacles and conditions. */
+#include <stdio.h>
 #include <string.h>
 
 #include "sim/internal.h"
@@ -90,34 +91,65 @@ static bool is_condition(const ShvSceneDefinition *scene, const char *name)
     return false;
 }
 
-static ShvStatus check_target(const ShvSceneDefinition *scene, int32_t index, ShvError *error)
+static ShvStatus check_target(const ShvSceneDefinition *scene, const ShvEventDefinition *event, const char *what,
+                              ShvError *error)
 {
-    const ShvEventDefinition *event = &scene->events[index];
     if (event->kind == SHV_EVENT_GRAVITY) return SHV_OK;
     const char *name = event->target ? event->target : "";
     if (event->kind == SHV_EVENT_RELEASE)
         return is_condition(scene, name)
                    ? SHV_OK
-                   : shv_fail(error, SHV_BAD_INPUT, "event %d releases '%s', which is no condition", (int)index, name);
+                   : shv_fail(error, SHV_BAD_INPUT, "%s releases '%s', which is no condition", what, name);
     if (is_object(scene, name) || is_free_obstacle(scene, name)) return SHV_OK;
-    return shv_fail(error, SHV_BAD_INPUT, "event %d acts on '%s', which is neither an object nor a free obstacle",
-                    (int)index, name);
+    return shv_fail(error, SHV_BAD_INPUT, "%s acts on '%s', which is neither an object nor a free obstacle", what,
+                    name);
 }
 
-static ShvStatus check_event(const ShvSceneDefinition *scene, int32_t index, ShvError *error)
+ShvStatus shv_simulation_check_event(const ShvSceneDefinition *scene, const ShvEventDefinition *event, const char *what,
+                                     ShvError *error)
 {
-    const ShvEventDefinition *event = &scene->events[index];
     if (event->cookie != SHV_DEFINITION_COOKIE)
-        return shv_fail(error, SHV_BAD_INPUT, "event %d did not start from shv_event_default()", (int)index);
+        return shv_fail(error, SHV_BAD_INPUT, "%s did not start from shv_event_default()", what);
     if (!(event->time >= 0.0) || !isfinite(event->time) || !shv_finite3(shv_load3(event->value)) ||
         !shv_finite3(shv_load3(event->angular)))
-        return shv_fail(error, SHV_BAD_INPUT, "event %d needs finite numbers and a time of 0 or more, not %g s",
-                        (int)index, event->time);
-    if (index > 0 && event->time < scene->events[index - 1].time)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "event %d at %g s comes after one at %g s; give events by increasing time", (int)index,
-                        event->time, scene->events[index - 1].time);
-    return check_target(scene, index, error);
+        return shv_fail(error, SHV_BAD_INPUT, "%s needs finite numbers and a time of 0 or more, not %g s", what,
+                        event->time);
+    return check_target(scene, event, what, error);
+}
+
+static ShvStatus check_events(const ShvSceneDefinition *scene, ShvError *error)
+{
+    for (int32_t i = 0; i < scene->event_count; i++) {
+        char what[32];
+        snprintf(what, sizeof what, "event %d", (int)i);
+        SHV_TRY(shv_simulation_check_event(scene, &scene->events[i], what, error));
+        if (i > 0 && scene->events[i].time < scene->events[i - 1].time)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "event %d at %g s comes after one at %g s; give events by increasing time", (int)i,
+                            scene->events[i].time, scene->events[i - 1].time);
+    }
+    return SHV_OK;
+}
+
+/* What is not in the scene at the start can neither be held nor stretch there. */
+static ShvStatus check_waiting(const ShvSceneDefinition *scene, ShvError *error)
+{
+    for (int32_t i = 0; i < scene->object_count; i++) {
+        const ShvObjectDefinition *object = &scene->objects[i];
+        if (!object->waits || !object->name) continue;
+        for (int32_t k = 0; k < scene->condition_count; k++)
+            if (scene->conditions[k].object && strcmp(scene->conditions[k].object, object->name) == 0)
+                return shv_fail(error, SHV_BAD_INPUT, "'%s' waits outside of the scene and cannot be held by '%s'",
+                                object->name, scene->conditions[k].name);
+        if (shv_norm(shv_load3(object->placement.stretch_rate)) > 0.0)
+            return shv_fail(error, SHV_BAD_INPUT, "'%s' waits outside of the scene and cannot start stretching",
+                            object->name);
+    }
+    for (int32_t i = 0; i < scene->obstacle_count; i++)
+        if (scene->obstacles[i].waits && scene->obstacles[i].motion != SHV_OBSTACLE_FREE)
+            return shv_fail(error, SHV_BAD_INPUT, "the obstacle '%s' waits, but only free ones can: give it a mass",
+                            scene->obstacles[i].name ? scene->obstacles[i].name : "");
+    return SHV_OK;
 }
 
 ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *error)
@@ -125,6 +157,6 @@ ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *
     if (!scene || scene->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the scene definition did not start from shv_scene_default()");
     SHV_TRY(check_numbers(scene, error));
-    for (int32_t i = 0; i < scene->event_count; i++) SHV_TRY(check_event(scene, i, error));
-    return SHV_OK;
+    SHV_TRY(check_events(scene, error));
+    return check_waiting(scene, error);
 }

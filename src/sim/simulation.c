@@ -129,7 +129,9 @@ static void view_obstacles(ShvSimulation *simulation)
         const ShvObstacle *obstacle = &obstacles->items[i];
         ShvObstacleView *view = &simulation->views.obstacles[i];
         view->name = obstacle->definition->name;
-        shv_store3(view->position, obstacle->position);
+        shv_store3(view->position, shv_hybrid_waits(&simulation->hybrid, i)
+                                       ? shv_load3(obstacle->definition->placement.position)
+                                       : obstacle->position);
         view->orientation[0] = obstacle->orientation.w;
         shv_store3(view->orientation + 1,
                    shv_vec3(obstacle->orientation.x, obstacle->orientation.y, obstacle->orientation.z));
@@ -178,7 +180,7 @@ static ShvStatus count_pieces(ShvHybrid *hybrid, int32_t pieces[3], ShvError *er
     return SHV_OK;
 }
 
-static ShvStatus fill_frame(ShvSimulation *simulation, bool animation, ShvError *error)
+ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
     const ShvStatus observed = shv_hybrid_observe(hybrid, error);
@@ -240,6 +242,14 @@ static double animation_time(const ShvSimulation *simulation)
     return (double)simulation->animation_frame / scene->output.rate;
 }
 
+void shv_simulation_pass_frames(ShvSimulation *simulation)
+{
+    const ShvSceneDefinition *scene = simulation->scene;
+    while (simulation->animation_frame < shv_frame_intervals(scene) &&
+           animation_time(simulation) <= simulation->hybrid.state.time)
+        simulation->animation_frame++;
+}
+
 bool shv_simulation_finished(const ShvSimulation *simulation)
 {
     return simulation->started && simulation->hybrid.state.time >= simulation->scene->duration;
@@ -249,7 +259,7 @@ bool shv_simulation_finished(const ShvSimulation *simulation)
 static ShvStatus failed(ShvSimulation *simulation, ShvStatus status)
 {
     ShvError ignored;
-    (void)fill_frame(simulation, false, &ignored);
+    (void)shv_simulation_fill(simulation, false, &ignored);
     return status;
 }
 
@@ -261,7 +271,7 @@ ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
     if (!simulation->started) {
         simulation->started = true;
         simulation->animation_frame = 1;
-        return fill_frame(simulation, true, error);
+        return shv_simulation_fill(simulation, true, error);
     }
     if (shv_simulation_finished(simulation)) return SHV_OK;
     const double until = animation_time(simulation);
@@ -274,7 +284,7 @@ ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
     const bool animation = hybrid->state.time >= until;
     if (animation) simulation->animation_frame++;
     if (every > 0 && simulation->fracture_steps >= every) simulation->fracture_steps = 0;
-    return fill_frame(simulation, animation, error);
+    return shv_simulation_fill(simulation, animation, error);
 }
 
 const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation)

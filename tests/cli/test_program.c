@@ -438,6 +438,15 @@ static void test_mesh(void **state)
     shell_works("ls long.folder.name/with.many.parts.to.see.that.no.name.is.cut | wc -l", "0");
     shell_works("$shiver check tiny.yaml --set 'objects.bar.mesh={gmsh: {file: cube.msh, scale: 0.02}}'",
                 "bar (chalk)");
+    shell_works("$shiver check tiny.yaml --set 'objects.bar.mesh={stl: {file: cube.obj, scale: 0.02, edge: 0.01}}'",
+                "bar (chalk)");
+    shell_fails("PATH=/nonexistent $shiver check tiny.yaml "
+                "--set 'objects.bar.mesh={stl: {file: cube.obj, scale: 0.02, edge: 0.01}}'",
+                2, "apt-get install gmsh");
+    shell_works("$shiver mesh cube.obj --edge 0.5 --force --output cube.msh", "mesh: {gmsh: {file: cube.msh}}");
+    shell_works("sed 's/^v \\(.*\\)/v \\1/; /^v/s/1/90/g' cube.obj >drawn_in_millimetres.obj; "
+                "$shiver mesh drawn_in_millimetres.obj --edge 30 --force",
+                "scale: 0.001");
 }
 
 static void test_scenes(void **state)

@@ -88,12 +88,37 @@ static void failed_allocations_leave_nothing(void **state)
     }
 }
 
+static void tets_from_memory_are_copied_or_refused(void **state)
+{
+    (void)state;
+    static const double positions[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+    int32_t tets[8] = {0, 1, 2, 3, 1, 2, 3, 4};
+    ShvMeshDefinition d = shv_mesh_default();
+    ShvMesh mesh;
+    ShvError error;
+    d.kind = SHV_MESH_MEMORY;
+    check_fails(shv_mesh_generate(&mesh, NULL, &d, NULL, &error), SHV_BAD_INPUT, error, "from memory has 0 nodes");
+    d.positions = positions;
+    d.tets = tets;
+    d.node_count = 5;
+    d.tet_count = 2;
+    check_ok(shv_mesh_generate(&mesh, NULL, &d, NULL, &error), error);
+    assert_int_equal(mesh.node_count, 5);
+    assert_int_equal(mesh.element_count, 2);
+    shv_mesh_release(&mesh);
+    tets[6] = 5;
+    check_fails(shv_mesh_generate(&mesh, NULL, &d, NULL, &error), SHV_BAD_INPUT, error, "tet 1 names node 5");
+    tets[6] = 2;
+    check_fails(shv_mesh_generate(&mesh, NULL, &d, NULL, &error), SHV_BAD_INPUT, error, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_is_made_sound_and_renumbered),
         cmocka_unit_test(bad_definitions_are_refused),
         cmocka_unit_test(failed_allocations_leave_nothing),
+        cmocka_unit_test(tets_from_memory_are_copied_or_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,7 +121,7 @@ static void check_plates(const ShvSceneDefinition *scene)
 static void check_meshes(const ShvSceneDefinition *scene)
 {
     const ShvObjectDefinition *o = scene->objects + 3;
-    assert_int_equal(scene->object_count, 10);
+    assert_int_equal(scene->object_count, 13);
     assert_int_equal(o[0].mesh.kind, SHV_MESH_BALL);
     assert_string_equal(o[0].material, "steel");
     same(o[0].mesh.radius, 0.05);
@@ -149,6 +149,27 @@ static void check_meshes(const ShvSceneDefinition *scene)
     same(o[6].mesh.thickness, 0.003);
     assert_int_equal(o[6].mesh.layers, 2);
     assert_true(o[6].mesh.refine_to == INT64_C(5000000000));
+}
+
+/* Shifted and turned at random, each its own way. */
+static void check_heap(const ShvSceneDefinition *scene)
+{
+    const ShvObjectDefinition *heap = scene->objects + 10;
+    for (int i = 0; i < 2; i++) {
+        const ShvPlacement *at = &heap[i].placement;
+        assert_int_equal(heap[i].mesh.kind, SHV_MESH_STL);
+        same(heap[i].mesh.edge, 0.002);
+        same(heap[i].mesh.scale, 0.001);
+        assert_true(at->position[0] != 0.0 && fabs(at->position[0]) < 0.05);
+        same(at->position[1], 0.0);
+        assert_true(at->position[2] != 1.0 + i && fabs(at->position[2] - 1.0 - i) < 0.1);
+        const double *axis = at->rotation_axis;
+        check_near(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2], 1.0, 1e-14);
+        assert_true(at->rotation_degrees > 0.0 && at->rotation_degrees <= 360.0);
+    }
+    assert_int_equal(heap[2].mesh.kind, SHV_MESH_MEMORY);
+    assert_true(heap[2].waits && !heap[1].waits);
+    assert_true(heap[0].placement.rotation_degrees != heap[1].placement.rotation_degrees);
 }
 
 static void check_conditions(const ShvSceneDefinition *scene)
@@ -325,6 +346,7 @@ static void every_key_arrives(void **state)
     const ShvSceneDefinition *scene = shv_scene_definition(parsed.scene);
     check_materials(scene);
     check_plates(scene);
+    check_heap(shv_scene_definition(parsed.scene));
     check_meshes(scene);
     check_conditions(scene);
     check_obstacles(scene);
@@ -394,6 +416,7 @@ static void the_library_fills_in_what_is_left_out(void **state)
     same(own[0].cohesive_strength, plaster.cohesive_strength);
     same(own[0].cohesive_strength_shear, plaster.cohesive_strength_shear);
     same(own[0].fracture_energy_shear, plaster.fracture_energy_shear);
+    same(own[0].weibull_modulus, plaster.weibull_modulus);
     assert_false(own[1].breakable);
     same(own[1].youngs_modulus, 210e9);
     release(&parsed);
