@@ -51,6 +51,7 @@ static int run(const ShvArguments *arguments)
     for (int32_t i = 0; i < count && status == SHV_OK; i++) {
         status = shv_cli_keep_input(path, names[i], &error);
         if (status == SHV_OK) status = shv_run_file_open(&files[i], names[i], NULL, &error);
+        if (status == SHV_OK) shv_cli_tell_live(files[i], names[i]);
     }
     if (status == SHV_OK) status = write_page(arguments, path, files, count, &error);
     for (int32_t i = 0; i < 2; i++) shv_run_file_close(files[i]);

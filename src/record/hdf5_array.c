@@ -108,17 +108,54 @@ static bool chunk_sound(const Chunks *chunks, const hsize_t *offset)
     return good;
 }
 
+typedef bool (*Visit)(const Chunks *chunks, const hsize_t *offset, void *context);
+
+/* The chunks of entries [begin, end). */
+static bool each_chunk(const Chunks *chunks, hsize_t begin, hsize_t end, Visit visit, void *context)
+{
+    hsize_t offset[MOST_DIMENSIONS] = {0};
+    const hsize_t columns = chunks->rank > 1 ? chunks->extent[1] : 1, step = chunks->rank > 1 ? chunks->size[1] : 1;
+    for (offset[0] = begin / chunks->size[0] * chunks->size[0]; offset[0] < end; offset[0] += chunks->size[0])
+        for (offset[1] = 0; offset[1] < columns; offset[1] += step)
+            if (!visit(chunks, offset, context)) return false;
+    return true;
+}
+
+static bool visit_sound(const Chunks *chunks, const hsize_t *offset, void *context)
+{
+    (void)context;
+    return chunk_sound(chunks, offset);
+}
+
 bool shv_chunks_sound(hid_t dataset, int64_t begin, int64_t count)
 {
     Chunks chunks;
+    return look_at(&chunks, dataset) &&
+           each_chunk(&chunks, (hsize_t)begin, (hsize_t)(begin + count), visit_sound, NULL);
+}
+
+typedef struct Taker {
+    bool (*take)(void *context, uint64_t address, uint64_t size);
+    void *context;
+} Taker;
+
+static bool visit_full(const Chunks *chunks, const hsize_t *offset, void *context)
+{
+    const Taker *taker = context;
+    unsigned left_out = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t size = 0;
+    if (H5Dget_chunk_info_by_coord(chunks->dataset, offset, &left_out, &address, &size) < 0) return false;
+    return address == HADDR_UNDEF || taker->take(taker->context, address, size);
+}
+
+bool shv_chunks_full(hid_t dataset, bool (*take)(void *context, uint64_t address, uint64_t size), void *context)
+{
+    Chunks chunks;
+    Taker taker = {take, context};
     if (!look_at(&chunks, dataset)) return false;
-    hsize_t offset[MOST_DIMENSIONS] = {0};
-    const hsize_t first = (hsize_t)begin / chunks.size[0] * chunks.size[0], end = (hsize_t)(begin + count);
-    for (offset[0] = first; offset[0] < end; offset[0] += chunks.size[0])
-        for (offset[1] = 0;
-             offset[1]<(chunks.rank > 1 ? chunks.extent[1] : 1); offset[1] += chunks.rank> 1 ? chunks.size[1] : 1)
-            if (!chunk_sound(&chunks, offset)) return false;
-    return true;
+    const hsize_t full = chunks.extent[0] / chunks.size[0] * chunks.size[0];
+    return each_chunk(&chunks, 0, full, visit_full, &taker);
 }
 
 /* ---- arrays ---- */
