@@ -116,15 +116,14 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
-    if (strcmp(texts->status, "running") != 0) return SHV_OK;
-    file->info.live = file->snapshot != NULL;
-    if (file->info.live)
-        file->info.message = "it is being written: these are its frames so far";
-    else
-        file->info.message = "its writer ended without a word: it was killed, or the machine stopped; what came after "
-                             "the last frame is missing";
     file->info.scene_name = texts->scene_name;
     file->info.processor = texts->processor;
+    if (strcmp(texts->status, "running") != 0) return SHV_OK;
+    file->info.live = file->snapshot != NULL;
+    file->info.message = file->info.live
+                             ? "it is being written: these are its frames so far"
+                             : "its writer ended without a word: it was killed, or the machine stopped; what came "
+                               "after the last frame is missing";
     return SHV_OK;
 }
 
