@@ -96,7 +96,7 @@ static ShvStatus write_page(Studio *studio, ShvError *error)
 {
     ShvElasticity *elasticity = NULL;
     SHV_TRY(shv_cli_elasticity(studio->file, &elasticity, error));
-    const ShvViewRun run = {studio->file, elasticity};
+    const ShvViewRun run = {.file = studio->file, .elasticity = elasticity};
     const ShvStatus status = shv_view_write(&run, 1, studio->page, NULL, error);
     shv_release(elasticity);
     return status;
