@@ -174,7 +174,10 @@ static ShvStatus draw_frames(Studio *studio, int64_t count, ShvError *error)
     for (int64_t i = 0; i < count; i++) {
         SHV_TRY(name_picture(studio, i, path, error));
         snprintf(time, sizeof time, "%.17g", shv_run_file_times(studio->file)[frame_of(studio, i)]);
-        SHV_TRY(draw(studio, time, path, studio->pictures->force, error));
+        const ShvStatus status = draw(studio, time, path, studio->pictures->force, error);
+        if (status == SHV_OK) continue;
+        while (i-- > 0 && name_picture(studio, i, path, error) == SHV_OK) unlink(path); /* half a row is none */
+        return status;
     }
     return SHV_OK;
 }
