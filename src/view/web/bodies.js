@@ -159,8 +159,10 @@ export class Bodies {
     this.lamp.position.set(centre[0] - 0.9 * reach, centre[1] - 1.35 * reach, centre[2] + 3 * reach);
     this.lamp.target.position.set(...centre);
     Object.assign(this.lamp.shadow.camera, { left: -2 * reach, right: 2 * reach, top: 2 * reach, bottom: -2 * reach, near: 0.1 * reach, far: 8 * reach });
+    this.lamp.shadow.camera.updateProjectionMatrix();
     this.lamp.shadow.bias = -0.0022;
-    this.scene.fog = new THREE.Fog(0, 7 * reach, 16 * reach);
+    this.scene.fog ??= new THREE.Fog(0);
+    Object.assign(this.scene.fog, { near: 7 * reach, far: 16 * reach });
     this.planes = this.obstacles.filter((mesh) => mesh.userData.plane);
     this.planes.forEach((mesh) => this.widen(mesh, centre, reach));
   }
@@ -177,8 +179,10 @@ export class Bodies {
     });
     mesh.geometry.computeBoundingSphere();
     const power = 10 ** Math.floor(Math.log10(reach / 3)), spacing = power * ([5, 2, 1].find((m) => m * power <= reach / 3) ?? 1);
-    const uniforms = { one: { value: one.divideScalar(spacing) }, two: { value: two.divideScalar(spacing) }, stripe: (mesh.userData.stripe = { value: new THREE.Color() }) };
-    Object.assign(mesh.userData, { normal, foot });
+    const uniforms = (mesh.userData.uniforms ??= { one: {}, two: {}, stripe: { value: new THREE.Color() } });
+    uniforms.one.value = one.divideScalar(spacing);
+    uniforms.two.value = two.divideScalar(spacing);
+    mesh.userData.stripe = uniforms.stripe;
     mesh.material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, uniforms);
       shader.vertexShader = shader.vertexShader.replace('#include <common>', '#include <common>\nuniform vec3 one, two; varying vec2 square;')

@@ -1,7 +1,7 @@
-// Where the camera stands: around the middle of the mass over all frames, z up.
+// Where the camera stands: around the middle of the mass over the frames of a time, z up.
 import * as THREE from 'three';
 
-const SHARE = 0.02, FRAMES = 24, MARGIN = 1.3; // mass that may be out of view on each side; frames looked at; room around it
+const SHARE = 0.02, SAMPLES = 24, MARGIN = 1.3; // mass that may be out of view on each side; frames looked at at most; room around it
 
 function percentile(entries, share) {
   entries.sort((a, b) => a[0] - b[0]);
@@ -32,13 +32,14 @@ function outermost(run) {
 const TOWARD = new THREE.Vector3(0.42, -0.85, 0.36).normalize(), RIGHT = new THREE.Vector3(0, 0, 1).cross(TOWARD).normalize();
 const AXES = [RIGHT, TOWARD.clone().cross(RIGHT), TOWARD];
 
-export function frameOf(runs) {
+export function frameOf(runs, from, to) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (const run of runs) {
     const corners = outermost(run), entries = [[], [], []];
     const pose = new Float64Array(7), place = new THREE.Vector3(), turn = new THREE.Quaternion();
-    for (let n = 0; n < FRAMES; n++) {
-      const frame = Math.round(n * (run.frames - 1) / (FRAMES - 1));
+    const first = run.find(from).frame, last = run.find(to).frame, samples = Math.min(SAMPLES, last - first + 1);
+    for (let n = 0; n < samples; n++) {
+      const frame = first + Math.round(n * (last - first) / Math.max(1, samples - 1));
       for (let line = 0; line < run.count; line++) {
         if (run.carrierAt(frame, line) < 0) continue;
         run.pose({ frame, next: frame, share: 0 }, line, pose);

@@ -30,8 +30,7 @@ class Viewer {
     this.controls = new OrbitControls(this.camera, $('view'));
     this.controls.addEventListener('change', () => { this.dirty = true; });
     this.bodies = runs.map((run) => new Bodies(run));
-    this.view = frameOf(runs);
-    this.bodies.forEach((bodies) => bodies.surround(this.view.centre, this.view.reach));
+    this.look(this.clock.first, this.clock.last);
     this.line = new Timeline($('line'), runs, this.clock, (at) => this.seek(at));
     this.curves = new Curves(runs, this.clock, (time) => { this.clock.time = time; this.pause(); });
     runs.forEach((run) => { const name = document.createElement('span'); name.textContent = runs.length > 1 ? run.name : ''; $('names').append(name); });
@@ -177,6 +176,12 @@ class Viewer {
   }
 
   // ---- pictures
+
+  // What is seen from one time to another is what lamp and camera are set for.
+  look(from, to) {
+    this.view = frameOf(this.runs, from, to);
+    this.bodies.forEach((bodies) => bodies.surround(this.view.centre, this.view.reach));
+  }
 
   resetCamera() { const [, , w, h] = this.parts(this.width, this.height)[0]; this.aspect(w / h); place(this.camera, this.controls, this.view, w / h); this.dirty = true; }
   aspect(a) { this.camera.aspect = a; this.camera.updateProjectionMatrix(); }
