@@ -30,6 +30,8 @@ struct ShvSnapshot {
     haddr_t allocated; /* HDF5's end of allocation */
     uint64_t bytes;    /* of the file when the snapshot was taken */
     ShvJournalView journal;
+    bool surveying; /* raw data that are asked for are noted in `ranges`, not read */
+    Ranges ranges;
     Ranges copied; /* in ascending order; none before the snapshot is frozen */
     unsigned char *block;
 };
@@ -122,11 +124,27 @@ static haddr_t get_end(const H5FD_t *file, H5FD_mem_t type)
     return snapshot_of(file)->bytes;
 }
 
+static bool note(ShvSnapshot *snapshot, uint64_t address, uint64_t size)
+{
+    Ranges *ranges = &snapshot->ranges;
+    if (ranges->count == ranges->capacity) {
+        const size_t capacity = 2 * ranges->capacity + 1024;
+        Range *grown = shv_reallocate(snapshot->memory, SHV_PART_RECORD, ranges->list, capacity, sizeof *grown);
+        if (!grown) return false;
+        ranges->list = grown;
+        ranges->capacity = capacity;
+    }
+    ranges->list[ranges->count++] = (Range){.begin = address, .end = address + size};
+    return true;
+}
+
 static herr_t read_file(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size, void *buffer)
 {
-    (void)type, (void)transfer;
-    if (read_bytes(snapshot_of(file), address, size, buffer) != 0) return -1;
-    lay_copies(snapshot_of(file), address, size, buffer);
+    (void)transfer;
+    ShvSnapshot *snapshot = snapshot_of(file);
+    if (snapshot->surveying && type == H5FD_MEM_DRAW) return note(snapshot, address, size) ? 0 : -1;
+    if (read_bytes(snapshot, address, size, buffer) != 0) return -1;
+    lay_copies(snapshot, address, size, buffer);
     return 0;
 }
 
@@ -193,6 +211,7 @@ void shv_snapshot_release(ShvSnapshot *snapshot)
     if (snapshot->driver >= 0) H5FDunregister(snapshot->driver);
     if (snapshot->descriptor >= 0) close(snapshot->descriptor);
     shv_release(snapshot->journal.changes);
+    shv_release(snapshot->ranges.list);
     shv_release(snapshot->copied.list);
     shv_release(snapshot->block);
     shv_release(snapshot->path);
@@ -221,27 +240,6 @@ bool shv_snapshot_moved(const ShvSnapshot *snapshot)
 
 /* ---- freezing ---- */
 
-/* What never changes. */
-typedef struct Constant {
-    Ranges ranges;
-    ShvMemory *memory;
-} Constant;
-
-static bool take_chunk(void *context, uint64_t address, uint64_t size)
-{
-    Constant *constant = context;
-    Ranges *ranges = &constant->ranges;
-    if (ranges->count == ranges->capacity) {
-        const size_t capacity = 2 * ranges->capacity + 1024;
-        Range *grown = shv_reallocate(constant->memory, SHV_PART_RECORD, ranges->list, capacity, sizeof *grown);
-        if (!grown) return false;
-        ranges->list = grown;
-        ranges->capacity = capacity;
-    }
-    ranges->list[ranges->count++] = (Range){.begin = address, .end = address + size};
-    return true;
-}
-
 static int by_address(const void *a, const void *b)
 {
     const Range *first = a, *second = b;
@@ -266,35 +264,31 @@ static size_t complement(Ranges *ranges, uint64_t end)
     return bytes;
 }
 
-/* Rows of fragments change when one of them dies; all other rows are as they were first written. */
-static bool find_constant(Constant *constant, const ShvSeries *series)
+/* Notes what never changes. Rows of fragments change when one of them dies; all other rows are as they were first written. */
+static bool survey(ShvSnapshot *snapshot, const ShvSeries *series)
 {
-    for (int i = 0; i < SHV_SERIES_COUNT; i++)
-        if (series[i].dataset >= 0 && i != SHV_SERIES_FRAGMENTS &&
-            !shv_chunks_full(series[i].dataset, take_chunk, constant))
-            return false;
-    return take_chunk(constant, UINT64_MAX, 0);
+    bool good = true;
+    snapshot->surveying = true;
+    for (int i = 0; i < SHV_SERIES_COUNT && good; i++)
+        if (series[i].dataset >= 0 && i != SHV_SERIES_FRAGMENTS) good = shv_chunks_touch(series[i].dataset);
+    snapshot->surveying = false;
+    return good && note(snapshot, UINT64_MAX, 0);
 }
 
 ShvStatus shv_snapshot_freeze(ShvSnapshot *snapshot, const ShvSeries *series, ShvError *error)
 {
-    Constant constant = {.memory = snapshot->memory};
-    const bool found = find_constant(&constant, series);
-    snapshot->copied = constant.ranges;
-    size_t size = 0;
-    if (found) {
-        qsort(constant.ranges.list, constant.ranges.count, sizeof(Range), by_address);
-        size = complement(&snapshot->copied, snapshot->allocated);
-        snapshot->block = shv_allocate(snapshot->memory, SHV_PART_RECORD, size, 1);
-    }
-    const size_t count = snapshot->copied.count;
-    snapshot->copied.count = 0; /* nothing is copied so far */
+    Ranges *ranges = &snapshot->ranges;
+    if (!survey(snapshot, series)) return shv_fail(error, SHV_BAD_INPUT, "'%s' is damaged", snapshot->path);
+    qsort(ranges->list, ranges->count, sizeof(Range), by_address);
+    const size_t size = complement(ranges, snapshot->allocated);
+    snapshot->block = shv_allocate(snapshot->memory, SHV_PART_RECORD, size, 1);
     if (!snapshot->block) return shv_fail_memory(error, "a snapshot of the run file", size);
-    for (size_t i = 0; i < count; i++) {
-        const Range *range = &snapshot->copied.list[i];
+    for (size_t i = 0; i < ranges->count; i++) {
+        const Range *range = &ranges->list[i];
         if (read_bytes(snapshot, range->begin, (size_t)(range->end - range->begin), snapshot->block + range->copy) != 0)
             return shv_fail(error, SHV_FILE_ERROR, "cannot read '%s'", snapshot->path);
     }
-    snapshot->copied.count = count;
+    snapshot->copied = *ranges;
+    *ranges = (Ranges){NULL, 0, 0};
     return SHV_OK;
 }
