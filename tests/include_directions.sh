@@ -20,7 +20,7 @@ allowed()
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;
-    view) echo base export view ;;
+    view) echo base rigid export view ;;
     study) echo base scene record export study ;;
     stability) echo base mesh model solid hybrid export study stability ;;
     verify) echo base scene export study verify ;;

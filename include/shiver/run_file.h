@@ -49,6 +49,7 @@ typedef struct ShvRunFileInfo {
     const char *code_version, *status, *message, *scene_text, *scene_name, *processor;
     const char *overrides; /* one a line */
     bool nodes;            /* corners and damage were recorded */
+    bool live;             /* another process was writing the file: it has the frames of that moment */
     uint64_t scene_hash;
     int32_t threads;
     int32_t node_count, element_count, object_count, obstacle_count, fragment_count, probe_count;
@@ -66,8 +67,9 @@ typedef struct ShvProgressView {
     int32_t pieces[3]; /* as in ShvFrameView */
 } ShvProgressView;
 
-/* Opens for reading; a file that is being written (its writer holds a lock), truncated or not of this kind is refused with a
-   message saying so. A file whose writer was killed has the status "running" and no lock, and opens. */
+/* Opens for reading; a file that is truncated, damaged or not of this kind is refused with a message saying so. A file that
+   another process is writing (it holds a lock) is read as it is at this moment, whatever is added later, and without holding
+   up the writer. A file whose writer was killed has the status "running" and no lock, and is put right first. */
 ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, struct ShvMemory *memory, ShvError *error);
 void shv_run_file_close(ShvRunFile *file);
 const ShvRunFileInfo *shv_run_file_info(const ShvRunFile *file);

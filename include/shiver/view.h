@@ -11,6 +11,7 @@ extern "C" {
 typedef struct ShvViewRun {
     ShvRunFile *file;
     const ShvElasticity *elasticity; /* one an object, to colour by stress; NULL: no stress */
+    bool convex; /* bodies moved as convex pieces (rigid engines bullet and bullet_plain): show them, too */
 } ShvViewRun;
 
 typedef struct ShvViewOptions {

@@ -49,3 +49,12 @@ ShvStatus shv_cli_elasticity(const ShvRunFile *file, ShvElasticity **elasticity,
     }
     return room ? SHV_OK : shv_fail_memory(error, "materials", (size_t)count * sizeof **elasticity);
 }
+
+bool shv_cli_made_convex_pieces(const ShvRunFile *file)
+{
+    ShvScene *scene = parse_scene(shv_run_file_info(file));
+    if (!scene) return false;
+    const ShvRigidEngine engine = shv_scene_definition(scene)->rigid.engine;
+    shv_scene_destroy(scene);
+    return engine == SHV_RIGID_BULLET || engine == SHV_RIGID_BULLET_PLAIN;
+}

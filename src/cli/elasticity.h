@@ -1,4 +1,4 @@
-/* Moduli of the objects of a run file, from the scene it holds. */
+/* What the scene tells that a run file holds: moduli of the objects, and whether there were convex pieces. */
 #ifndef SHV_CLI_ELASTICITY_H
 #define SHV_CLI_ELASTICITY_H
 
@@ -7,5 +7,7 @@
 
 /* One an object, to be released with shv_release; NULL, which is no failure, where the scene cannot be read any more. */
 ShvStatus shv_cli_elasticity(const ShvRunFile *file, ShvElasticity **elasticity, ShvError *error);
+/* Whether the scene's rigid engine moves bodies as convex pieces; false, too, where it cannot be read any more. */
+bool shv_cli_made_convex_pieces(const ShvRunFile *file);
 
 #endif

@@ -206,6 +206,7 @@ static int run(const ShvArguments *arguments)
     if (status == SHV_OK) status = read_options(&request, &error);
     if (status == SHV_OK) status = keep_run_file(prefix, arguments->positional[1], &error);
     if (status == SHV_OK) status = shv_run_file_open(&request.file, arguments->positional[1], NULL, &error);
+    if (status == SHV_OK) shv_cli_tell_live(request.file, arguments->positional[1]);
     if (status == SHV_OK) status = format->write(&request, &error);
     shv_run_file_close(request.file);
     if (status != SHV_OK) return shv_cli_failed(status, &error);

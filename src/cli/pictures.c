@@ -1,6 +1,7 @@
 #include "cli/pictures.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,7 +97,7 @@ static ShvStatus write_page(Studio *studio, ShvError *error)
 {
     ShvElasticity *elasticity = NULL;
     SHV_TRY(shv_cli_elasticity(studio->file, &elasticity, error));
-    const ShvViewRun run = {studio->file, elasticity};
+    const ShvViewRun run = {.file = studio->file, .elasticity = elasticity};
     const ShvStatus status = shv_view_write(&run, 1, studio->page, NULL, error);
     shv_release(elasticity);
     return status;
@@ -174,9 +175,27 @@ static ShvStatus draw_frames(Studio *studio, int64_t count, ShvError *error)
     for (int64_t i = 0; i < count; i++) {
         SHV_TRY(name_picture(studio, i, path, error));
         snprintf(time, sizeof time, "%.17g", shv_run_file_times(studio->file)[frame_of(studio, i)]);
-        SHV_TRY(draw(studio, time, path, studio->pictures->force, error));
+        const ShvStatus status = draw(studio, time, path, studio->pictures->force, error);
+        if (status == SHV_OK) continue;
+        while (i-- > 0 && name_picture(studio, i, path, error) == SHV_OK) unlink(path); /* half a row is none */
+        return status;
     }
     return SHV_OK;
+}
+
+/* The camera stands for what there is at the times asked for, not for a whole fall. */
+static ShvStatus look_at_frames(Studio *studio, int64_t count, ShvError *error)
+{
+    const double *times = shv_run_file_times(studio->file);
+    double from = times[frame_of(studio, 0)], to = from;
+    char expression[128];
+    const char *text;
+    for (int64_t i = 1; i < count; i++) {
+        from = fmin(from, times[frame_of(studio, i)]);
+        to = fmax(to, times[frame_of(studio, i)]);
+    }
+    snprintf(expression, sizeof expression, "shiver.then(v => (v.look(%.17g, %.17g), `done`))", from, to);
+    return shv_browser_ask(&studio->browser, expression, &text, error);
 }
 
 ShvStatus shv_write_png(ShvRunFile *file, const ShvPictures *pictures, ShvError *error)
@@ -191,6 +210,7 @@ ShvStatus shv_write_png(ShvRunFile *file, const ShvPictures *pictures, ShvError 
         SHV_TRY(shv_publish_check(path, pictures->force, error));
     }
     ShvStatus status = open_studio(&studio, error);
+    if (status == SHV_OK) status = look_at_frames(&studio, count, error);
     if (status == SHV_OK) status = draw_frames(&studio, count, error);
     close_studio(&studio);
     return status;

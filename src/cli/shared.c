@@ -192,6 +192,16 @@ ShvStatus shv_cli_warn_overlaps(const ShvSimulation *simulation, ShvError *error
     return SHV_OK;
 }
 
+void shv_cli_tell_live(const ShvRunFile *file, const char *path)
+{
+    const ShvRunFileInfo *info = shv_run_file_info(file);
+    if (!info->live) return;
+    fprintf(stderr, "note: '");
+    shv_cli_print_plain(stderr, path);
+    fprintf(stderr, "' is being written: these are its %lld frames so far, to %.6g s\n", (long long)info->frame_count,
+            info->last_time);
+}
+
 void shv_cli_print_pieces(const int32_t pieces[3])
 {
     printf("  pieces if a facet bonds down to 1, 10, 50 %% of its strength: %d, %d, %d\n", (int)pieces[0],

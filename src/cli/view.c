@@ -32,7 +32,7 @@ static ShvStatus write_page(const ShvArguments *arguments, const char *path, Shv
     ShvStatus status = SHV_OK;
     for (int32_t i = 0; i < count && status == SHV_OK; i++) {
         status = shv_cli_elasticity(files[i], &elasticity[i], error);
-        runs[i] = (ShvViewRun){files[i], elasticity[i]};
+        runs[i] = (ShvViewRun){files[i], elasticity[i], shv_cli_made_convex_pieces(files[i])};
     }
     if (status == SHV_OK) status = shv_view_write(runs, count, path, &options, error);
     for (int32_t i = 0; i < 2; i++) shv_release(elasticity[i]);
@@ -51,6 +51,7 @@ static int run(const ShvArguments *arguments)
     for (int32_t i = 0; i < count && status == SHV_OK; i++) {
         status = shv_cli_keep_input(path, names[i], &error);
         if (status == SHV_OK) status = shv_run_file_open(&files[i], names[i], NULL, &error);
+        if (status == SHV_OK) shv_cli_tell_live(files[i], names[i]);
     }
     if (status == SHV_OK) status = write_page(arguments, path, files, count, &error);
     for (int32_t i = 0; i < 2; i++) shv_run_file_close(files[i]);

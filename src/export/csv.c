@@ -300,19 +300,28 @@ static ShvStatus put_probes(ShvRunFile *file, const ShvExportOptions *options, F
     return status;
 }
 
-ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
+static ShvStatus write_table(ShvRunFile *file, const char *prefix, const ShvExportOptions *options, int table,
+                             ShvError *error)
 {
     static const WriteTable tables[] = {put_trajectories, put_genealogy, put_ledger, put_events,
                                         put_obstacles,    put_shapes,    put_probes};
+    ShvOutput output;
+    SHV_TRY(shv_output_open(&output, options, prefix, SUFFIXES[table], error));
+    const ShvStatus status = tables[table](file, options, output.stream, error);
+    return shv_output_close(&output, options, status, error);
+}
+
+ShvStatus shv_export_csv(ShvRunFile *file, const char *prefix, const ShvExportOptions *given, ShvError *error)
+{
     const int count = shv_run_file_info(file)->probe_count > 0 ? 7 : 6;
     ShvExportOptions options;
     SHV_TRY(shv_export_options(given, &options, error));
     SHV_TRY(shv_output_check(&options, prefix, SUFFIXES, count, error));
     for (int i = 0; i < count; i++) {
-        ShvOutput output;
-        SHV_TRY(shv_output_open(&output, &options, prefix, SUFFIXES[i], error));
-        const ShvStatus status = tables[i](file, &options, output.stream, error);
-        SHV_TRY(shv_output_close(&output, &options, status, error));
+        const ShvStatus status = write_table(file, prefix, &options, i, error);
+        if (status == SHV_OK) continue;
+        while (i-- > 0) shv_output_withdraw(prefix, SUFFIXES[i]);
+        return status;
     }
     return SHV_OK;
 }

@@ -87,6 +87,14 @@ ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, S
     return status;
 }
 
+void shv_output_withdraw(const char *prefix, const char *suffix)
+{
+    const ShvExportOptions plain = {.memory = NULL}; /* what failed may have been memory with a limit */
+    char *path = shv_output_path(&plain, prefix, suffix);
+    if (path) unlink(path);
+    shv_release(path);
+}
+
 void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value)
 {
     for (int digits = 15; digits <= 17; digits++) {

@@ -25,6 +25,9 @@ ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, co
    of both failures. `output` may be zeroed. */
 ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error);
 
+/* Removes a file of an export of several that has failed. */
+void shv_output_withdraw(const char *prefix, const char *suffix);
+
 /* Room for a number as text. */
 enum { SHV_OUTPUT_NUMBER = 32 };
 /* The shortest of 15, 16 and 17 digits that gives the same number back; and that as a field behind a comma, empty where the

@@ -31,6 +31,7 @@ typedef struct Vtk {
     float *points, *velocities, *damages, *stresses; /* of the cells there are at a frame */
     int32_t *piece, *line, *object;
     int64_t triangle_count;
+    int64_t written; /* frames begun, those not taken among them */
 } Vtk;
 
 /* ---- raw arrays ---- */
@@ -221,6 +222,17 @@ static ShvStatus write_one(Vtk *vtk, const char *prefix, bool obstacles, int64_t
     return shv_output_close(&output, &vtk->options, SHV_OK, error);
 }
 
+/* Frames whose collection will never be there. */
+static void withdraw_frames(const Vtk *vtk, const char *prefix)
+{
+    for (int64_t frame = 0; frame < vtk->written; frame++)
+        for (int part = 0; part < 2 && is_taken(vtk, frame); part++) {
+            char suffix[48];
+            name_file(suffix, part == 1, frame);
+            shv_output_withdraw(prefix, suffix);
+        }
+}
+
 static ShvStatus write_frames(Vtk *vtk, const char *prefix, ShvError *error)
 {
     for (int64_t frame = 0; frame < vtk->info->frame_count; frame++) {
@@ -228,6 +240,7 @@ static ShvStatus write_frames(Vtk *vtk, const char *prefix, ShvError *error)
         SHV_TRY(shv_lines_move(&vtk->lines, frame, error));
         SHV_TRY(shv_run_file_frame(vtk->file, frame, NULL, NULL, NULL, NULL, NULL, vtk->velocity, NULL, error));
         if (vtk->corners) SHV_TRY(shv_run_file_corners(vtk->file, frame, vtk->corners, vtk->damage, NULL, error));
+        vtk->written = frame + 1;
         SHV_TRY(write_one(vtk, prefix, false, frame, error));
         if (vtk->triangle_count == 0) continue;
         SHV_TRY(shv_run_file_obstacles(vtk->file, frame, vtk->views, error));
@@ -330,6 +343,7 @@ ShvStatus shv_export_vtk(ShvRunFile *file, const char *prefix, const ShvExportOp
     if (status == SHV_OK) status = write_frames(&vtk, prefix, error);
     /* The collection last: where it is, all it names is. */
     if (status == SHV_OK) status = write_collection(&vtk, prefix, error);
+    if (status != SHV_OK) withdraw_frames(&vtk, prefix);
     release(&vtk);
     return status;
 }

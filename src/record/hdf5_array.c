@@ -89,36 +89,72 @@ static bool inflates(const unsigned char *stored, size_t size, size_t bytes)
     return good;
 }
 
+/* A chunk as it lies in the file; *stored is NULL and *size 0 where it has never been written. HDF5 1.10 tells the place of a
+   chunk by looking at all, but its size at once. */
+static bool read_chunk(const Chunks *chunks, const hsize_t *offset, unsigned char **stored, hsize_t *size,
+                       uint32_t *left_out)
+{
+    *stored = NULL;
+    *left_out = 0;
+    if (H5Dget_chunk_storage_size(chunks->dataset, offset, size) < 0) return false;
+    if (*size == 0) return true;
+    if (*size > 2 * chunks->bytes + 1024) return false;
+    *stored = shv_allocate(NULL, SHV_PART_RECORD, *size, 1);
+    return *stored && H5Dread_chunk(chunks->dataset, H5P_DEFAULT, offset, left_out, *stored) >= 0;
+}
+
 /* A chunk that has never been written reads as fill values. */
 static bool chunk_sound(const Chunks *chunks, const hsize_t *offset)
 {
-    unsigned left_out = 0;
-    haddr_t address = HADDR_UNDEF;
+    unsigned char *stored;
+    uint32_t left_out;
     hsize_t size = 0;
-    if (H5Dget_chunk_info_by_coord(chunks->dataset, offset, &left_out, &address, &size) < 0) return false;
-    if (address == HADDR_UNDEF) return true;
-    if (left_out != 0 || size <= CHECKSUM_BYTES) return false;
-    if (!chunks->compressed) return size == chunks->bytes + CHECKSUM_BYTES;
-    if (size > 2 * chunks->bytes + 1024) return false;
-    uint32_t filters = 0;
-    unsigned char *stored = shv_allocate(NULL, SHV_PART_RECORD, size, 1);
-    const bool good = stored && H5Dread_chunk(chunks->dataset, H5P_DEFAULT, offset, &filters, stored) >= 0 &&
-                      inflates(stored, size - CHECKSUM_BYTES, chunks->bytes);
+    bool good = read_chunk(chunks, offset, &stored, &size, &left_out);
+    if (good && size > 0) {
+        good = left_out == 0 && size > CHECKSUM_BYTES;
+        if (chunks->compressed)
+            good = good && inflates(stored, size - CHECKSUM_BYTES, chunks->bytes);
+        else
+            good = good && size == chunks->bytes + CHECKSUM_BYTES;
+    }
     shv_release(stored);
     return good;
+}
+
+typedef bool (*Visit)(const Chunks *chunks, const hsize_t *offset);
+
+/* The chunks of entries [begin, end). */
+static bool each_chunk(const Chunks *chunks, hsize_t begin, hsize_t end, Visit visit)
+{
+    hsize_t offset[MOST_DIMENSIONS] = {0};
+    const hsize_t columns = chunks->rank > 1 ? chunks->extent[1] : 1, step = chunks->rank > 1 ? chunks->size[1] : 1;
+    for (offset[0] = begin / chunks->size[0] * chunks->size[0]; offset[0] < end; offset[0] += chunks->size[0])
+        for (offset[1] = 0; offset[1] < columns; offset[1] += step)
+            if (!visit(chunks, offset)) return false;
+    return true;
 }
 
 bool shv_chunks_sound(hid_t dataset, int64_t begin, int64_t count)
 {
     Chunks chunks;
-    if (!look_at(&chunks, dataset)) return false;
-    hsize_t offset[MOST_DIMENSIONS] = {0};
-    const hsize_t first = (hsize_t)begin / chunks.size[0] * chunks.size[0], end = (hsize_t)(begin + count);
-    for (offset[0] = first; offset[0] < end; offset[0] += chunks.size[0])
-        for (offset[1] = 0;
-             offset[1]<(chunks.rank > 1 ? chunks.extent[1] : 1); offset[1] += chunks.rank> 1 ? chunks.size[1] : 1)
-            if (!chunk_sound(&chunks, offset)) return false;
-    return true;
+    return look_at(&chunks, dataset) && each_chunk(&chunks, (hsize_t)begin, (hsize_t)(begin + count), chunk_sound);
+}
+
+static bool touch(const Chunks *chunks, const hsize_t *offset)
+{
+    unsigned char *stored;
+    uint32_t left_out;
+    hsize_t size = 0;
+    const bool good = read_chunk(chunks, offset, &stored, &size, &left_out);
+    shv_release(stored);
+    return good;
+}
+
+bool shv_chunks_touch(hid_t dataset)
+{
+    Chunks chunks;
+    return look_at(&chunks, dataset) &&
+           each_chunk(&chunks, 0, chunks.extent[0] / chunks.size[0] * chunks.size[0], touch);
 }
 
 /* ---- arrays ---- */

@@ -337,3 +337,74 @@ ShvStatus shv_journal_recover(const char *path, int file, ShvMemory *memory, Shv
     shv_journal_release(journal);
     return number == 0 ? SHV_OK : fail(error, "carry out the journal of", path, number);
 }
+
+/* ---- beside a writer ---- */
+
+void shv_journal_lay(const unsigned char *changes, size_t size, uint64_t address, size_t length, void *buffer)
+{
+    for (size_t at = 0; at < size;) {
+        Change change;
+        memcpy(&change, changes + at, sizeof change);
+        const unsigned char *bytes = changes + at + sizeof change;
+        const uint64_t begin = change.address > address ? change.address : address;
+        const uint64_t changed = change.address + change.size, wanted = address + length;
+        const uint64_t end = changed < wanted ? changed : wanted;
+        if (begin < end)
+            memcpy((unsigned char *)buffer + (begin - address), bytes + (begin - change.address),
+                   (size_t)(end - begin));
+        at += sizeof change + change.size;
+    }
+}
+
+/* The writer may be at it: records are taken as far as they are whole. Their changes move together. */
+static void gather(ShvJournal *journal, uint64_t size, uint64_t file_size, ShvJournalView *view)
+{
+    Head head;
+    for (uint64_t at = 0; !view->marked && take_head(journal, view->changes, size, at, &head);) {
+        const unsigned char *changes = view->changes + at + sizeof head;
+        if (!changes_fit(changes, head.size, file_size)) return;
+        if (at == 0) journal->badge = (ShvJournalBadge){head.identity, head.epoch};
+        journal->place = head.place;
+        journal->sequence = head.sequence + 1;
+        journal->previous = head.own;
+        view->marked = head.kind == KIND_MARK;
+        memmove(view->changes + view->size, changes, head.size);
+        view->size += head.size;
+        at += sizeof head + head.size;
+    }
+}
+
+/* The badge is read after the records: those that the file says it has are dropped. */
+static int look(ShvJournal *journal, ShvJournalView *view)
+{
+    struct stat records, file;
+    journal->descriptor = open(journal->path, O_RDONLY | O_CLOEXEC);
+    if (journal->descriptor < 0) return errno == ENOENT ? 0 : errno;
+    if (fstat(journal->descriptor, &records) != 0) return errno;
+    view->changes = shv_allocate(journal->memory, SHV_PART_RECORD, (size_t)records.st_size, 1);
+    if (!view->changes) return ENOMEM;
+    int number = shv_disk_read(journal->descriptor, view->changes, (size_t)records.st_size, 0);
+    if (number == 0 && fstat(journal->file, &file) != 0) number = errno;
+    if (number == 0) gather(journal, (uint64_t)records.st_size, (uint64_t)file.st_size, view);
+    if (number == 0) number = shv_disk_read(journal->file, &view->badge, sizeof view->badge, journal->place);
+    if (view->badge.identity != journal->badge.identity) view->badge = (ShvJournalBadge){0, 0};
+    if (view->badge.identity == 0 || view->badge.epoch != journal->badge.epoch) {
+        view->size = 0;
+        view->marked = false;
+    }
+    return number;
+}
+
+int shv_journal_look(const char *path, int file, ShvMemory *memory, ShvJournalView *view)
+{
+    *view = (ShvJournalView){.size = 0};
+    ShvJournal journal = {.memory = memory, .descriptor = -1, .file = file};
+    journal.path = journal_path(memory, path);
+    const int number = journal.path ? look(&journal, view) : ENOMEM;
+    if (journal.descriptor >= 0) close(journal.descriptor);
+    shv_release(journal.path);
+    if (number == 0) return 0;
+    shv_release(view->changes);
+    view->changes = NULL;
+    return number;
+}

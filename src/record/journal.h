@@ -42,4 +42,17 @@ ShvStatus shv_journal_recover(const char *path, int file, ShvMemory *memory, Shv
 /* Whether a journal lies beside the file. */
 bool shv_journal_exists(const char *path);
 
+/* What a journal says while its file is written. */
+typedef struct ShvJournalView {
+    ShvJournalBadge badge;  /* as the file has it; zeros where there is no journal yet, or none any more */
+    bool marked;            /* the changes are being made in the file */
+    unsigned char *changes; /* of all records that are not in the file yet: a row of (address, size, bytes) */
+    size_t size;
+} ShvJournalView;
+/* Looks at the journal of a file that another process is writing, and changes nothing; returns an errno. The caller releases
+   the changes. Between two looks of equal badges and marks no byte was changed of those that the file had. */
+int shv_journal_look(const char *path, int file, ShvMemory *memory, ShvJournalView *view);
+/* Puts what the changes say of the bytes [address, address + length) into the buffer. */
+void shv_journal_lay(const unsigned char *changes, size_t size, uint64_t address, size_t length, void *buffer);
+
 #endif

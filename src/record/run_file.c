@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "record/hdf5_array.h"
@@ -22,11 +23,9 @@ static ShvStatus fail_open(ShvError *error, const char *path, const char *what)
 
 /* The lock is asked for here and not left to HDF5, which tells a lock from a broken file by its error stack only and
    asks for none where HDF5_USE_FILE_LOCKING is FALSE. */
-static ShvStatus check_lock(int descriptor, const char *path, ShvError *error)
+static bool is_locked(int descriptor)
 {
-    if (flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return fail_open(error, path, "is being written by another process; wait until that run has ended, or stop it");
-    return SHV_OK;
+    return flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 /* A journal is left by a writer that died. The lock keeps other readers from putting the file right at the same time. */
@@ -45,7 +44,7 @@ static ShvStatus put_right(const char *path, ShvMemory *memory, ShvError *error)
     return status;
 }
 
-static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
+static ShvStatus check_file(const char *path, int64_t *size, bool *locked, ShvError *error)
 {
     const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
@@ -60,9 +59,10 @@ static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
         status = fail_open(error, path, "is not an ordinary file; give a run file");
     else if (found.st_size == 0)
         status = fail_open(error, path, "is empty; give a run file");
-    else
-        status = check_lock(descriptor, path, error);
-    if (status == SHV_OK) *size = (int64_t)found.st_size;
+    if (status == SHV_OK) {
+        *size = (int64_t)found.st_size;
+        *locked = is_locked(descriptor);
+    }
     close(descriptor);
     return status;
 }
@@ -70,7 +70,7 @@ static ShvStatus check_file(const char *path, int64_t *size, ShvError *error)
 static ShvStatus open_hdf5(ShvRunFile *file, const char *path, ShvError *error)
 {
     if (H5Fis_hdf5(path) <= 0) return fail_open(error, path, "is not a run file: it is no HDF5 file");
-    file->file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    file->file = file->snapshot ? shv_snapshot_open(file->snapshot, path) : H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file->file < 0) return fail_open(error, path, "is truncated or damaged: HDF5 cannot open it");
     int32_t format = 0;
     if (!shv_attribute_get_number(file->file, "shiver_format", H5T_NATIVE_INT32, H5T_INTEGER, &format))
@@ -116,11 +116,14 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
-    if (strcmp(texts->status, "running") == 0)
-        file->info.message = "its writer ended without a word: it was killed, or the machine stopped; what came after "
-                             "the last frame is missing";
     file->info.scene_name = texts->scene_name;
     file->info.processor = texts->processor;
+    if (strcmp(texts->status, "running") != 0) return SHV_OK;
+    file->info.live = file->snapshot != NULL;
+    file->info.message = file->info.live
+                             ? "it is being written: these are its frames so far"
+                             : "its writer ended without a word: it was killed, or the machine stopped; what came "
+                               "after the last frame is missing";
     return SHV_OK;
 }
 
@@ -316,13 +319,21 @@ static ShvStatus count_frames(ShvRunFile *file, ShvError *error)
     return SHV_OK;
 }
 
+/* Decides how the file is read: as it is, put right first, or beside its writer. */
+static ShvStatus begin_reading(ShvRunFile *file, const char *path, ShvError *error)
+{
+    bool locked = false;
+    SHV_TRY(check_file(path, &file->bytes, &locked, error));
+    if (!locked && shv_journal_exists(path)) {
+        SHV_TRY(put_right(path, file->memory, error));
+        SHV_TRY(check_file(path, &file->bytes, &locked, error));
+    }
+    return locked ? shv_snapshot_take(&file->snapshot, file->memory, path, &file->bytes, error) : SHV_OK;
+}
+
 static ShvStatus read_head(ShvRunFile *file, const char *path, ShvError *error)
 {
-    SHV_TRY(check_file(path, &file->bytes, error));
-    if (shv_journal_exists(path)) {
-        SHV_TRY(put_right(path, file->memory, error));
-        SHV_TRY(check_file(path, &file->bytes, error));
-    }
+    SHV_TRY(begin_reading(file, path, error));
     file->path = shv_copy_text(file->memory, SHV_PART_RECORD, path);
     if (!file->path) return shv_fail_memory(error, "a path", strlen(path) + 1);
     SHV_TRY(open_hdf5(file, path, error));
@@ -331,6 +342,7 @@ static ShvStatus read_head(ShvRunFile *file, const char *path, ShvError *error)
     SHV_TRY(read_objects(file, error));
     SHV_TRY(shv_run_read_materials(file, error));
     SHV_TRY(open_series(file, error));
+    if (file->snapshot) SHV_TRY(shv_snapshot_freeze(file->snapshot, file->series, error));
     return count_frames(file, error);
 }
 
@@ -338,6 +350,7 @@ static void release(ShvRunFile *file)
 {
     for (int i = 0; i < SHV_SERIES_COUNT; i++) shv_series_close(&file->series[i]);
     if (file->file >= 0) H5Fclose(file->file);
+    shv_snapshot_release(file->snapshot);
     shv_release(file->path);
     shv_release(file->scene_text);
     shv_release(file->material_names);
@@ -358,21 +371,44 @@ static void release(ShvRunFile *file)
     shv_release(file);
 }
 
-ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, ShvMemory *memory, ShvError *error)
+/* *moved: the writer changed the file meanwhile, and what has been read does not count. */
+static ShvStatus open_once(ShvRunFile **file, const char *path, ShvMemory *memory, bool *moved, ShvError *error)
 {
-    *file = NULL;
     ShvRunFile *made = shv_allocate(memory, SHV_PART_RECORD, 1, sizeof *made);
+    *moved = false;
     if (!made) return shv_fail_memory(error, "the run file", sizeof *made);
     made->memory = memory;
     made->file = -1;
     for (int i = 0; i < SHV_SERIES_COUNT; i++)
         made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
-    const ShvSilence silence = shv_silence_begin();
     const ShvStatus status = read_head(made, path, error);
-    if (status == SHV_OK)
+    *moved = status != SHV_NO_MEMORY && made->snapshot && shv_snapshot_moved(made->snapshot);
+    if (status == SHV_OK && !*moved)
         *file = made;
     else
         release(made);
+    return status;
+}
+
+/* A writer changes what the file has every few seconds, and for a moment. */
+static ShvStatus open_steadily(ShvRunFile **file, const char *path, ShvMemory *memory, ShvError *error)
+{
+    enum { MOST_TRIES = 100 };
+    const struct timespec moment = {.tv_nsec = 5000000};
+    bool moved = true;
+    ShvStatus status = SHV_OK;
+    for (int i = 0; moved && i < MOST_TRIES; i++) {
+        if (i > 0) nanosleep(&moment, NULL);
+        status = open_once(file, path, memory, &moved, error);
+    }
+    return moved ? fail_open(error, path, "is changed faster by its writer than it can be read; try again") : status;
+}
+
+ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, ShvMemory *memory, ShvError *error)
+{
+    *file = NULL;
+    const ShvSilence silence = shv_silence_begin();
+    const ShvStatus status = open_steadily(file, path, memory, error);
     shv_silence_end(silence);
     return status;
 }

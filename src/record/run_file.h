@@ -3,6 +3,7 @@
 #define SHV_RECORD_RUN_FILE_H
 
 #include "record/series.h"
+#include "record/snapshot.h"
 #include "shiver/run_file.h"
 
 typedef struct ShvRunTexts {
@@ -14,7 +15,8 @@ typedef struct ShvObstacleBodies ShvObstacleBodies;
 struct ShvRunFile {
     ShvMemory *memory;
     char *path;
-    int64_t bytes; /* of the file */
+    int64_t bytes;         /* of the file */
+    ShvSnapshot *snapshot; /* NULL: nobody writes the file */
     hid_t file;
     ShvSeries series[SHV_SERIES_COUNT];
     ShvRunFileInfo info;

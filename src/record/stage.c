@@ -206,17 +206,7 @@ static herr_t read_file(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t a
     (void)type, (void)transfer;
     const ShvStage *stage = stage_of(file);
     if (shv_disk_read(stage->descriptor, buffer, size, address) != 0) return -1;
-    for (size_t at = 0; at < stage->used;) {
-        Piece piece;
-        memcpy(&piece, stage->pieces + at, sizeof piece);
-        const unsigned char *bytes = stage->pieces + at + sizeof piece;
-        const haddr_t begin = piece.address > address ? piece.address : address;
-        const haddr_t piece_end = piece.address + piece.size, end_of_buffer = address + size;
-        const haddr_t end = piece_end < end_of_buffer ? piece_end : end_of_buffer;
-        if (begin < end)
-            memcpy((unsigned char *)buffer + (begin - address), bytes + (begin - piece.address), (size_t)(end - begin));
-        at += sizeof piece + piece.size;
-    }
+    shv_journal_lay(stage->pieces, stage->used, address, size, buffer);
     return 0;
 }
 

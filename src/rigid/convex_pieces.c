@@ -15,7 +15,7 @@
 #define FEW 16
 
 typedef struct Maker {
-    ShvFragmentTets tets;
+    const ShvFragmentTets *tets;
     ShvHullScratch scratch;
     ShvHullClusters clusters;
     ShvOccupancy occupancy;
@@ -37,12 +37,12 @@ static bool all_exact(const ShvHullClusters *clusters)
 static ShvStatus fit(ShvConvexPieces *pieces, Maker *maker, double weight, ShvError *error)
 {
     ShvHullClusters *clusters = &maker->clusters;
-    SHV_TRY(shv_occupancy_make(&maker->occupancy, pieces->memory, &maker->tets, clusters, error));
+    SHV_TRY(shv_occupancy_make(&maker->occupancy, pieces->memory, maker->tets, clusters, error));
     for (int32_t c = 0; c < clusters->count; c++) {
         ShvHullCluster *cluster = &clusters->items[c];
         if (is_exact(cluster)) continue;
         ShvPolytope fitted;
-        SHV_TRY(shv_hull_fit(&fitted, clusters, c, &maker->tets, &maker->occupancy, weight, &maker->scratch, error));
+        SHV_TRY(shv_hull_fit(&fitted, clusters, c, maker->tets, &maker->occupancy, weight, &maker->scratch, error));
         cluster->polytope = fitted;
     }
     for (int32_t c = 0; c < clusters->count; c++) {
@@ -104,8 +104,8 @@ static void shrink(ShvConvexPieces *pieces, Maker *maker)
         shv_polytope_planes(&cluster->polytope, &planes[c]);
         volume += cluster->polytope.hull.volume;
     }
-    pieces->missing = left_out(&maker->tets, planes, maker->clusters.count);
-    pieces->outside = fmax(0.0, volume - maker->tets.volume + pieces->missing);
+    pieces->missing = left_out(maker->tets, planes, maker->clusters.count);
+    pieces->outside = fmax(0.0, volume - maker->tets->volume + pieces->missing);
 }
 
 /* Nodes of a cluster without volume: those of its first and last tet. */
@@ -115,7 +115,7 @@ static int32_t flat_vertices(const Maker *maker, const ShvHullCluster *cluster, 
     const int32_t used = ends[0] == ends[1] ? 1 : 2;
     for (int32_t i = 0; i < used; i++) {
         ShvVec3 x[4];
-        shv_fragment_tet_corners(&maker->tets, ends[i], x);
+        shv_fragment_tet_corners(maker->tets, ends[i], x);
         for (int a = 0; a < 4; a++) shv_store3(vertices + 3 * (4 * i + a), x[a]);
     }
     return 4 * used;
@@ -151,19 +151,17 @@ static ShvStatus write(ShvConvexPieces *pieces, const Maker *maker, ShvError *er
         pieces->volume += pieces->volumes[c];
     }
     pieces->count = clusters->count;
-    pieces->excess = pieces->volume / maker->tets.volume - 1.0;
+    pieces->excess = pieces->volume / maker->tets->volume - 1.0;
     return SHV_OK;
 }
 
-static ShvStatus make(ShvConvexPieces *pieces, Maker *maker, const ShvFragments *fragments, const ShvState *state,
-                      int32_t fragment, ShvError *error)
+static ShvStatus make(ShvConvexPieces *pieces, Maker *maker, ShvError *error)
 {
-    SHV_TRY(shv_fragment_tets_make(&maker->tets, fragments, state, fragment, error));
-    SHV_TRY(shv_hull_clusters_make(&maker->clusters, &maker->tets, &maker->scratch, error));
+    SHV_TRY(shv_hull_clusters_make(&maker->clusters, maker->tets, &maker->scratch, error));
     if (!all_exact(&maker->clusters)) {
         const bool convex =
             maker->clusters.count == 1 && shv_hull_cluster_concavity(&maker->clusters.items[0]) <= NEARLY_CONVEX;
-        if (maker->tets.tet_count <= FEW)
+        if (maker->tets->tet_count <= FEW)
             shrink(pieces, maker);
         else
             SHV_TRY(fit(pieces, maker, convex ? 1.0 : OUTSIDE_WEIGHT, error));
@@ -171,17 +169,27 @@ static ShvStatus make(ShvConvexPieces *pieces, Maker *maker, const ShvFragments 
     return write(pieces, maker, error);
 }
 
-ShvStatus shv_convex_pieces_make(ShvConvexPieces *pieces, const ShvFragments *fragments, const ShvModel *model,
-                                 const ShvState *state, int32_t fragment, ShvError *error)
+ShvStatus shv_convex_pieces_of_tets(ShvConvexPieces *pieces, const ShvFragmentTets *tets, ShvMemory *memory,
+                                    ShvError *error)
 {
-    *pieces = (ShvConvexPieces){.memory = model->memory};
-    Maker maker = {.scratch = {.memory = model->memory}};
-    const ShvStatus status = make(pieces, &maker, fragments, state, fragment, error);
+    *pieces = (ShvConvexPieces){.memory = memory};
+    Maker maker = {.tets = tets, .scratch = {.memory = memory}};
+    const ShvStatus status = make(pieces, &maker, error);
     shv_occupancy_release(&maker.occupancy);
     shv_hull_clusters_release(&maker.clusters);
     shv_hull_scratch_release(&maker.scratch);
-    shv_fragment_tets_release(&maker.tets);
     if (status != SHV_OK) shv_convex_pieces_release(pieces);
+    return status;
+}
+
+ShvStatus shv_convex_pieces_make(ShvConvexPieces *pieces, const ShvFragments *fragments, const ShvModel *model,
+                                 const ShvState *state, int32_t fragment, ShvError *error)
+{
+    ShvFragmentTets tets;
+    *pieces = (ShvConvexPieces){.memory = model->memory};
+    SHV_TRY(shv_fragment_tets_make(&tets, fragments, state, fragment, error));
+    const ShvStatus status = shv_convex_pieces_of_tets(pieces, &tets, model->memory, error);
+    shv_fragment_tets_release(&tets);
     return status;
 }
 

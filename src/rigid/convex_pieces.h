@@ -5,7 +5,7 @@
 #ifndef SHV_RIGID_CONVEX_PIECES_H
 #define SHV_RIGID_CONVEX_PIECES_H
 
-#include "rigid/fragment.h"
+#include "rigid/fragment_tets.h"
 
 typedef struct ShvConvexPieces {
     ShvMemory *memory;
@@ -27,6 +27,9 @@ enum { SHV_PIECE_VERTICES = 64 /* at most, a hull */ };
    with no volume. Uses the node labels of `fragments` as scratch: one call at a time. On failure `pieces` is zeroed and owns nothing. */
 ShvStatus shv_convex_pieces_make(ShvConvexPieces *pieces, const ShvFragments *fragments, const ShvModel *model,
                                  const ShvState *state, int32_t fragment, ShvError *error);
+/* The same of tets that come from elsewhere. */
+ShvStatus shv_convex_pieces_of_tets(ShvConvexPieces *pieces, const ShvFragmentTets *tets, ShvMemory *memory,
+                                    ShvError *error);
 void shv_convex_pieces_release(ShvConvexPieces *pieces);
 
 #endif

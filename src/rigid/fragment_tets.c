@@ -3,9 +3,11 @@
 #include "base/deterministic.h"
 #include "rigid/disjoint_sets.h"
 
-static ShvStatus allocate(ShvFragmentTets *tets, ShvMemory *memory, ShvError *error)
+ShvStatus shv_fragment_tets_allocate(ShvFragmentTets *tets, int32_t node_count, int32_t tet_count, ShvMemory *memory,
+                                     ShvError *error)
 {
-    const size_t nodes = (size_t)tets->node_count, count = (size_t)tets->tet_count;
+    const size_t nodes = (size_t)node_count, count = (size_t)tet_count;
+    *tets = (ShvFragmentTets){.node_count = node_count, .tet_count = tet_count};
     tets->positions = shv_allocate(memory, SHV_PART_RIGID, 3 * nodes, sizeof(double));
     tets->tets = shv_allocate(memory, SHV_PART_RIGID, 4 * count, sizeof(int32_t));
     tets->centroids = shv_allocate(memory, SHV_PART_RIGID, 4 * count, sizeof(double));
@@ -31,6 +33,14 @@ static void measure(ShvFragmentTets *tets, int32_t tet)
     const double six = shv_dot(shv_sub(x[1], x[0]), shv_cross(shv_sub(x[2], x[0]), shv_sub(x[3], x[0])));
     tets->volumes[tet] = six / 6.0;
     tets->volume += tets->volumes[tet];
+}
+
+void shv_fragment_tets_measure(ShvFragmentTets *tets)
+{
+    tets->volume = 0.0;
+    for (int32_t t = 0; t < tets->tet_count; t++) measure(tets, t);
+    /* a regular tet of edge h has the volume h³ / (6 √2) */
+    tets->edge = shv_power(6.0 * sqrt(2.0) * tets->volume / tets->tet_count, 1.0 / 3.0);
 }
 
 /* Copies of a node that bonds hold together are one node of the shape. Returns how many there are; each node's label is its
@@ -60,19 +70,16 @@ ShvStatus shv_fragment_tets_make(ShvFragmentTets *tets, const ShvFragments *frag
 {
     const ShvFragment *item = &fragments->items[fragment];
     const int32_t *nodes = fragments->nodes + item->node_begin, *elements = fragments->elements + item->element_begin;
-    *tets = (ShvFragmentTets){.node_count = number_nodes(fragments, item), .tet_count = item->element_count};
-    SHV_TRY(allocate(tets, fragments->memory, error));
+    const int32_t count = number_nodes(fragments, item);
+    SHV_TRY(shv_fragment_tets_allocate(tets, count, item->element_count, fragments->memory, error));
     for (int32_t i = 0; i < item->node_count; i++)
         if (fragments->root[nodes[i]] == nodes[i])
             shv_store3(tets->positions + 3 * (int64_t)fragments->label[nodes[i]],
                        shv_fragment_shape_position(item, state, nodes[i]));
-    for (int32_t t = 0; t < item->element_count; t++) {
+    for (int32_t t = 0; t < item->element_count; t++)
         for (int a = 0; a < 4; a++)
             tets->tets[4 * (int64_t)t + a] = fragments->label[shv_state_node(state, elements[t], a)];
-        measure(tets, t);
-    }
-    /* a regular tet of edge h has the volume h³ / (6 √2) */
-    tets->edge = shv_power(6.0 * sqrt(2.0) * tets->volume / item->element_count, 1.0 / 3.0);
+    shv_fragment_tets_measure(tets);
     return SHV_OK;
 }
 

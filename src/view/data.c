@@ -178,6 +178,7 @@ static ShvStatus prepare(ShvViewData *data, const ShvViewOptions *options, ShvEr
         return shv_fail(error, SHV_BAD_INPUT, "the run '%s' has no frame to show", data->info->scene_name);
     SHV_TRY(read_mesh(data, error));
     SHV_TRY(choose_frames(data, options->every, error));
+    if (data->run->convex) SHV_TRY(shv_hulls_create(&data->hulls, &data->lines, data->memory, error));
     return find_ranges(data, error);
 }
 
@@ -194,6 +195,7 @@ void shv_view_data_release(ShvViewData *data)
 {
     if (!data->file) return;
     shv_obstacle_meshes_release(data->obstacles, data->info->obstacle_count);
+    shv_hulls_release(&data->hulls);
     shv_lines_release(&data->lines);
     shv_release(data->frames);
     shv_release(data->velocity);

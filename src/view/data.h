@@ -4,6 +4,7 @@
 
 #include "export/obstacle_mesh.h"
 #include "shiver/view.h"
+#include "view/hulls.h"
 #include "view/pack.h"
 
 /* Quantities of a line that are quantised over their own range: position and velocity. */
@@ -23,6 +24,7 @@ typedef struct ShvViewData {
     int64_t frame_count;
     ShvLines lines;
     ShvObstacleMesh *obstacles;
+    ShvHulls hulls; /* none where the run made no convex pieces */
     int64_t face_count;
     double *velocity;     /* 3 × fragments, at the present frame */
     int32_t mode;         /* 1: some fragment is in fracture mode at the present frame */

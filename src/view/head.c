@@ -4,6 +4,7 @@
 #include "base/ledger_fields.h"
 #include "base/memory.h"
 #include "export/json.h"
+#include "rigid/hull.h"
 #include "view/data.h"
 
 static void add_counts(ShvJson *json, const ShvViewData *data)
@@ -20,6 +21,7 @@ static void add_counts(ShvJson *json, const ShvViewData *data)
     shv_json_number_member(json, "fragments", info->fragment_count);
     shv_json_number_member(json, "events", (double)info->event_count);
     shv_json_number_member(json, "shapes", data->corners ? 1 : 0);
+    shv_json_number_member(json, "hulls", data->hulls.count);
     shv_json_number_member(json, "reach", data->reach);
     shv_json_number_member(json, "stress", data->stress);
 }
@@ -213,6 +215,42 @@ static ShvStatus put_obstacles(ShvViewData *data, ShvError *error)
     return status;
 }
 
+static void put_double3(ShvPack *pack, const double *values)
+{
+    for (int c = 0; c < 3; c++) shv_pack_float(pack, values[c]);
+}
+
+/* Of a convex piece: its vertices, and its faces as numbers of them. */
+static ShvStatus put_hull(ShvViewData *data, const double *vertices, int32_t count, ShvHullScratch *scratch,
+                          ShvError *error)
+{
+    ShvHull hull;
+    SHV_TRY(shv_hull_make(&hull, scratch, vertices, count, SHV_HULL_VERTICES, error));
+    shv_pack_int(data->pack, hull.vertex_count);
+    shv_pack_int(data->pack, hull.face_count);
+    for (int32_t v = 0; v < hull.vertex_count; v++) put_double3(data->pack, vertices + 3 * hull.points[v]);
+    for (int32_t f = 0; f < hull.face_count; f++)
+        for (int k = 0; k < 3; k++) shv_pack_byte(data->pack, hull.faces[f][k]);
+    return SHV_OK;
+}
+
+static ShvStatus put_hulls(ShvViewData *data, ShvError *error)
+{
+    ShvHullScratch scratch = {.memory = data->memory};
+    ShvStatus status = SHV_OK;
+    for (int32_t i = 0; i < data->hulls.count && status == SHV_OK; i++) {
+        const ShvConvexPieces *pieces = &data->hulls.items[i].pieces;
+        shv_pack_int(data->pack, data->hulls.items[i].fragment);
+        shv_pack_int(data->pack, pieces->count);
+        for (int32_t p = 0; p < pieces->count && status == SHV_OK; p++) {
+            const int32_t begin = pieces->vertex_begin[p], count = pieces->vertex_begin[p + 1] - begin;
+            status = put_hull(data, pieces->vertices + 3 * (int64_t)begin, count, &scratch, error);
+        }
+    }
+    shv_hull_scratch_release(&scratch);
+    return status;
+}
+
 ShvStatus shv_view_put_head(ShvViewData *data, ShvError *error)
 {
     const ShvCostView *costs;
@@ -228,5 +266,6 @@ ShvStatus shv_view_put_head(ShvViewData *data, ShvError *error)
     put_fragments(data);
     SHV_TRY(put_events(data, error));
     put_lines(data);
-    return put_obstacles(data, error);
+    SHV_TRY(put_obstacles(data, error));
+    return put_hulls(data, error);
 }

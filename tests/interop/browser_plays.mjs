@@ -66,6 +66,14 @@ try {
   await page.keyboard.press('d');
   await compare();
 
+  // The convex pieces are drawn over the bodies, and go again.
+  const picture = async () => { await settle(); return page.evaluate(async () => { const v = await window.shiver; v.render(v.width, v.height); return document.getElementById('view').toDataURL(); }); };
+  const plain = await picture();
+  await page.keyboard.press('x');
+  check((await picture()) !== plain && (await page.isChecked('#convex')), 'x draws no convex pieces');
+  await page.keyboard.press('x');
+  check((await picture()) === plain, 'x does not take the convex pieces away');
+
   // Clicks the piece whose centre is nearest to the viewer; its mass and birth are those of the genealogy.
   await page.keyboard.press('End');
   await settle();

@@ -164,7 +164,7 @@ static const char *check_frame(ShvRunFile *file, int64_t index, const ShvFrameVi
     return NULL;
 }
 
-static const char *check_frames(ShvRunFile *file, const FakeSetup *setup, int64_t least)
+const char *crash_check_open(ShvRunFile *file, const FakeSetup *setup, int64_t least)
 {
     static char text[1200];
     ShvError error;
@@ -216,7 +216,7 @@ const char *crash_check_least(const char *path, const FakeSetup *setup, int64_t 
         snprintf(text, sizeof text, "%s", error.message);
         return text;
     }
-    const char *wrong = check_frames(file, setup, least);
+    const char *wrong = crash_check_open(file, setup, least);
     shv_run_file_close(file);
     return wrong;
 }

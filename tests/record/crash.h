@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "fake_simulation.h"
-#include "shiver/status.h"
+#include "shiver/run_file.h"
 
 /* 64 chunks fill a node of HDF5's chunk index: with one chunk a frame and series, frame 65 splits the nodes of all. */
 enum { CRASH_FRAMES = 70 };
@@ -52,5 +52,7 @@ int64_t crash_operations(const void *folder, const FakeSetup *setup, int frames)
 const char *crash_check(const char *path, const FakeSetup *setup);
 /* The same when at least so many frames must be there. */
 const char *crash_check_least(const char *path, const FakeSetup *setup, int64_t least);
+/* The same of an open file. */
+const char *crash_check_open(ShvRunFile *file, const FakeSetup *setup, int64_t least);
 
 #endif

@@ -73,38 +73,6 @@ static void test_other_files(void **state)
     check_refused(*state, SHV_BAD_INPUT, "not an ordinary file");
 }
 
-/* The writer's lock is seen by another process, and is gone with the writer. */
-static void test_file_being_written(void **state)
-{
-    const char *path = file_in(*state, "run.h5");
-    int to_parent[2], to_child[2];
-    char byte = 0;
-    assert_int_equal(pipe(to_parent) | pipe(to_child), 0);
-    fflush(NULL);
-    const pid_t child = fork();
-    if (child == 0) {
-        ShvError error;
-        ShvRecord *record;
-        ShvRecordDefinition definition = shv_record_default();
-        definition.path = path;
-        ShvSimulation *simulation = fake_create(&BREAKING);
-        if (shv_record_create(&record, &definition, simulation, &error) != SHV_OK) _exit(1);
-        fake_advance(simulation);
-        if (shv_record_frame(record, simulation, &error) != SHV_OK) _exit(1);
-        _exit(write(to_parent[1], "x", 1) != 1 || read(to_child[0], &byte, 1) != 1);
-    }
-    assert_int_equal(read(to_parent[0], &byte, 1), 1);
-    check_refused(path, SHV_BAD_INPUT, "being written by another process");
-    assert_int_equal(write(to_child[1], "x", 1), 1);
-    waitpid(child, NULL, 0);
-    ShvError error;
-    ShvRunFile *file;
-    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
-    assert_string_equal(shv_run_file_info(file)->status, "running");
-    shv_run_file_close(file);
-    for (int i = 0; i < 2; i++) assert_int_equal(close(to_parent[i]) | close(to_child[i]), 0);
-}
-
 /* HDF5's own printing is off in our calls and as it was after them. */
 static herr_t count_errors(hid_t stack, void *data)
 {
@@ -330,7 +298,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_other_files, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_file_being_written, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_printing_of_hdf5_is_left_as_it_was, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_truncated_anywhere, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_changed_bytes, make_folder, remove_folder),

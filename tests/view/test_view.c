@@ -1,6 +1,7 @@
 /* Pages of runs: what is in them is what the run file holds, and no text of a scene becomes HTML. */
 #include "check.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <zlib.h>
 
@@ -71,12 +72,17 @@ static unsigned char *unpack(const char *page, size_t *size)
     return plain;
 }
 
-static char *write_page(void *folder, ShvRunFile *file, const ShvViewOptions *options)
+static char *write_run(void *folder, const ShvViewRun *run, const ShvViewOptions *options)
 {
     ShvError error;
-    const ShvViewRun run = {file, NULL};
-    check_ok(shv_view_write(&run, 1, file_in(folder, "a.html"), options, &error), error);
+    check_ok(shv_view_write(run, 1, file_in(folder, "a.html"), options, &error), error);
     return read_bytes(file_in(folder, "a.html"));
+}
+
+static char *write_page(void *folder, ShvRunFile *file, const ShvViewOptions *options)
+{
+    const ShvViewRun run = {.file = file};
+    return write_run(folder, &run, options);
 }
 
 static void test_scene_text_is_no_html(void **state)
@@ -167,6 +173,55 @@ static void test_frames_are_those_of_the_run(void **state)
     shv_run_file_close(file);
 }
 
+/* Convex pieces of a single brick, which is convex: its five corners about the centre, and six faces. */
+static const unsigned char *check_brick(const unsigned char *at)
+{
+    assert_int_equal(int_at(at), 5);
+    assert_int_equal(int_at(at + 4), 6);
+    int apex = 0;
+    for (int v = 0; v < 5; v++) {
+        double corner[3];
+        for (int c = 0; c < 3; c++) corner[c] = (double)float_at(at + 8 + 12 * v + 4 * c);
+        for (int c = 0; c < 3; c++) check_near(fabs(corner[c]), 0.5, 1e-7);
+        apex += corner[0] > 0.0 && corner[1] > 0.0 && corner[2] > 0.0;
+    }
+    assert_int_equal(apex, 1);
+    for (int k = 0; k < 18; k++) assert_in_range(at[68 + k], 0, 4);
+    return at + 86;
+}
+
+/* Every fragment has its pieces, which lie before the frames; without them nothing of them is there. */
+static void test_convex_pieces(void **state)
+{
+    size_t with, without;
+    ShvRunFile *file = open_run(*state, "wall", false);
+    const ShvViewOptions options = options_of();
+    const ShvViewRun run = {.file = file, .convex = true};
+    char *page = write_run(*state, &run, &options), *bare = write_page(*state, file, &options);
+    unsigned char *plain = unpack(page, &with), *unadorned = unpack(bare, &without);
+    assert_non_null(strstr((char *)plain + 4, "\"hulls\":7,"));
+    assert_non_null(strstr((char *)unadorned + 4, "\"hulls\":0,"));
+    const unsigned char *at = plain + without - (size_t)FRAMES * 25 * BRICKS;
+    const unsigned char *end = plain + with - (size_t)FRAMES * 25 * BRICKS;
+    int bricks = 0;
+    while (at < end) {
+        const int fragment = int_at(at), count = int_at(at + 4);
+        assert_in_range(fragment, 0, 6);
+        assert_in_range(count, 1, BRICKS);
+        at += 8;
+        for (int i = 0; i < count; i++) {
+            bricks += count == 1 && int_at(at) == 5;
+            at = int_at(at) == 5 ? check_brick(at) : at + 8 + 12 * int_at(at) + 3 * int_at(at + 4);
+        }
+    }
+    assert_true(at == end && bricks == BRICKS);
+    free(plain);
+    free(unadorned);
+    free(page);
+    free(bare);
+    shv_run_file_close(file);
+}
+
 static void test_same_bytes_and_thinned(void **state)
 {
     size_t all, few;
@@ -194,7 +249,7 @@ static void test_refusals(void **state)
     ShvError error;
     const char *path = file_in(*state, "a.html");
     ShvRunFile *file = open_run(*state, "wall", false);
-    const ShvViewRun runs[3] = {{file, NULL}, {file, NULL}, {file, NULL}};
+    const ShvViewRun runs[3] = {{.file = file}, {.file = file}, {.file = file}};
     ShvViewOptions options = options_of();
     check_fails(shv_view_write(runs, 3, path, &options, &error), SHV_BAD_INPUT, error, "one or two");
     options.every = 0;
@@ -221,7 +276,7 @@ static void test_out_of_memory(void **state)
     ShvError error;
     ShvRunFile *file = open_run(*state, "wall", true);
     const ShvElasticity elasticity = {70e9, 0.2};
-    const ShvViewRun run = {file, &elasticity};
+    const ShvViewRun run = {.file = file, .elasticity = &elasticity, .convex = true};
     ShvStatus status = SHV_NO_MEMORY;
     int failures = 0;
     for (; status != SHV_OK && failures < 1000; failures++) {
@@ -243,6 +298,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_scene_text_is_no_html, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_frames_are_those_of_the_run, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_convex_pieces, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_same_bytes_and_thinned, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_refusals, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_out_of_memory, make_folder, remove_folder),

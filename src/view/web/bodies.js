@@ -34,6 +34,20 @@ function move(material, uniforms, fragment) {
   return material;
 }
 
+// Pairs of vertices where two faces of a convex piece meet at an angle.
+function sharpEdges({ vertices, faces }) {
+  const corner = (v) => new THREE.Vector3().fromArray(vertices, 3 * v), seen = new Map(), edges = [];
+  for (let f = 0; f < faces.length; f += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => corner(faces[f + k])), normal = b.sub(a).cross(c.sub(a)).normalize();
+    for (let k = 0; k < 3; k++) {
+      const one = faces[f + k], two = faces[f + (k + 1) % 3], key = Math.min(one, two) * 256 + Math.max(one, two), other = seen.get(key);
+      if (other === undefined) seen.set(key, normal);
+      else if (other.dot(normal) < 0.999) edges.push([one, two]);
+    }
+  }
+  return edges;
+}
+
 export class Bodies {
   constructor(run) {
     this.run = run;
@@ -43,6 +57,7 @@ export class Bodies {
     this.texture = new THREE.DataTexture(this.poses, WIDTH, count, THREE.RGBAFormat, THREE.FloatType);
     this.uniforms = { poses: { value: this.texture }, byFace: { value: 0 } };
     this.addPieces();
+    this.addHulls();
     this.addObstacles();
     this.addLights();
     this.scratch = new Float64Array(7);
@@ -78,6 +93,41 @@ export class Bodies {
     });
   }
 
+  // Edges of the convex pieces, drawn over bodies that let them through; each is there while its own fragment is.
+  addHulls() {
+    const { run } = this, ends = [], owners = [];
+    for (const { fragment, pieces } of run.hulls) {
+      const own = run.fragment[fragment], line = run.leaf.findIndex((leaf) => run.fragment[leaf].line === own.line), last = run.fragment[run.leaf[line]];
+      for (const piece of pieces)
+        for (const [a, b] of sharpEdges(piece))
+          for (const v of [a, b]) {
+            ends.push(piece.vertices[3 * v] + own.x - last.x, piece.vertices[3 * v + 1] + own.y - last.y, piece.vertices[3 * v + 2] + own.z - last.z);
+            owners.push(line, fragment);
+          }
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.Float32BufferAttribute(ends, 3));
+    geometry.setAttribute('owner', new THREE.Float32BufferAttribute(owners, 2));
+    this.hulls = new THREE.LineSegments(geometry, new THREE.ShaderMaterial({
+      uniforms: { ...this.uniforms, ink: { value: new THREE.Color() } },
+      vertexShader: DECLARE.replace('attribute vec3 place;', 'attribute vec2 owner;') + `void main() {
+        vec4 own = poseTexel(owner.x, 0), turn = poseTexel(owner.x, 1);
+        vec3 at = position + 2.0 * cross(turn.xyz, cross(turn.xyz, position) + turn.w * position) + own.xyz;
+        bool there = own.w > 0.5 && abs(poseTexel(owner.x, 2).w - owner.y) < 0.5;
+        gl_Position = there ? projectionMatrix * viewMatrix * vec4(at, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+      }`,
+      fragmentShader: 'uniform vec3 ink; void main() { gl_FragColor = vec4(ink, 1.0); }',
+    }));
+    this.hulls.frustumCulled = false;
+    this.hulls.visible = false;
+    this.scene.add(this.hulls);
+  }
+
+  showHulls(on) {
+    this.hulls.visible = on;
+    Object.assign(this.mesh.material, { transparent: on, opacity: on ? 0.4 : 1, depthWrite: !on, needsUpdate: true });
+  }
+
   addObstacles() {
     this.obstacles = this.run.obstacles.map((obstacle) => {
       const geometry = new THREE.BufferGeometry();
@@ -109,8 +159,10 @@ export class Bodies {
     this.lamp.position.set(centre[0] - 0.9 * reach, centre[1] - 1.35 * reach, centre[2] + 3 * reach);
     this.lamp.target.position.set(...centre);
     Object.assign(this.lamp.shadow.camera, { left: -2 * reach, right: 2 * reach, top: 2 * reach, bottom: -2 * reach, near: 0.1 * reach, far: 8 * reach });
-    this.lamp.shadow.bias = -0.0012;
-    this.scene.fog = new THREE.Fog(0, 7 * reach, 16 * reach);
+    this.lamp.shadow.camera.updateProjectionMatrix();
+    this.lamp.shadow.bias = -0.0022;
+    this.scene.fog ??= new THREE.Fog(0);
+    Object.assign(this.scene.fog, { near: 7 * reach, far: 16 * reach });
     this.planes = this.obstacles.filter((mesh) => mesh.userData.plane);
     this.planes.forEach((mesh) => this.widen(mesh, centre, reach));
   }
@@ -127,8 +179,10 @@ export class Bodies {
     });
     mesh.geometry.computeBoundingSphere();
     const power = 10 ** Math.floor(Math.log10(reach / 3)), spacing = power * ([5, 2, 1].find((m) => m * power <= reach / 3) ?? 1);
-    const uniforms = { one: { value: one.divideScalar(spacing) }, two: { value: two.divideScalar(spacing) }, stripe: (mesh.userData.stripe = { value: new THREE.Color() }) };
-    Object.assign(mesh.userData, { normal, foot });
+    const uniforms = (mesh.userData.uniforms ??= { one: {}, two: {}, stripe: { value: new THREE.Color() } });
+    uniforms.one.value = one.divideScalar(spacing);
+    uniforms.two.value = two.divideScalar(spacing);
+    mesh.userData.stripe = uniforms.stripe;
     mesh.material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, uniforms);
       shader.vertexShader = shader.vertexShader.replace('#include <common>', '#include <common>\nuniform vec3 one, two; varying vec2 square;')
@@ -145,6 +199,7 @@ export class Bodies {
     this.scene.fog.color.set(theme.back);
     this.obstacles.forEach((mesh) => mesh.material.color.set(mesh.userData.plane ? theme.floor : theme.obstacle));
     this.planes.forEach((mesh) => mesh.userData.stripe.value.set(theme.grid));
+    this.hulls.material.uniforms.ink.value.set(theme.ink);
   }
 
   // at: frame, next frame, share between them and time; choice of CHOICES with what it prepared.

@@ -1,7 +1,7 @@
-// Where the camera stands: around the middle of the mass over all frames, z up.
+// Where the camera stands: around the middle of the mass over the frames of a time, z up.
 import * as THREE from 'three';
 
-const SHARE = 0.03, FRAMES = 24, MARGIN = 1.25; // mass that may be out of view on each side; frames looked at; room around it
+const SHARE = 0.02, SAMPLES = 24, MARGIN = 1.3; // mass that may be out of view on each side; frames looked at at most; room around it
 
 function percentile(entries, share) {
   entries.sort((a, b) => a[0] - b[0]);
@@ -11,32 +11,45 @@ function percentile(entries, share) {
   return entries.length ? entries.at(-1)[0] : 0;
 }
 
-// Largest distance of a line's corners from its centre.
-function radii(run) {
-  const radius = new Float64Array(run.count);
+// Directions in which a line's outermost corners are kept: along the axes and the diagonals of space.
+const WAYS = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]].flatMap((way) => [way, way.map((c) => -c)]);
+
+// Of every line, where in `corner` its outermost corners are.
+function outermost(run) {
+  const found = new Int32Array(run.count * WAYS.length);
   for (let line = 0; line < run.count; line++)
-    for (let i = 9 * run.begin[line]; i < 9 * run.begin[line + 1]; i += 3)
-      radius[line] = Math.max(radius[line], Math.hypot(run.corner[i], run.corner[i + 1], run.corner[i + 2]));
-  return radius;
+    WAYS.forEach(([x, y, z], way) => {
+      let most = -Infinity;
+      for (let i = 9 * run.begin[line]; i < 9 * run.begin[line + 1]; i += 3) {
+        const reach = x * run.corner[i] + y * run.corner[i + 1] + z * run.corner[i + 2];
+        if (reach > most) { most = reach; found[line * WAYS.length + way] = i; }
+      }
+    });
+  return found;
 }
 
 // The camera's axes: to the right, up, and towards the viewer.
 const TOWARD = new THREE.Vector3(0.42, -0.85, 0.36).normalize(), RIGHT = new THREE.Vector3(0, 0, 1).cross(TOWARD).normalize();
 const AXES = [RIGHT, TOWARD.clone().cross(RIGHT), TOWARD];
 
-export function frameOf(runs) {
+export function frameOf(runs, from, to) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (const run of runs) {
-    const radius = radii(run), entries = [[], [], []];
-    const pose = new Float64Array(7), place = new THREE.Vector3();
-    for (let n = 0; n < FRAMES; n++) {
-      const frame = Math.round(n * (run.frames - 1) / (FRAMES - 1));
+    const corners = outermost(run), entries = [[], [], []];
+    const pose = new Float64Array(7), place = new THREE.Vector3(), turn = new THREE.Quaternion();
+    const first = run.find(from).frame, last = run.find(to).frame, samples = Math.min(SAMPLES, last - first + 1);
+    for (let n = 0; n < samples; n++) {
+      const frame = first + Math.round(n * (last - first) / Math.max(1, samples - 1));
       for (let line = 0; line < run.count; line++) {
         if (run.carrierAt(frame, line) < 0) continue;
         run.pose({ frame, next: frame, share: 0 }, line, pose);
-        place.set(pose[0], pose[1], pose[2]);
-        for (let k = 0; k < 3; k++)
-          for (const side of [-0.6, 0.6]) entries[k].push([place.dot(AXES[k]) + side * radius[line], run.fragment[run.leaf[line]].mass]);
+        const ends = [[Infinity, -Infinity], [Infinity, -Infinity], [Infinity, -Infinity]];
+        for (let way = 0; way < WAYS.length; way++) {
+          place.fromArray(run.corner, corners[line * WAYS.length + way]).applyQuaternion(turn.fromArray(pose, 3));
+          place.set(place.x + pose[0], place.y + pose[1], place.z + pose[2]);
+          ends.forEach((end, k) => { const at = place.dot(AXES[k]); end[0] = Math.min(end[0], at); end[1] = Math.max(end[1], at); });
+        }
+        for (let k = 0; k < 3; k++) for (const end of ends[k]) entries[k].push([end, run.fragment[run.leaf[line]].mass]);
       }
     }
     for (let k = 0; k < 3; k++) {

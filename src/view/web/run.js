@@ -86,6 +86,17 @@ export class Run {
     this.corner = reader.array(Float32Array, this.faces * 9);
     this.obstacles = head.obstacles.map((o) => ({ ...o, positions: reader.array(Float32Array, 3 * o.nodes), triangles: reader.array(Int32Array, 3 * o.triangles) }));
     this.obstaclePose = reader.array(Float32Array, this.frames * this.obstacles.length * 7);
+    this.hulls = Array.from({ length: head.hulls }, () => this.readHulls(reader));
+  }
+
+  // The convex pieces of a fragment.
+  readHulls(reader) {
+    const [fragment, count] = reader.array(Int32Array, 2);
+    const pieces = Array.from({ length: count }, () => {
+      const [vertices, faces] = reader.array(Int32Array, 2);
+      return { vertices: reader.array(Float32Array, 3 * vertices), faces: reader.array(Uint8Array, 3 * faces) };
+    });
+    return { fragment, pieces };
   }
 
   readFrames(reader) {
