@@ -11,6 +11,7 @@ struct ShvArchive {
     ShvMemory *memory;
     int descriptor;
     bool reads;
+    off_t at;      /* of the next byte to be written */
     uint64_t left; /* bytes that can still be read, those in the buffer not counted */
     ShvArchiveSum sum;
     ShvError failure; /* status SHV_OK: nothing has failed */
@@ -30,6 +31,7 @@ ShvStatus shv_archive_create(ShvArchive **archive, ShvMemory *memory, int descri
         return shv_fail_memory(error, "a checkpoint", BUFFER);
     }
     *made = (ShvArchive){.memory = memory, .descriptor = descriptor, .reads = reads, .left = size, .buffer = buffer};
+    made->at = lseek(descriptor, 0, SEEK_CUR);
     *archive = made;
     return SHV_OK;
 }
@@ -80,10 +82,11 @@ static bool fail_memory(ShvArchive *archive, size_t bytes)
 static bool write_all(ShvArchive *archive, const unsigned char *data, size_t size)
 {
     while (size > 0) {
-        const ssize_t written = write(archive->descriptor, data, size);
+        const ssize_t written = pwrite(archive->descriptor, data, size, archive->at);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return fail_system(archive, written < 0 ? errno : EIO);
         data += written;
+        archive->at += written;
         size -= (size_t)written;
     }
     return true;
