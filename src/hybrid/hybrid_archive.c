@@ -73,6 +73,7 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, stop, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, stop_data, SHV_FIELD_KEPT),
         /* parts */
+        SHV_FIELD_OF(ShvHybrid, costs, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, state, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, solid, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, cohesive, SHV_FIELD_KEPT),
@@ -102,5 +103,7 @@ bool shv_hybrid_archive(ShvHybrid *hybrid, ShvArchive *archive)
     if (hybrid->relaxed && !(shv_bars_archive(&hybrid->bars, archive) && shv_relax_archive(&hybrid->relax, archive)))
         return false;
     if (hybrid->model.can_break && !shv_cohesive_archive(&hybrid->cohesive, hybrid->awake.flags, archive)) return false;
-    return hybrid->backend->functions->archive(hybrid->backend, archive);
+    /* Run times come last: all before is the same in equal runs. */
+    return hybrid->backend->functions->archive(hybrid->backend, archive) &&
+           shv_archive_bytes(archive, &hybrid->costs, sizeof hybrid->costs);
 }

@@ -52,7 +52,11 @@ static bool archive_flyers(ShvBullet *bullet, ShvArchive *archive)
     bool good = shv_archive_room(archive, (void **)&bullet->flyers) && shv_archive_bytes(archive, &count, sizeof count);
     for (int32_t i = 0; good && i < count; i++) {
         good = archive_flyer(bullet, &bullet->flyers[i], archive);
-        if (shv_archive_reads(archive)) bullet->flyer_count = i + 1;
+        if (!shv_archive_reads(archive)) continue;
+        if (good)
+            bullet->flyer_count = i + 1;
+        else
+            shv_convex_pieces_release(&bullet->flyers[i].pieces);
     }
     return good;
 }
