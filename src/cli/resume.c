@@ -57,7 +57,7 @@ static uint64_t hash_of_file(const ShvRunFileInfo *info, char *overrides)
     return hash;
 }
 
-ShvLeftover shv_resume_look(const char *path, const ShvScene *scene)
+ShvLeftover shv_resume_look(const char *path, const ShvScene *scene, double *time)
 {
     ShvRunFile *file;
     ShvError ignored;
@@ -65,6 +65,7 @@ ShvLeftover shv_resume_look(const char *path, const ShvScene *scene)
     const ShvRunFileInfo *info = shv_run_file_info(file);
     char *overrides = shv_copy_text(NULL, SHV_PART_SCENE, info->overrides);
     ShvLeftover leftover = SHV_LEFTOVER_OTHER;
+    *time = info->last_time;
     if (overrides && hash_of_file(info, overrides) == shv_resume_hash(scene)) {
         const bool whole =
             strcmp(info->status, "finished") == 0 && info->last_time >= shv_scene_definition(scene)->duration;

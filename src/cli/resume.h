@@ -11,13 +11,14 @@ int shv_resume_load_scene(ShvScene **scene, const ShvArguments *arguments);
 /* What a run that goes on must have in common with what was: all but duration and number of threads. */
 uint64_t shv_resume_hash(const ShvScene *scene);
 
-/* A run file that is there, and has no checkpoint. */
+/* What is there in place of a run file. */
 typedef enum ShvLeftover {
     SHV_LEFTOVER_NONE,    /* no run file that can be read */
     SHV_LEFTOVER_OTHER,   /* of another run */
     SHV_LEFTOVER_PARTIAL, /* of this one, which has not come to the end */
     SHV_LEFTOVER_WHOLE
 } ShvLeftover;
-ShvLeftover shv_resume_look(const char *path, const ShvScene *scene);
+/* `time`: of its last frame, s. */
+ShvLeftover shv_resume_look(const char *path, const ShvScene *scene, double *time);
 
 #endif

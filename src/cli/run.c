@@ -358,8 +358,8 @@ static ShvStatus resume(const ShvArguments *arguments, const ShvScene *scene, Sh
         return shv_fail(error, SHV_BAD_INPUT, "the run has come to %.9g s already; give a later --until", time);
     }
     /* A run that was killed before its first checkpoint begins anew, and gives the same bits. */
-    const ShvLeftover leftover = shv_resume_look(recording->path, scene);
-    if (leftover == SHV_LEFTOVER_PARTIAL || leftover == SHV_LEFTOVER_WHOLE) recording->force = true;
+    double time;
+    if (shv_resume_look(recording->path, scene, &time) == SHV_LEFTOVER_PARTIAL) recording->force = true;
     if (!arguments->quiet) fprintf(stderr, "shiver: there is no checkpoint; the run begins at 0 s\n");
     return SHV_OK;
 }
@@ -442,6 +442,23 @@ static int refuse(const char *option, const char *what, const char *text)
     return SHV_EXIT_INPUT;
 }
 
+/* A run that has come to its end needs nothing. */
+static bool is_done(const ShvArguments *arguments, const ShvScene *scene, const char *path)
+{
+    double time;
+    if (!arguments->values[RESUME] || shv_resume_look(path, scene, &time) != SHV_LEFTOVER_WHOLE) return false;
+    if (arguments->values[JSON]) {
+        printf("{\"file\": ");
+        shv_cli_print_json_text(path);
+        printf(", \"status\": \"finished\", \"time\": ");
+        shv_cli_print_json_number(time);
+        printf("}\n");
+    } else {
+        printf("finished before: t = %.6g s; %s; --until goes on\n", time, path);
+    }
+    return true;
+}
+
 static int run_scene(const ShvArguments *arguments, const ShvScene *scene, Watch *watch, int32_t audits, double start)
 {
     ShvError error;
@@ -455,6 +472,7 @@ static int run_scene(const ShvArguments *arguments, const ShvScene *scene, Watch
     watch->progress = shv_progress_start(definition->duration, arguments->quiet);
     ShvStatus status = output_path(arguments, definition, path, &error);
     if (status == SHV_OK) status = keep_inputs(arguments, scene, path, &error);
+    if (status == SHV_OK && is_done(arguments, scene, path)) return SHV_EXIT_DONE;
     if (status == SHV_OK) status = shv_simulation_create(&watch->simulation, definition, &options, &error);
     if (status == SHV_OK) status = shv_cli_warn_overlaps(watch->simulation, &error);
     watch->progress.simulation = watch->simulation;
