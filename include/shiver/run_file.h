@@ -48,7 +48,7 @@ ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *mess
 /* Releases a record as if its writer had died: the file stays as of its last frame. NULL is accepted. */
 void shv_record_abandon(ShvRecord *record);
 /* Writes a checkpoint of the simulation beside the file, "FILE.checkpoint-1" and "-2" in turn, which names the frame last written,
-   after that was brought to the disk. `note`: what the caller wants to have back, at most 64 KiB. Whether it succeeds or not
+   after that was brought to the disk. `note`: what the caller wants to have back. Whether it succeeds or not
    nothing else has changed. The files are removed where a new run takes the place of this one, and all but the last when a run
    is closed with SHV_OK. */
 ShvStatus shv_record_checkpoint(ShvRecord *record, ShvSimulation *simulation, const void *note, size_t note_size,

@@ -123,8 +123,7 @@ static Fault compare(const Search *search, const ShvCheckpointMark *mark)
     return search->fits(search->data, mark) ? FAULT_NONE : FAULT_FRAME;
 }
 
-/* The whole file is read once before anything of it is used. */
-static Fault look(int descriptor, const Search *search, Head *head, unsigned char note[SHV_CHECKPOINT_NOTE])
+static Fault look_at_head(int descriptor, const Search *search, Head *head)
 {
     struct stat about;
     if (fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode) || (uint64_t)about.st_size < sizeof *head)
@@ -132,34 +131,50 @@ static Fault look(int descriptor, const Search *search, Head *head, unsigned cha
     if (shv_disk_read(descriptor, head, sizeof *head, 0) != 0) return FAULT_DAMAGED;
     if (head->magic != MAGIC || head->own != checksum(head, offsetof(Head, own))) return FAULT_DAMAGED;
     const uint64_t rest = (uint64_t)about.st_size - sizeof *head;
-    if (head->note_size > SHV_CHECKPOINT_NOTE || head->note_size > rest || head->size != rest - head->note_size)
-        return FAULT_DAMAGED;
-    const Fault fault = compare(search, &head->mark);
+    if (head->note_size > rest || head->size != rest - head->note_size) return FAULT_DAMAGED;
+    return compare(search, &head->mark);
+}
+
+/* The whole file is read once before anything of it is used. */
+static Fault look(int descriptor, const Search *search, Head *head)
+{
+    const Fault fault = look_at_head(descriptor, search, head);
     if (fault != FAULT_NONE) return fault;
-    int number = shv_disk_read(descriptor, note, head->note_size, sizeof *head);
-    if (number != 0 || head->note != checksum(note, head->note_size)) return FAULT_DAMAGED;
-    const uint64_t begin = sizeof *head + head->note_size;
-    return shv_disk_checksum(descriptor, begin, begin + head->size, &number) == head->state && number == 0
-               ? FAULT_NONE
-               : FAULT_DAMAGED;
+    const uint64_t note = sizeof *head, state = note + head->note_size;
+    int number = 0;
+    const bool good = shv_disk_checksum(descriptor, note, state, &number) == head->note && number == 0 &&
+                      shv_disk_checksum(descriptor, state, state + head->size, &number) == head->state && number == 0;
+    return good ? FAULT_NONE : FAULT_DAMAGED;
+}
+
+void shv_checkpoint_close(ShvCheckpoint *checkpoint)
+{
+    if (checkpoint->descriptor >= 0) close(checkpoint->descriptor);
+    shv_release(checkpoint->note);
+    *checkpoint = (ShvCheckpoint){.descriptor = -1};
 }
 
 static Fault take(ShvCheckpoint *found, int descriptor, const Search *search)
 {
     Head head;
-    ShvCheckpoint other = {.descriptor = descriptor};
-    const Fault fault = look(descriptor, search, &head, other.note);
-    const bool later = fault == FAULT_NONE && (found->descriptor < 0 || head.mark.sequence > found->mark.sequence);
-    if (!later || lseek(descriptor, (off_t)(sizeof head + head.note_size), SEEK_SET) < 0) {
+    const Fault fault = look(descriptor, search, &head);
+    if (fault != FAULT_NONE || (found->descriptor >= 0 && head.mark.sequence < found->mark.sequence)) {
         close(descriptor);
         return fault;
     }
     if (found->descriptor >= 0) close(found->descriptor);
-    other.mark = head.mark;
-    other.size = head.size;
-    other.note_size = head.note_size;
-    *found = other;
+    *found = (ShvCheckpoint){
+        .descriptor = descriptor, .mark = head.mark, .size = head.size, .note_size = (size_t)head.note_size};
     return FAULT_NONE;
+}
+
+static ShvStatus read_note(ShvCheckpoint *found, const char *run_file, ShvMemory *memory, ShvError *error)
+{
+    found->note = shv_allocate(memory, SHV_PART_RECORD, found->note_size, 1);
+    if (!found->note) return shv_fail_memory(error, "a checkpoint", found->note_size);
+    const int number = shv_disk_read(found->descriptor, found->note, found->note_size, sizeof(Head));
+    if (number == 0 && lseek(found->descriptor, (off_t)(sizeof(Head) + found->note_size), SEEK_SET) >= 0) return SHV_OK;
+    return fail(error, "read", run_file, number != 0 ? number : errno);
 }
 
 static ShvStatus refuse(Fault fault, const char *run_file, ShvError *error)
@@ -181,7 +196,7 @@ ShvStatus shv_checkpoint_find(ShvCheckpoint *found, const char *run_file, ShvMem
 {
     const Search search = {own, fits, data};
     Fault worst = FAULT_MISSING;
-    found->descriptor = -1;
+    *found = (ShvCheckpoint){.descriptor = -1};
     for (int i = 0; i < SHV_CHECKPOINTS; i++) {
         char *path = shv_checkpoint_path(memory, run_file, i);
         if (!path) return shv_fail_memory(error, "a checkpoint", strlen(run_file));
@@ -190,5 +205,6 @@ ShvStatus shv_checkpoint_find(ShvCheckpoint *found, const char *run_file, ShvMem
         shv_release(path);
         if (fault > worst) worst = fault;
     }
-    return found->descriptor >= 0 || worst == FAULT_MISSING ? SHV_OK : refuse(worst, run_file, error);
+    if (found->descriptor >= 0) return read_note(found, run_file, memory, error);
+    return worst == FAULT_MISSING ? SHV_OK : refuse(worst, run_file, error);
 }

@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "shiver/simulation.h"
 
-enum { SHV_CHECKPOINTS = 2, SHV_CHECKPOINT_NOTE = 1 << 16 /* bytes of a note, at most */ };
+enum { SHV_CHECKPOINTS = 2 };
 
 /* What has to be the same where a checkpoint is taken and where a run goes on from it; and where in the run that is. */
 typedef struct ShvCheckpointMark {
@@ -29,9 +29,10 @@ typedef struct ShvCheckpoint {
     int descriptor; /* at the state; −1: there is none */
     ShvCheckpointMark mark;
     uint64_t size; /* of the state */
-    unsigned char note[SHV_CHECKPOINT_NOTE];
+    unsigned char *note;
     size_t note_size;
 } ShvCheckpoint;
+void shv_checkpoint_close(ShvCheckpoint *checkpoint);
 
 /* Whether a mark belongs to the run file. */
 typedef bool (*ShvCheckpointFits)(void *data, const ShvCheckpointMark *mark);

@@ -184,22 +184,15 @@ ShvStatus shv_record_resume(ShvRecord **record, const ShvRecordDefinition *defin
     ShvRecord *made;
     SHV_TRY(shv_record_prepare(&made, definition, error));
     const ShvSilence silence = shv_silence_begin();
-    ShvCheckpoint *found = shv_allocate(definition->memory, SHV_PART_RECORD, 1, sizeof *found);
-    ShvStatus status = SHV_OK;
-    if (found) {
-        found->descriptor = -1;
-        status = start(made, definition, simulation, found, error);
-    } else {
-        status = shv_fail_memory(error, "a checkpoint", sizeof *found);
-    }
+    ShvCheckpoint found = {.descriptor = -1};
+    const ShvStatus status = start(made, definition, simulation, &found, error);
     if (status == SHV_OK && made->resumed) {
-        memcpy(note, found->note, found->note_size < note_size ? found->note_size : note_size);
+        memcpy(note, found.note, found.note_size < note_size ? found.note_size : note_size);
         *record = made;
     } else {
         shv_record_release(made);
     }
-    if (found && found->descriptor >= 0) close(found->descriptor);
-    shv_release(found);
+    shv_checkpoint_close(&found);
     shv_silence_end(silence);
     return status;
 }
@@ -208,10 +201,7 @@ ShvStatus shv_record_checkpoint(ShvRecord *record, ShvSimulation *simulation, co
                                 ShvError *error)
 {
     if (record->broken.status != SHV_OK) return shv_fail(error, record->broken.status, "%s", record->broken.message);
-    if (record->frames == 0 || note_size > SHV_CHECKPOINT_NOTE)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "a checkpoint needs a frame in the run file, and a note of at most %d bytes",
-                        (int)SHV_CHECKPOINT_NOTE);
+    if (record->frames == 0) return shv_fail(error, SHV_BAD_INPUT, "a checkpoint needs a frame in the run file");
     ShvCheckpointMark mark = record->mark;
     if (mark.program == 0) mark.program = shv_checkpoint_program();
     if (mark.geometry == 0) mark.geometry = shv_simulation_geometry_hash(simulation);
