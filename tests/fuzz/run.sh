@@ -29,7 +29,8 @@ for reader in "$@"; do
     kept=$root/tests/fuzz/corpus/$reader
     [ -d "$kept" ] || kept=
     echo "== $reader"
-    if ! ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$folder/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" \
+    if ! LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.txt:print_suppressions=0 \
+        ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$folder/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" \
         -timeout=20 -rss_limit_mb=2048 -max_len=20000 -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
         -artifact_prefix="$folder/found/$reader-" "$work" ${kept:+"$kept"} >"$folder/$reader.log" 2>&1; then
         echo "fuzz: $reader found something, see $folder/$reader.log" >&2
