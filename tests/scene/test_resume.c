@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "base/timer.h"
 #include "shiver/scene.h"
 #include "shiver/simulation.h"
@@ -292,11 +293,49 @@ static void test_cut_short(void **state)
     shv_scene_destroy(scene);
 }
 
+/* Memory that runs out while a checkpoint is loaded ends in a message, and leaves what can be released. */
+static void test_no_memory(void **state)
+{
+    static const char *const scenes[] = {BREAKING, DAMPED, HELD};
+    (void)state;
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        static uint64_t hashes[MOST_FRAMES];
+        ShvError error;
+        uint64_t size;
+        uint32_t checksum;
+        ShvScene *scene = parse(scenes[s]);
+        ShvSimulation *simulation = make(shv_scene_definition(scene), NULL);
+        run(simulation, hashes, 0, NULL);
+        FILE *file = tmpfile();
+        check_ok(shv_simulation_save(simulation, fileno(file), &size, &checksum, &error), error);
+        shv_simulation_destroy(simulation);
+        ShvStatus status = SHV_NO_MEMORY;
+        int failures = 0;
+        for (int64_t allowed = 0; status == SHV_NO_MEMORY; allowed += 5, failures++) {
+            ShvMemory *memory = shv_memory_create();
+            ShvSimulationOptions options = shv_simulation_options_default();
+            options.memory = memory;
+            check_ok(shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error), error);
+            shv_memory_fail_after(memory, allowed);
+            lseek(fileno(file), 0, SEEK_SET);
+            status = shv_simulation_load(simulation, fileno(file), size, &error);
+            shv_simulation_destroy(simulation);
+            assert_int_equal(shv_memory_bytes(memory, SHV_PART_COUNT), 0);
+            shv_memory_destroy(memory);
+        }
+        check_ok(status, error);
+        assert_true(failures > 5);
+        fclose(file);
+        shv_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bullet),       cmocka_unit_test(test_damped),      cmocka_unit_test(test_conditions),
         cmocka_unit_test(test_no_addresses), cmocka_unit_test(test_made_longer), cmocka_unit_test(test_cut_short),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
