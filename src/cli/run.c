@@ -500,7 +500,10 @@ static int run(const ShvArguments *arguments)
     ShvArguments own = *arguments;
     char duration[64];
     if (arguments->values[UNTIL]) {
-        if (own.override_count == SHV_MOST_OVERRIDES) own.override_count--;
+        if (own.override_count == SHV_MOST_OVERRIDES) {
+            fprintf(stderr, "shiver: too many --set beside --until\n");
+            return SHV_EXIT_INPUT;
+        }
         shv_format(duration, sizeof duration, "duration=%.17g", until);
         own.overrides[own.override_count++] = duration;
     }
