@@ -22,8 +22,10 @@ typedef struct ShvRecordDefinition {
     const char *const *overrides; /* "a.b.c=value": what was changed of the text; stored in the file */
     int32_t override_count;
     uint64_t scene_hash;
-    int32_t threads;      /* stored in the file */
-    bool nodes;           /* corner positions and facet damage of every frame */
+    uint64_t
+        resume_hash; /* of what a run that goes on from a checkpoint must have in common with the one that took it */
+    int32_t threads; /* stored in the file */
+    bool nodes;      /* corner positions and facet damage of every frame */
     double sync_interval; /* s of run time from one time that everything is brought to the disk to the next; 5 */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
@@ -42,6 +44,21 @@ ShvStatus shv_record_frame(ShvRecord *record, const ShvSimulation *simulation, S
 /* Writes "finished" (SHV_OK), "interrupted" (SHV_INTERRUPTED) or "failed" with the message (may be NULL); closes and releases
    in every case. A record without a frame leaves no file. NULL is accepted. */
 ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *message, ShvError *error);
+
+/* Releases a record as if its writer had died: the file stays as of its last frame. NULL is accepted. */
+void shv_record_abandon(ShvRecord *record);
+/* Writes a checkpoint of the simulation beside the file, "FILE.checkpoint-1" and "-2" in turn, which names the frame last written,
+   after that was brought to the disk. `note`: what the caller wants to have back. Whether it succeeds or not
+   nothing else has changed. The files are removed where a new run takes the place of this one, and all but the last when a run
+   is closed with SHV_OK. */
+ShvStatus shv_record_checkpoint(ShvRecord *record, ShvSimulation *simulation, const void *note, size_t note_size,
+                                ShvError *error);
+/* Goes on with the file at definition->path from the latest checkpoint whose frame the file has: loads it into a simulation that
+   was just made, and cuts off what came after that frame when the next one is written; until then the file stays as it is.
+   Without file or checkpoints *record is NULL, and the simulation as it was. SHV_BAD_INPUT for those of another program, scene or
+   mesh, and for damaged ones. After a failure the simulation can only be destroyed. */
+ShvStatus shv_record_resume(ShvRecord **record, const ShvRecordDefinition *definition, ShvSimulation *simulation,
+                            void *note, size_t note_size, ShvError *error);
 
 typedef struct ShvRunFile ShvRunFile;
 typedef struct ShvRunFileInfo {

@@ -4,6 +4,7 @@
 #define SHIVER_SIMULATION_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "shiver/definition.h"
 #include "shiver/status.h"
@@ -254,6 +255,19 @@ typedef struct ShvMomentView {
     bool fracture;
 } ShvMomentView;
 ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
+
+/* Checkpoints. The whole state, as numbers lie in memory: for the same program, scene and meshes. Saving changes nothing; a
+   simulation that goes on from there gives the same bits as one that never stopped. To be asked between frames or from `stop`. */
+/* False where the scene's rigid engine has none (bullet_plain: Bullet's world cannot be made again as it was). */
+bool shv_simulation_has_checkpoints(const ShvSimulation *simulation);
+/* Writes to an open descriptor, from where it stands: so many bytes, with this CRC-32. */
+ShvStatus shv_simulation_save(ShvSimulation *simulation, int descriptor, uint64_t *size, uint32_t *checksum,
+                              ShvError *error);
+/* Reads so many bytes, which must be just those that were written, into a simulation that was just made of the same scene (its
+   duration may be another one). On failure it can only be destroyed. */
+ShvStatus shv_simulation_load(ShvSimulation *simulation, int descriptor, uint64_t size, ShvError *error);
+/* Of the placed meshes of objects and the surfaces of obstacles. */
+uint64_t shv_simulation_geometry_hash(const ShvSimulation *simulation);
 /* The crack that began first: all inserted facets joined, through shared nodes, to the first one. */
 typedef struct ShvCrackView {
     int32_t facets;   /* 0: nothing was inserted, the rest is NaN */

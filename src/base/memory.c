@@ -23,9 +23,19 @@ typedef struct Header {
 enum { ALIGNMENT = 64 };
 _Static_assert(sizeof(Header) <= ALIGNMENT, "the header must fit in front of an aligned block");
 
-static Header *header_of(void *block)
+static Header *header_of(const void *block)
 {
-    return (Header *)(void *)((char *)block - ALIGNMENT);
+    return (Header *)((uintptr_t)block - ALIGNMENT);
+}
+
+size_t shv_block_bytes(const void *block)
+{
+    return header_of(block)->bytes;
+}
+
+ShvPart shv_block_part(const void *block)
+{
+    return header_of(block)->part;
 }
 
 ShvMemory *shv_memory_create(void)

@@ -47,6 +47,9 @@ void *shv_allocate(ShvMemory *memory, ShvPart part, size_t count, size_t size);
 void *shv_reallocate(ShvMemory *memory, ShvPart part, void *block, size_t count, size_t size);
 /* Releases a block of shv_allocate; NULL is accepted. */
 void shv_release(void *block);
+/* Of a block of shv_allocate: its bytes, and what it was counted for. */
+size_t shv_block_bytes(const void *block);
+ShvPart shv_block_part(const void *block);
 /* A copy of a terminated string, or NULL. */
 char *shv_copy_text(ShvMemory *memory, ShvPart part, const char *text);
 

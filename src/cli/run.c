@@ -6,11 +6,14 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "base/text.h"
 #include "base/timer.h"
 #include "cli/progress.h"
 #include "cli/reserve.h"
+#include "cli/resume.h"
 
-enum { OUTPUT, FORCE, JSON, AUDIT_WAKE };
+enum { OUTPUT, FORCE, JSON, AUDIT_WAKE, RESUME, UNTIL, CHECKPOINT };
 
 static volatile sig_atomic_t interrupted;
 
@@ -18,13 +21,6 @@ static void on_signal(int number)
 {
     (void)number;
     interrupted = 1;
-}
-
-static bool asked_to_stop(void *data)
-{
-    ShvProgress *progress = data;
-    shv_progress_tick(progress);
-    return interrupted != 0 || shv_reserve_used();
 }
 
 static void catch_signals(void)
@@ -45,6 +41,7 @@ static ShvStatus output_path(const ShvArguments *arguments, const ShvSceneDefini
                              ShvError *error)
 {
     const char *given = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : scene->output.file;
+    if (shv_resume_is_run_file(arguments->positional[0])) given = arguments->positional[0];
     return shv_cli_scene_output(path, arguments, given, scene, ".h5", error);
 }
 
@@ -68,7 +65,8 @@ static ShvStatus keep_inputs(const ShvArguments *arguments, const ShvScene *scen
 {
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
     const char *folder = shv_scene_folder(scene);
-    ShvStatus status = shv_cli_keep_input(output, arguments->positional[0], error);
+    const bool goes_on = shv_resume_is_run_file(arguments->positional[0]);
+    ShvStatus status = goes_on ? SHV_OK : shv_cli_keep_input(output, arguments->positional[0], error);
     for (int32_t i = 0; status == SHV_OK && i < definition->object_count; i++)
         status = keep_mesh(output, folder, definition->objects[i].mesh.file, error);
     for (int32_t i = 0; status == SHV_OK && i < definition->obstacle_count; i++)
@@ -203,6 +201,48 @@ static void remember(History *history, const ShvFrameView *frame)
     remember_squeezes(history, frame);
 }
 
+/* ---- checkpoints ---- */
+
+/* What the run asks from time to time: to be shown, saved and stopped. */
+typedef struct Watch {
+    ShvProgress progress;
+    ShvSimulation *simulation;
+    ShvRecord *record; /* NULL: nothing to save beside yet */
+    History history;
+    double interval, due; /* s of run time between checkpoints, 0: none are made; shv_now of the next */
+    bool saved, failed;   /* there are some; the last one failed, and that has been told */
+} Watch;
+
+/* Of the run time, at most one part in so many goes to checkpoints. */
+static const double SAVE_SHARE = 100.0;
+
+static void save(Watch *watch)
+{
+    ShvError error;
+    if (!watch->record || !(watch->interval > 0.0) || !shv_simulation_has_checkpoints(watch->simulation)) return;
+    const double start = shv_now();
+    const ShvStatus status =
+        shv_record_checkpoint(watch->record, watch->simulation, &watch->history, sizeof watch->history, &error);
+    const double end = shv_now();
+    watch->due = end + fmax(watch->interval, SAVE_SHARE * (end - start));
+    watch->saved = watch->saved || status == SHV_OK;
+    if (status != SHV_OK && !watch->failed) {
+        fprintf(stderr, "warning: ");
+        shv_cli_print_plain(stderr, error.message);
+        fprintf(stderr, "; the run goes on, and can be resumed from where it was before at best\n");
+    }
+    watch->failed = status != SHV_OK;
+}
+
+static bool asked_to_stop(void *data)
+{
+    Watch *watch = data;
+    shv_progress_tick(&watch->progress);
+    const bool stops = interrupted != 0 || shv_reserve_used();
+    if (watch->record && (stops || shv_now() >= watch->due)) save(watch);
+    return stops;
+}
+
 /* Of the plane of the first crack against the vertical, degrees. */
 static double crack_angle(const ShvCrackView *crack)
 {
@@ -266,26 +306,27 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
     printf("}\n");
 }
 
+/* ---- the run ---- */
+
 /* Pulls frames until the end; the record never lags behind. */
-static ShvStatus pull_frames(ShvSimulation *simulation, ShvRecord *record, ShvProgress *progress, History *history,
-                             ShvError *error)
+static ShvStatus pull_frames(Watch *watch, ShvError *error)
 {
     ShvStatus status = SHV_OK;
+    ShvSimulation *simulation = watch->simulation;
     while (status == SHV_OK && !shv_simulation_finished(simulation)) {
         status = shv_simulation_advance(simulation, error);
         ShvError ignored;
-        const ShvStatus written = shv_record_frame(record, simulation, status == SHV_OK ? error : &ignored);
+        const ShvStatus written = shv_record_frame(watch->record, simulation, status == SHV_OK ? error : &ignored);
         if (status == SHV_OK) status = written;
-        remember(history, shv_simulation_frame(simulation));
-        shv_progress_tick(progress);
+        remember(&watch->history, shv_simulation_frame(simulation));
+        shv_progress_tick(&watch->progress);
     }
     return status;
 }
 
-static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, const char *path,
-                        ShvSimulation *simulation, ShvProgress *progress, double start)
+static ShvRecordDefinition define_record(const ShvArguments *arguments, const ShvScene *scene, const char *path,
+                                         const ShvSimulation *simulation)
 {
-    ShvError error;
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
     ShvRecordDefinition recording = shv_record_default();
     recording.path = path;
@@ -293,30 +334,85 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, co
     recording.scene_text = shv_scene_text(scene);
     recording.scene_name = definition->name;
     recording.scene_hash = shv_scene_hash(scene);
-    recording.overrides = arguments->overrides;
-    recording.override_count = (int32_t)arguments->override_count;
+    recording.resume_hash = shv_resume_hash(scene);
     recording.threads = shv_simulation_threads(simulation);
     recording.nodes = definition->output.nodes;
-    ShvRecord *record = NULL;
-    ShvStatus status = shv_record_create(&record, &recording, simulation, &error);
-    if (status != SHV_OK) return shv_cli_failed(status, &error);
-    History history = {.edge_strain_flight = (double)NAN, .edge_strain_after_impact = (double)NAN};
-    status = pull_frames(simulation, record, progress, &history, &error);
+    return recording;
+}
+
+/* From a checkpoint on where there is one. The record stays NULL where the run has to begin anew. */
+static ShvStatus resume(const ShvArguments *arguments, const ShvScene *scene, ShvRecordDefinition *recording,
+                        Watch *watch, ShvError *error)
+{
+    if (!arguments->values[RESUME]) return SHV_OK;
+    ShvStatus status = SHV_OK;
+    if (shv_simulation_has_checkpoints(watch->simulation))
+        status = shv_record_resume(&watch->record, recording, watch->simulation, &watch->history, sizeof watch->history,
+                                   error);
+    if (status != SHV_OK) return status;
+    if (watch->record) {
+        const double time = shv_simulation_moment(watch->simulation).time;
+        watch->saved = true;
+        if (!arguments->quiet) fprintf(stderr, "shiver: goes on from %.9g s\n", time);
+        if (time <= shv_scene_definition(scene)->duration) return SHV_OK;
+        return shv_fail(error, SHV_BAD_INPUT, "the run has come to %.9g s already; give a later --until", time);
+    }
+    /* A run that was killed before its first checkpoint begins anew, and gives the same bits. */
+    double time;
+    if (shv_resume_look(recording->path, scene, &time) == SHV_LEFTOVER_PARTIAL) recording->force = true;
+    if (!arguments->quiet) fprintf(stderr, "shiver: there is no checkpoint; the run begins at 0 s\n");
+    return SHV_OK;
+}
+
+static ShvStatus make_record(const ShvArguments *arguments, const ShvScene *scene, const char *path, Watch *watch,
+                             ShvError *error)
+{
+    ShvRecordDefinition recording = define_record(arguments, scene, path, watch->simulation);
+    const char *overrides[2 * SHV_MOST_OVERRIDES];
+    const int32_t room = (int32_t)(sizeof overrides / sizeof overrides[0]);
+    while (recording.override_count < shv_scene_override_count(scene) && recording.override_count < room) {
+        overrides[recording.override_count] = shv_scene_override(scene, recording.override_count);
+        recording.override_count++;
+    }
+    recording.overrides = overrides;
+    const ShvStatus status = resume(arguments, scene, &recording, watch, error);
+    if (status != SHV_OK || watch->record) return status;
+    return shv_record_create(&watch->record, &recording, watch->simulation, error);
+}
+
+static void print_end(const ShvArguments *arguments, Watch *watch, const char *path, double wall, ShvStatus status)
+{
+    const ShvFrameView *frame = shv_simulation_frame(watch->simulation);
+    ShvError ignored;
+    if (shv_simulation_crack(watch->simulation, &watch->history.crack, &ignored) != SHV_OK)
+        watch->history.crack.normal[2] = (double)NAN;
+    if (arguments->values[JSON]) {
+        print_json(frame, &watch->history, path, wall, status);
+        return;
+    }
+    print_summary(frame, path, wall, status);
+    print_squeezes(&watch->history, frame, watch->simulation);
+    print_materials(watch->simulation);
+    if (status == SHV_INTERRUPTED && watch->saved && !watch->failed) printf("  --resume goes on from here\n");
+}
+
+static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, const char *path, Watch *watch,
+                        double start)
+{
+    ShvError error;
+    ShvStatus status = make_record(arguments, scene, path, watch, &error);
+    if (status != SHV_OK) {
+        shv_record_abandon(watch->record);
+        return shv_cli_failed(status, &error);
+    }
+    watch->due = shv_now() + watch->interval;
+    status = pull_frames(watch, &error);
+    if (status == SHV_OK && watch->saved) save(watch); /* to make the run longer one day */
     if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     ShvError closing;
-    const ShvStatus closed = shv_record_close(record, status, status == SHV_OK ? "" : error.message, &closing);
-    shv_progress_end(progress);
-    const ShvFrameView *frame = shv_simulation_frame(simulation);
-    ShvError ignored;
-    if (shv_simulation_crack(simulation, &history.crack, &ignored) != SHV_OK) history.crack.normal[2] = (double)NAN;
-    if (arguments->values[JSON])
-        print_json(frame, &history, path, shv_now() - start, status);
-    else
-        print_summary(frame, path, shv_now() - start, status);
-    if (!arguments->values[JSON]) {
-        print_squeezes(&history, frame, simulation);
-        print_materials(simulation);
-    }
+    const ShvStatus closed = shv_record_close(watch->record, status, status == SHV_OK ? "" : error.message, &closing);
+    shv_progress_end(&watch->progress);
+    print_end(arguments, watch, path, shv_now() - start, status);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
 }
@@ -331,36 +427,91 @@ static int32_t audit_wakes(const ShvArguments *arguments)
     return *text == '\0' && number > 0 ? number : -1;
 }
 
-static int run(const ShvArguments *arguments)
+/* Seconds of an option, `missing` without it, −1 where it is none. */
+static double seconds_of(const char *text, double missing)
 {
-    const double start = shv_now();
-    const int32_t audits = audit_wakes(arguments);
-    if (audits < 0) {
-        fprintf(stderr, "shiver: --audit-wake takes a whole number of impacts from 1 on, not '%s'\n",
-                arguments->values[AUDIT_WAKE]);
-        return SHV_EXIT_INPUT;
+    double value;
+    ShvError ignored;
+    if (!text) return missing;
+    return shv_parse_double(text, strlen(text), false, &value, &ignored) == SHV_OK && value >= 0.0 ? value : -1.0;
+}
+
+static int refuse(const char *option, const char *what, const char *text)
+{
+    fprintf(stderr, "shiver: %s takes %s, not '%s'\n", option, what, text);
+    return SHV_EXIT_INPUT;
+}
+
+/* A run that has come to its end needs nothing. */
+static bool is_done(const ShvArguments *arguments, const ShvScene *scene, const char *path)
+{
+    double time;
+    if (!arguments->values[RESUME] || shv_resume_look(path, scene, &time) != SHV_LEFTOVER_WHOLE) return false;
+    if (arguments->values[JSON]) {
+        printf("{\"file\": ");
+        shv_cli_print_json_text(path);
+        printf(", \"status\": \"finished\", \"time\": ");
+        shv_cli_print_json_number(time);
+        printf("}\n");
+    } else {
+        printf("finished before: t = %.6g s; %s; --until goes on\n", time, path);
     }
-    ShvScene *scene;
-    const int loaded = shv_cli_load_scene(&scene, arguments);
-    if (!scene) return loaded;
-    catch_signals();
+    return true;
+}
+
+static int run_scene(const ShvArguments *arguments, const ShvScene *scene, Watch *watch, int32_t audits, double start)
+{
     ShvError error;
     char path[SHV_CLI_PATH];
-    ShvSimulation *simulation = NULL;
-    ShvProgress progress = shv_progress_start(shv_scene_definition(scene)->duration, arguments->quiet);
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
     ShvSimulationOptions options = shv_simulation_options_default();
     options.folder = shv_scene_folder(scene);
     options.audit_wakes = audits;
     options.stop = asked_to_stop;
-    options.stop_data = &progress;
-    ShvStatus status = output_path(arguments, shv_scene_definition(scene), path, &error);
+    options.stop_data = watch;
+    watch->progress = shv_progress_start(definition->duration, arguments->quiet);
+    ShvStatus status = output_path(arguments, definition, path, &error);
     if (status == SHV_OK) status = keep_inputs(arguments, scene, path, &error);
-    if (status == SHV_OK) status = shv_simulation_create(&simulation, shv_scene_definition(scene), &options, &error);
-    if (status == SHV_OK) status = shv_cli_warn_overlaps(simulation, &error);
-    progress.simulation = simulation;
-    const int exit_status = status == SHV_OK ? run_recorded(arguments, scene, path, simulation, &progress, start)
-                                             : shv_cli_failed(status, &error);
-    shv_simulation_destroy(simulation);
+    if (status == SHV_OK && is_done(arguments, scene, path)) return SHV_EXIT_DONE;
+    if (status == SHV_OK) status = shv_simulation_create(&watch->simulation, definition, &options, &error);
+    if (status == SHV_OK) status = shv_cli_warn_overlaps(watch->simulation, &error);
+    watch->progress.simulation = watch->simulation;
+    const int exit_status =
+        status == SHV_OK ? run_recorded(arguments, scene, path, watch, start) : shv_cli_failed(status, &error);
+    shv_simulation_destroy(watch->simulation);
+    return exit_status;
+}
+
+static int run(const ShvArguments *arguments)
+{
+    const double start = shv_now(), until = seconds_of(arguments->values[UNTIL], 0.0);
+    const int32_t audits = audit_wakes(arguments);
+    Watch watch = {.interval = seconds_of(arguments->values[CHECKPOINT], 30.0),
+                   .history = {.edge_strain_flight = (double)NAN, .edge_strain_after_impact = (double)NAN}};
+    if (audits < 0) return refuse("--audit-wake", "a whole number of impacts from 1 on", arguments->values[AUDIT_WAKE]);
+    if (until < 0.0) return refuse("--until", "a time in seconds", arguments->values[UNTIL]);
+    if (watch.interval < 0.0)
+        return refuse("--checkpoint", "seconds of run time, 0 for none", arguments->values[CHECKPOINT]);
+    if (!arguments->values[RESUME] && shv_resume_is_run_file(arguments->positional[0])) {
+        fprintf(stderr, "shiver: '%s' is a run file; give its scene, or --resume to go on with it\n",
+                arguments->positional[0]);
+        return SHV_EXIT_INPUT;
+    }
+    ShvArguments own = *arguments;
+    char duration[64];
+    if (arguments->values[UNTIL]) {
+        if (own.override_count == SHV_MOST_OVERRIDES) {
+            fprintf(stderr, "shiver: too many --set beside --until\n");
+            return SHV_EXIT_INPUT;
+        }
+        shv_format(duration, sizeof duration, "duration=%.17g", until);
+        own.overrides[own.override_count++] = duration;
+    }
+    ShvScene *scene;
+    const int loaded = shv_resume_load_scene(&scene, &own);
+    if (!scene) return loaded;
+    catch_signals();
+    const int exit_status = run_scene(&own, scene, &watch, audits, start);
     shv_scene_destroy(scene);
     return exit_status;
 }
@@ -372,7 +523,8 @@ const ShvCommand shv_command_run = {
     .details =
         "Runs a scene and writes a run file (HDF5): trajectories, fragments, ledger, events. An existing file is\n"
         "replaced only with --force, and only once the new run has its first frame. Ctrl-C stops at a consistent\n"
-        "state and leaves a readable file.",
+        "state and leaves a readable file, with a checkpoint beside it from which --resume goes on; there the\n"
+        "run file may stand in place of the scene.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
@@ -383,6 +535,11 @@ const ShvCommand shv_command_run = {
          {"--json", NULL, "print the summary as JSON"},
          {"--audit-wake", "N",
           "solve the first N impacts that the wake rule takes for harmless in fracture mode, and report how many "
-          "of them broke something; the run goes on from there"}},
+          "of them broke something; the run goes on from there"},
+         {"--resume", NULL, "go on from the last checkpoint of the run file, or begin where there is none"},
+         {"--until", "T", "run to T seconds in place of the scene's duration; with --resume also a run that had ended"},
+         {"--checkpoint", "SECONDS",
+          "of run time between checkpoints, 30 unless given; longer where one takes more than a hundredth of that; 0: "
+          "none"}},
     .run = run,
 };

@@ -1,6 +1,7 @@
 #include "pbd/pbd_backend.h"
 
 #include "pbd/flyer.h"
+#include "pbd/pbd_archive.h"
 
 typedef struct Pbd {
     ShvRigidBackend backend; /* first: the interface's pointer is this one's */
@@ -253,13 +254,58 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     return SHV_OK;
 }
 
+/* ---- checkpoints ---- */
+
+static void remove_all(Pbd *pbd)
+{
+    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_destroy(pbd->flyers[i]);
+    pbd->count = 0;
+}
+
+static bool archive_flyer(Pbd *pbd, ShvFlyer **flyer, ShvArchive *archive)
+{
+    ShvError error;
+    ShvMemory *memory = pbd->backend.world.fragments->memory;
+    if (!*flyer) *flyer = shv_allocate(memory, SHV_PART_RIGID, 1, sizeof **flyer);
+    if (*flyer) return shv_flyer_archive(*flyer, archive);
+    return shv_archive_fail(archive, shv_fail_memory(&error, "a fragment in flight", sizeof **flyer), &error);
+}
+
+static bool archive_flyers(Pbd *pbd, ShvArchive *archive)
+{
+    int32_t count = pbd->count;
+    if (shv_archive_reads(archive)) remove_all(pbd);
+    bool good = shv_archive_room(archive, (void **)&pbd->flyers) && shv_archive_bytes(archive, &count, sizeof count);
+    for (int32_t i = 0; good && i < count; i++) {
+        good = archive_flyer(pbd, &pbd->flyers[i], archive);
+        if (shv_archive_reads(archive)) pbd->count = i + 1;
+    }
+    return good;
+}
+
+static bool archive_all(ShvRigidBackend *backend, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(Pbd, flags, SHV_FIELD_BLOCK),        SHV_FIELD_OF(Pbd, nodes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(Pbd, owner, SHV_FIELD_BLOCK),        SHV_FIELD_OF(Pbd, backend.functions, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Pbd, backend.world, SHV_FIELD_KEPT), SHV_FIELD_OF(Pbd, settings, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Pbd, flyers, SHV_FIELD_KEPT),        SHV_FIELD_OF(Pbd, count, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Pbd, bars, SHV_FIELD_KEPT),          SHV_FIELD_OF(Pbd, ties, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Pbd, relax, SHV_FIELD_KEPT),
+    };
+    Pbd *pbd = (Pbd *)backend;
+    return archive_flyers(pbd, archive) && SHV_ARCHIVE_STRUCT(archive, pbd, fields) &&
+           shv_bars_archive(&pbd->bars, archive) && shv_ties_archive(&pbd->ties, archive) &&
+           shv_relax_archive(&pbd->relax, archive);
+}
+
 /* ---- life ---- */
 
 static void destroy(ShvRigidBackend *backend)
 {
     Pbd *pbd = (Pbd *)backend;
     if (!pbd) return;
-    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_destroy(pbd->flyers[i]);
+    remove_all(pbd);
     shv_release(pbd->flyers);
     shv_release(pbd->flags);
     shv_release(pbd->nodes);
@@ -285,7 +331,7 @@ ShvStatus shv_pbd_create(ShvRigidBackend **backend, const ShvRigidWorld *world, 
                          ShvError *error)
 {
     static const ShvRigidFunctions functions = {
-        .name = "pbd", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+        .name = "pbd", .add = add, .remove = take_out, .advance = advance, .archive = archive_all, .destroy = destroy};
     *backend = NULL;
     SHV_TRY(check(settings, error));
     Pbd *pbd = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *pbd);

@@ -172,7 +172,7 @@ static bool put_genealogy(ShvRecord *record, const ShvFrameView *frame)
 static bool put_births(ShvRecord *record, const ShvSimulation *simulation, const ShvFrameView *frame)
 {
     const int32_t known = record->frames == 0 ? 0 : record->fragment_count, count = frame->fragment_count;
-    if (count == known && record->frames > 0) return true;
+    if (count == known && record->frames > 0 && !record->resumed) return true;
     shv_simulation_element_state(simulation, record->element_fragment, NULL);
     shv_lineage_extend(&record->lines, frame->fragments, known, count, record->element_fragment, record->element_count);
     if (!shv_series_write(&record->series[SHV_SERIES_LINEAGE], known, count - known, 0, record->lines.lineage + known,
@@ -212,6 +212,7 @@ static bool put_sum(ShvRecord *record, const ShvFrameView *frame, const RowSums 
 {
     const ShvFrameSum sum = {frame->fragment_count, record->events, record->probe_rows,
                              shv_frame_checksum(record->sums, sums->events, sums->times, sums->samples)};
+    record->last_checksum = sum.checksum;
     return shv_series_write(&record->series[SHV_SERIES_SUM], record->frames, 1, 0, &sum, NULL);
 }
 
@@ -270,5 +271,6 @@ ShvStatus shv_record_append(ShvRecord *record, const ShvSimulation *simulation, 
     if (!put_all(record, simulation, frame) || shv_stage_failure(record->stage) != 0)
         return shv_record_fail(record, error);
     record->frames++;
+    record->resumed = false;
     return SHV_OK;
 }

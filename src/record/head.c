@@ -43,6 +43,14 @@ bool shv_record_write_badge(hid_t file, uint64_t *address)
     return *address != HADDR_UNDEF;
 }
 
+bool shv_record_find_badge(hid_t file, uint64_t *address)
+{
+    const hid_t dataset = H5Dopen2(file, "/journal", H5P_DEFAULT);
+    *address = dataset >= 0 ? H5Dget_offset(dataset) : HADDR_UNDEF;
+    if (dataset >= 0) H5Dclose(dataset);
+    return *address != HADDR_UNDEF;
+}
+
 /* The overrides, one a line. */
 static bool write_overrides(hid_t file, const ShvRecordDefinition *definition)
 {
@@ -56,6 +64,13 @@ static bool write_overrides(hid_t file, const ShvRecordDefinition *definition)
     const bool good = shv_dataset_put_text(file, "/scene/overrides", text);
     shv_release(text);
     return good;
+}
+
+bool shv_record_rewrite_overrides(hid_t file, const ShvRecordDefinition *definition)
+{
+    return H5Adelete(file, "scene_hash") >= 0 &&
+           shv_attribute_put_number(file, "scene_hash", H5T_STD_U64LE, H5T_NATIVE_UINT64, &definition->scene_hash) &&
+           H5Ldelete(file, "/scene/overrides", H5P_DEFAULT) >= 0 && write_overrides(file, definition);
 }
 
 bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition)

@@ -32,8 +32,8 @@ ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
 
 /* ---- making ---- */
 
-static ShvStatus allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh,
-                          ShvError *error)
+ShvStatus shv_record_allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh,
+                              ShvError *error)
 {
     const size_t elements = (size_t)mesh->element_count;
     record->path = shv_copy_text(record->memory, SHV_PART_RECORD, definition->path);
@@ -69,7 +69,7 @@ static void close_objects(ShvRecord *record)
     record->owners = record->file = -1;
 }
 
-static void release(ShvRecord *record)
+void shv_record_release(ShvRecord *record)
 {
     if (record->stage) shv_stage_discard(record->stage);
     close_objects(record);
@@ -93,7 +93,7 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
 {
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     SHV_TRY(shv_publish_check(definition->path, definition->force, error));
-    SHV_TRY(allocate(record, definition, &mesh, error));
+    SHV_TRY(shv_record_allocate(record, definition, &mesh, error));
     SHV_TRY(open_file(record, error));
     if (!shv_record_write_badge(record->file, &record->badge) || !shv_record_write_head(record->file, definition) ||
         !shv_record_write_mesh(record->file, &mesh, &record->owners) ||
@@ -102,8 +102,7 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
     return SHV_OK;
 }
 
-ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *definition, const ShvSimulation *simulation,
-                            ShvError *error)
+ShvStatus shv_record_prepare(ShvRecord **record, const ShvRecordDefinition *definition, ShvError *error)
 {
     *record = NULL;
     if (!definition || definition->cookie != SHV_DEFINITION_COOKIE)
@@ -114,16 +113,27 @@ ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *defin
                         .force = definition->force,
                         .nodes = definition->nodes,
                         .sync_interval = definition->sync_interval,
+                        .resume_hash = definition->resume_hash,
                         .descriptor = -1,
                         .file = -1,
                         .owners = -1,
                         .start = shv_now()};
     for (int i = 0; i < SHV_SERIES_COUNT; i++)
         made->series[i] = (ShvSeries){.dataset = -1, .memory_type = -1, .file_type = -1};
+    *record = made;
+    return SHV_OK;
+}
+
+ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *definition, const ShvSimulation *simulation,
+                            ShvError *error)
+{
+    *record = NULL;
+    ShvRecord *made;
+    SHV_TRY(shv_record_prepare(&made, definition, error));
     const ShvSilence silence = shv_silence_begin();
     const ShvStatus status = start(made, definition, simulation, error);
     if (status != SHV_OK)
-        release(made);
+        shv_record_release(made);
     else
         *record = made;
     shv_silence_end(silence);
@@ -138,6 +148,7 @@ static ShvStatus publish(ShvRecord *record, ShvError *error)
     SHV_TRY(shv_publish_end(record->temporary, record->descriptor, record->path, record->force, error));
     shv_release(record->temporary);
     record->temporary = NULL;
+    shv_checkpoint_remove(record->path, record->memory, -1);
     return shv_stage_journal(record->stage, record->path, record->badge, record->sync_interval, error);
 }
 
@@ -194,7 +205,19 @@ static ShvStatus write_end(ShvRecord *record, ShvStatus status, const char *mess
     shv_stage_discard(record->stage);
     close_objects(record);
     SHV_TRY(shv_stage_end(record->stage, error));
-    return check_name(record, error);
+    SHV_TRY(check_name(record, error));
+    /* Of a whole run the last one is enough: to make it longer. */
+    if (status == SHV_OK && record->mark.sequence > 0)
+        shv_checkpoint_remove(record->path, record->memory, (int)(record->mark.sequence % SHV_CHECKPOINTS));
+    return SHV_OK;
+}
+
+void shv_record_abandon(ShvRecord *record)
+{
+    if (!record) return;
+    const ShvSilence silence = shv_silence_begin();
+    shv_record_release(record);
+    shv_silence_end(silence);
 }
 
 ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *message, ShvError *error)
@@ -203,7 +226,7 @@ ShvStatus shv_record_close(ShvRecord *record, ShvStatus status, const char *mess
     const ShvSilence silence = shv_silence_begin();
     ShvStatus written = SHV_OK;
     if (!record->temporary) written = write_end(record, status, message, error);
-    release(record);
+    shv_record_release(record);
     shv_silence_end(silence);
     return written;
 }

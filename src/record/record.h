@@ -2,6 +2,7 @@
 #ifndef SHV_RECORD_RECORD_H
 #define SHV_RECORD_RECORD_H
 
+#include "record/checkpoint.h"
 #include "record/materials.h"
 #include "record/series.h"
 #include "record/stage.h"
@@ -36,16 +37,29 @@ struct ShvRecord {
     double *values;                /* one frame of one series */
     size_t value_capacity;
     int32_t *element_fragment;
-    double *corners; /* 12 × element_count with `nodes`, else NULL */
-    double start;    /* s, shv_now */
-    ShvError broken; /* status SHV_OK: nothing has failed so far */
+    double *corners;        /* 12 × element_count with `nodes`, else NULL */
+    double start;           /* s, shv_now */
+    int64_t last_checksum;  /* of the last frame */
+    bool resumed;           /* and no frame has been written since */
+    uint64_t resume_hash;   /* ShvRecordDefinition */
+    ShvCheckpointMark mark; /* of the last checkpoint; hashes are found for the first */
+    ShvError broken;        /* status SHV_OK: nothing has failed so far */
 };
+
+/* A record without a file, room of it for a mesh, and its end (record.c). */
+ShvStatus shv_record_prepare(ShvRecord **record, const ShvRecordDefinition *definition, ShvError *error);
+ShvStatus shv_record_allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh,
+                              ShvError *error);
+void shv_record_release(ShvRecord *record);
 
 /* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */
 bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition);
 bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners);
 /* Room for the journal's badge, and where it is. */
 bool shv_record_write_badge(hid_t file, uint64_t *address);
+bool shv_record_find_badge(hid_t file, uint64_t *address);
+/* Of a run that goes on with other ones. */
+bool shv_record_rewrite_overrides(hid_t file, const ShvRecordDefinition *definition);
 /* /materials: what every material asks of its mesh and gets. */
 bool shv_record_write_materials(hid_t file, const ShvSimulation *simulation);
 /* /obstacles: what they are. */

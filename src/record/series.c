@@ -332,6 +332,20 @@ bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t c
     return transfer(series, series->file_type, begin, count, columns, stored, write_selected);
 }
 
+bool shv_series_cut(ShvSeries *series, int64_t count, int64_t fragments)
+{
+    hsize_t extent[3];
+    memcpy(extent, series->extent, sizeof extent);
+    extent[0] = (hsize_t)count;
+    if (series->width == SHV_WIDTH_FRAGMENT) extent[1] = (hsize_t)fragments;
+    if (memcmp(extent, series->extent, sizeof extent) == 0) return true;
+    for (int i = 0; i < series->rank; i++)
+        if (extent[i] > series->extent[i]) return false;
+    if (H5Dset_extent(series->dataset, extent) < 0) return false;
+    memcpy(series->extent, extent, sizeof extent);
+    return true;
+}
+
 bool shv_series_sum(const ShvSeries *series, int64_t begin, int64_t count, int64_t columns, uint32_t *sum)
 {
     const size_t entries = entries_of(series, count, columns), size = entries * series->stored_size;

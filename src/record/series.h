@@ -87,6 +87,8 @@ void shv_series_close(ShvSeries *series);
    goes on over the bytes as they lie in the file (CRC-32, zlib's). */
 bool shv_series_write(ShvSeries *series, int64_t begin, int64_t count, int64_t columns, const void *data,
                       uint32_t *sum);
+/* Leaves the first `count` entries, of fragments so many columns. */
+bool shv_series_cut(ShvSeries *series, int64_t count, int64_t fragments);
 /* Reads them to `data` (columns × components × count). What the file does not have becomes NaN or 0. */
 bool shv_series_read(const ShvSeries *series, int64_t begin, int64_t count, int64_t columns, void *data);
 /* Goes on with *sum over the same bytes, read back; false where they cannot be read. */

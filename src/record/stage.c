@@ -310,12 +310,13 @@ hid_t shv_stage_open(ShvStage *stage, const char *name)
     if (access < 0) return access;
     const hid_t file = H5Fopen(name, H5F_ACC_RDWR, access);
     H5Pclose(access);
+    if (file >= 0) stage->committed = stage->allocated; /* what lies behind is of nobody */
     return set_versions(file);
 }
 
 ShvStatus shv_stage_journal(ShvStage *stage, const char *path, uint64_t place, double interval, ShvError *error)
 {
-    stage->path = shv_copy_text(stage->memory, SHV_PART_RECORD, path);
+    if (!stage->path) stage->path = shv_copy_text(stage->memory, SHV_PART_RECORD, path);
     if (!stage->path) return shv_fail_memory(error, "a path", strlen(path) + 1);
     stage->place = place;
     stage->interval = stage->due = interval;
@@ -334,18 +335,47 @@ void shv_stage_discard(ShvStage *stage)
 }
 
 /* What a reader would do that finds the file with its writer gone. */
-ShvStatus shv_stage_restore(ShvStage *stage, ShvError *error)
+static ShvStatus take_whole(ShvStage *stage, ShvError *error)
 {
-    drop_pieces(stage);
-    shv_journal_release(stage->journal);
-    stage->journal = NULL;
     SHV_TRY(shv_journal_recover(stage->path, stage->descriptor, stage->memory, error));
     const off_t end = lseek(stage->descriptor, 0, SEEK_END);
     if (end < 0) return shv_fail(error, SHV_FILE_ERROR, "cannot tell the size of '%s': error %d", stage->path, errno);
     stage->allocated = stage->committed = stage->reserved = (haddr_t)end;
     stage->discard = false;
     stage->failure = 0;
+    return SHV_OK;
+}
+
+ShvStatus shv_stage_adopt(ShvStage *stage, const char *path, ShvError *error)
+{
+    stage->path = shv_copy_text(stage->memory, SHV_PART_RECORD, path);
+    return stage->path ? take_whole(stage, error) : shv_fail_memory(error, "a path", strlen(path) + 1);
+}
+
+ShvStatus shv_stage_restore(ShvStage *stage, ShvError *error)
+{
+    drop_pieces(stage);
+    shv_journal_release(stage->journal);
+    stage->journal = NULL;
+    SHV_TRY(take_whole(stage, error));
     return shv_journal_create(&stage->journal, stage->memory, stage->path, stage->descriptor, stage->place, error);
+}
+
+static ShvStatus fail_disk(int number, ShvError *error)
+{
+    if (number == 0) return SHV_OK;
+    char reason[128] = "unknown error";
+    if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
+    return shv_fail(error, SHV_FILE_ERROR, "cannot bring the last changes to the disk: %s", reason);
+}
+
+/* Pieces that wait for the next flush stay. */
+ShvStatus shv_stage_settle(ShvStage *stage, ShvError *error)
+{
+    if (stage->discard || stage->used > stage->journaled) return SHV_OK;
+    const int number = settle(stage);
+    if (number != 0) failed(stage, number);
+    return fail_disk(number, error);
 }
 
 ShvStatus shv_stage_end(ShvStage *stage, ShvError *error)
@@ -353,8 +383,5 @@ ShvStatus shv_stage_end(ShvStage *stage, ShvError *error)
     int number = settle(stage);
     if (number == 0 && ftruncate(stage->descriptor, (off_t)stage->committed) != 0) number = errno;
     if (number == 0 && stage->journal) number = shv_journal_finish(stage->journal);
-    if (number == 0) return SHV_OK;
-    char reason[128] = "unknown error";
-    if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
-    return shv_fail(error, SHV_FILE_ERROR, "cannot bring the last changes to the disk: %s", reason);
+    return fail_disk(number, error);
 }

@@ -20,6 +20,10 @@ void shv_stage_release(ShvStage *stage);
 /* Makes the HDF5 file, or opens it; a negative number on failure. All its metadata have checksums. */
 hid_t shv_stage_make(ShvStage *stage, const char *name);
 hid_t shv_stage_open(ShvStage *stage, const char *name);
+/* Takes a file that was written before, whose writer may have died: to be opened next, and then given a journal. */
+ShvStatus shv_stage_adopt(ShvStage *stage, const char *path, ShvError *error);
+/* Brings all flushes so far to the disk. */
+ShvStatus shv_stage_settle(ShvStage *stage, ShvError *error);
 /* From now on every flush is safe against whatever may happen: `path` is the name of the file, `place` that of the badge; the
    changes are made in the file at most every `interval` seconds. */
 ShvStatus shv_stage_journal(ShvStage *stage, const char *path, uint64_t place, double interval, ShvError *error);

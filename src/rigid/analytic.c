@@ -1,4 +1,5 @@
 #include "rigid/flight_step.h"
+#include "rigid/rigid_archive.h"
 
 typedef struct Analytic {
     ShvRigidBackend backend; /* first: the interface's pointer is this one's */
@@ -158,13 +159,50 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     return status;
 }
 
+/* ---- checkpoints ---- */
+
+static void remove_all(Analytic *analytic)
+{
+    for (int32_t i = 0; i < analytic->count; i++) shv_flight_body_destroy(analytic->bodies[i]);
+    analytic->count = 0;
+}
+
+static bool archive_body(Analytic *analytic, ShvFlightBody **body, ShvArchive *archive)
+{
+    ShvError error;
+    if (!*body) *body = shv_allocate(memory_of(analytic), SHV_PART_RIGID, 1, sizeof **body);
+    if (*body) return shv_flight_body_archive(*body, archive);
+    return shv_archive_fail(archive, shv_fail_memory(&error, "a fragment in flight", sizeof **body), &error);
+}
+
+static bool archive_all(ShvRigidBackend *backend, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(Analytic, bodies, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(Analytic, touches, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(Analytic, others, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Analytic, count, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Analytic, backend.functions, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Analytic, backend.world, SHV_FIELD_KEPT),
+    };
+    Analytic *analytic = (Analytic *)backend;
+    int32_t count = analytic->count;
+    if (shv_archive_reads(archive)) remove_all(analytic);
+    bool good = SHV_ARCHIVE_STRUCT(archive, analytic, fields) && shv_archive_bytes(archive, &count, sizeof count);
+    for (int32_t i = 0; good && i < count; i++) {
+        good = archive_body(analytic, &analytic->bodies[i], archive);
+        if (shv_archive_reads(archive)) analytic->count = i + 1;
+    }
+    return good;
+}
+
 /* ---- life ---- */
 
 static void destroy(ShvRigidBackend *backend)
 {
     Analytic *analytic = (Analytic *)backend;
     if (!analytic) return;
-    for (int32_t i = 0; i < analytic->count; i++) shv_flight_body_destroy(analytic->bodies[i]);
+    remove_all(analytic);
     shv_release(analytic->bodies);
     shv_release(analytic->touches);
     shv_release(analytic->others);
@@ -173,8 +211,12 @@ static void destroy(ShvRigidBackend *backend)
 
 ShvStatus shv_analytic_create(ShvRigidBackend **backend, const ShvRigidWorld *world, ShvError *error)
 {
-    static const ShvRigidFunctions functions = {
-        .name = "analytic", .add = add, .remove = take_out, .advance = advance, .destroy = destroy};
+    static const ShvRigidFunctions functions = {.name = "analytic",
+                                                .add = add,
+                                                .remove = take_out,
+                                                .advance = advance,
+                                                .archive = archive_all,
+                                                .destroy = destroy};
     *backend = NULL;
     Analytic *analytic = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *analytic);
     if (!analytic) return shv_fail_memory(error, "the rigid backend", sizeof *analytic);

@@ -3,6 +3,7 @@
 #ifndef SHV_RIGID_BACKEND_H
 #define SHV_RIGID_BACKEND_H
 
+#include "base/archive.h"
 #include "rigid/fragment.h"
 #include "shape/obstacle.h"
 
@@ -47,6 +48,9 @@ typedef struct ShvRigidFunctions {
     /* What companions have not taken so far of the last step's impulses goes back to those that gave them. NULL: a backend without
        companions. */
     void (*take_back)(ShvRigidBackend *backend);
+    /* To a checkpoint, or from it into a backend that was just made of the same scene, once fragments and obstacles are as they
+       were. NULL: a backend without checkpoints. */
+    bool (*archive)(ShvRigidBackend *backend, ShvArchive *archive);
     void (*destroy)(ShvRigidBackend *backend);
 } ShvRigidFunctions;
 struct ShvRigidBackend {

@@ -1,4 +1,4 @@
-#include "rigid/bullet_step.h"
+#include "rigid/bullet_archive.h"
 
 #include <stdlib.h>
 
@@ -249,6 +249,7 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
                                                 .remove = take_out,
                                                 .advance = advance,
                                                 .take_back = shv_bullet_take_back,
+                                                .archive = shv_bullet_archive,
                                                 .destroy = destroy};
     *backend = NULL;
     ShvBullet *bullet = shv_allocate(world->fragments->memory, SHV_PART_RIGID, 1, sizeof *bullet);

@@ -853,7 +853,8 @@ static const ShvKey output_keys[] = {
     {"file", SHV_KEY_TEXT, .offset = SCENE(output.file), .absent = "from the name of the scene file",
      .sentence = "Run file, from the working directory."},
     {"rate", SHV_KEY_NUMBER, SHV_DIMENSION_FREQUENCY, .range = &positive, .offset = SCENE(output.rate),
-     .sentence = "Frames a second."},
+     .sentence = "Frames a second. Rigid steps end at frames, and at most `rigid.time_step` long they are all equal in "
+                 "between: another rate makes them others, and what breaks then differs within its scatter."},
     {"fracture_every", SHV_KEY_INT64, .range = &not_negative, .offset = SCENE(output.fracture_every),
      .sentence = "Also records a frame every so many steps of fracture mode; 0 records none."},
     {"nodes", SHV_KEY_BOOLEAN, .offset = SCENE(output.nodes),

@@ -26,10 +26,12 @@ struct ShvSimulation {
     ShvViews views;
     ShvFrameView frame;
     int64_t animation_frame; /* frames of the animation grid given so far */
-    int64_t fracture_steps;  /* substeps since the last frame of the fracture phase */
+    int64_t fracture_steps;  /* substeps since the last frame of the fracture phase, but for */
+    int64_t taken;           /* those of the advance that is under way */
     bool started;
     ShvListener listener;
     void *listener_data;
+    bool under_way; /* an advance has begun and not led to its frame: events and samples since the last one are there */
 };
 
 /* Refuses what would steer a run wrongly (scene_check.c). */

@@ -263,28 +263,42 @@ static ShvStatus failed(ShvSimulation *simulation, ShvStatus status)
     return status;
 }
 
+/* Up to the next frame, which *animation tells the kind of; from a checkpoint in the midst of that on. */
+static ShvStatus go_to_frame(ShvSimulation *simulation, bool *animation, ShvError *error)
+{
+    ShvHybrid *hybrid = &simulation->hybrid;
+    const double until = animation_time(simulation);
+    const int64_t every = simulation->scene->output.fracture_every;
+    simulation->fracture_steps += simulation->taken;
+    simulation->under_way = true;
+    const ShvStatus status = shv_hybrid_advance(hybrid, until, every > 0 ? every - simulation->fracture_steps : 0,
+                                                &simulation->taken, error);
+    simulation->fracture_steps += simulation->taken;
+    simulation->taken = 0;
+    simulation->under_way = false;
+    *animation = hybrid->state.time >= until;
+    if (status != SHV_OK) return status;
+    if (*animation) simulation->animation_frame++;
+    if (every > 0 && simulation->fracture_steps >= every) simulation->fracture_steps = 0;
+    return SHV_OK;
+}
+
 ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
-    if (simulation->started) hybrid->log.count = 0;
-    hybrid->probes.rows = 0;
     if (!simulation->started) {
         simulation->started = true;
         simulation->animation_frame = 1;
         return shv_simulation_fill(simulation, true, error);
     }
+    if (!simulation->under_way) {
+        hybrid->log.count = 0;
+        hybrid->probes.rows = 0;
+    }
     if (shv_simulation_finished(simulation)) return SHV_OK;
-    const double until = animation_time(simulation);
-    const int64_t every = simulation->scene->output.fracture_every;
-    int64_t taken = 0;
-    const ShvStatus status =
-        shv_hybrid_advance(hybrid, until, every > 0 ? every - simulation->fracture_steps : 0, &taken, error);
-    simulation->fracture_steps += taken;
-    if (status != SHV_OK) return failed(simulation, status);
-    const bool animation = hybrid->state.time >= until;
-    if (animation) simulation->animation_frame++;
-    if (every > 0 && simulation->fracture_steps >= every) simulation->fracture_steps = 0;
-    return shv_simulation_fill(simulation, animation, error);
+    bool animation;
+    const ShvStatus status = go_to_frame(simulation, &animation, error);
+    return status == SHV_OK ? shv_simulation_fill(simulation, animation, error) : failed(simulation, status);
 }
 
 const ShvFrameView *shv_simulation_frame(const ShvSimulation *simulation)

@@ -42,21 +42,25 @@ double shv_digest_seconds(const ShvDigest *digest)
     return shv_median(copy, count);
 }
 
+ShvStatus shv_digest_reserve(ShvDigest *digest, size_t room, size_t bodies, ShvError *error)
+{
+    double *times = shv_reallocate(digest->memory, SHV_PART_RECORD, digest->times, room, sizeof *times);
+    if (!times) return shv_fail_memory(error, "the way of bodies", room * sizeof *times);
+    digest->times = times;
+    ShvBodyState *states =
+        shv_reallocate(digest->memory, SHV_PART_RECORD, digest->states, room * bodies, sizeof *states);
+    if (!states) return shv_fail_memory(error, "the way of bodies", room * bodies * sizeof *states);
+    digest->states = states;
+    digest->frame_capacity = (int32_t)room;
+    return SHV_OK;
+}
+
 ShvStatus shv_digest_track(ShvDigest *digest, const ShvBodies *bodies, const ShvFrameView *frame, ShvError *error)
 {
     const size_t count = (size_t)bodies->count;
     digest->body_count = bodies->count;
-    if (digest->frame_count == digest->frame_capacity) {
-        const size_t room = 2 * (size_t)digest->frame_capacity + 64;
-        double *times = shv_reallocate(digest->memory, SHV_PART_RECORD, digest->times, room, sizeof *times);
-        if (!times) return shv_fail_memory(error, "the way of bodies", room * sizeof *times);
-        digest->times = times;
-        ShvBodyState *states =
-            shv_reallocate(digest->memory, SHV_PART_RECORD, digest->states, room * count, sizeof *states);
-        if (!states) return shv_fail_memory(error, "the way of bodies", room * count * sizeof *states);
-        digest->states = states;
-        digest->frame_capacity = (int32_t)room;
-    }
+    if (digest->frame_count == digest->frame_capacity)
+        SHV_TRY(shv_digest_reserve(digest, 2 * (size_t)digest->frame_capacity + 64, count, error));
     const size_t index = (size_t)digest->frame_count++;
     digest->times[index] = frame->time;
     for (size_t i = 0; i < count; i++) digest->states[index * count + i] = shv_body_state(&bodies->items[i], frame);

@@ -72,6 +72,9 @@ typedef struct ShvDigestOrder {
     double repeat_below; /* s: no further repeats once the run times add up to this; 0: all */
     int32_t audit_wakes;
     bool tracked;
+    /* Checkpoints: "CHECKPOINT.checkpoint-1" and "-2", of a run with this key. NULL: none. */
+    const char *checkpoint;
+    uint64_t key;
     bool (*stop)(void *data);
     void *stop_data;
 } ShvDigestOrder;
@@ -96,7 +99,24 @@ double shv_median(double *values, int32_t count);
 /* Ascending. */
 void shv_sort_numbers(double *values, int32_t count);
 
+/* digest_checkpoint.c: a run under way, and what is known of it so far. */
+typedef struct ShvDigestPull {
+    const ShvDigestOrder *order;
+    ShvDigest *digest;
+    ShvSimulation *simulation; /* NULL: nothing to save yet */
+    double seconds, bars;      /* s, of all frames so far; J: work of bars at the last one */
+    double begun, due;         /* s: shv_now as the advance under way began; of the next checkpoint */
+    uint64_t sequence;         /* of the last one */
+} ShvDigestPull;
+/* ShvSimulationOptions.stop, of a pull: saves it when it is time to or the run stops. */
+bool shv_digest_ask(void *pull);
+/* Loads the latest checkpoint into a simulation of which the first frame has been asked for; false: there is none. After a failure
+   the simulation can only be destroyed. */
+ShvStatus shv_digest_go_on(ShvDigestPull *pull, const ShvBodies *bodies, bool *goes_on, ShvError *error);
+
 /* Adds the present frame's bodies to the track. */
 ShvStatus shv_digest_track(ShvDigest *digest, const ShvBodies *bodies, const ShvFrameView *frame, ShvError *error);
+/* Room for so many frames of so many bodies. */
+ShvStatus shv_digest_reserve(ShvDigest *digest, size_t room, size_t bodies, ShvError *error);
 
 #endif

@@ -123,26 +123,31 @@ static ShvStatus keep(ShvDigest *digest, const ShvSimulation *simulation, ShvErr
 
 /* ---- the run ---- */
 
-/* Frame by frame to the end or to a failure, which goes to `own`. */
-static ShvStatus pull(ShvDigest *digest, const ShvDigestOrder *order, ShvSimulation *simulation, ShvBodies *bodies,
-                      ShvError *own, ShvError *error)
+/* The next frame, its time and what builds up. */
+static ShvStatus pull_frame(ShvDigestPull *pull, ShvBodies *bodies, ShvError *own, ShvError *error)
 {
-    double seconds = 0.0, bars = 0.0;
-    bool first = true;
-    while (first || !shv_simulation_finished(simulation)) {
-        const double start = shv_now();
-        const ShvStatus status = shv_simulation_advance(simulation, own);
-        seconds += first ? 0.0 : shv_now() - start;
-        if (status == SHV_INTERRUPTED || status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", own->message);
-        if (status != SHV_OK) break;
-        const ShvFrameView *frame = shv_simulation_frame(simulation);
-        if (first && order->tracked) SHV_TRY(shv_bodies_create(bodies, order->scene, frame, digest->memory, error));
-        first = false;
-        add_frame(digest, frame, &bars);
-        if (order->tracked) SHV_TRY(shv_digest_track(digest, bodies, frame, error));
-    }
-    digest->seconds[digest->repeats++] = seconds;
-    return keep(digest, simulation, error);
+    pull->begun = shv_now();
+    const ShvStatus status = shv_simulation_advance(pull->simulation, own);
+    const ShvFrameView *frame = shv_simulation_frame(pull->simulation);
+    if (frame->steps > 0 || frame->time > 0.0) pull->seconds += shv_now() - pull->begun;
+    if (status == SHV_INTERRUPTED || status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", own->message);
+    if (status != SHV_OK) return SHV_OK;
+    if (pull->order->tracked && !bodies->items)
+        SHV_TRY(shv_bodies_create(bodies, pull->order->scene, frame, pull->digest->memory, error));
+    add_frame(pull->digest, frame, &pull->bars);
+    return pull->order->tracked ? shv_digest_track(pull->digest, bodies, frame, error) : SHV_OK;
+}
+
+/* Frame by frame, or from a checkpoint on, to the end or to a failure, which goes to `own`. */
+static ShvStatus pull_frames(ShvDigestPull *pull, ShvBodies *bodies, ShvError *own, ShvError *error)
+{
+    bool goes_on;
+    SHV_TRY(pull_frame(pull, bodies, own, error));
+    if (own->status == SHV_OK) SHV_TRY(shv_digest_go_on(pull, bodies, &goes_on, error));
+    while (own->status == SHV_OK && !shv_simulation_finished(pull->simulation))
+        SHV_TRY(pull_frame(pull, bodies, own, error));
+    pull->digest->seconds[pull->digest->repeats++] = pull->seconds;
+    return keep(pull->digest, pull->simulation, error);
 }
 
 /* For its time alone. */
@@ -169,17 +174,20 @@ static bool is_short(const ShvDigest *digest, const ShvDigestOrder *order)
 static ShvStatus run_first(ShvDigest *digest, const ShvDigestOrder *order, const ShvSceneDefinition *scene,
                            ShvError *own, ShvError *error)
 {
-    ShvSimulation *simulation = NULL;
     ShvBodies bodies = {NULL, 0};
+    ShvDigestPull pull = {.order = order, .digest = digest};
+    ShvDigestOrder asking = *order;
+    asking.stop = shv_digest_ask;
+    asking.stop_data = &pull;
     const double start = shv_now();
-    ShvStatus status = make(order, scene, &simulation, own);
+    ShvStatus status = make(&asking, scene, &pull.simulation, own);
     digest->numbers[SHV_DIGEST_SETUP] = shv_now() - start;
     if (status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", own->message);
     if (status != SHV_OK) return SHV_OK;
-    status = least_stable_step(simulation, &digest->numbers[SHV_DIGEST_STABLE_STEP], error);
-    if (status == SHV_OK) status = pull(digest, order, simulation, &bodies, own, error);
+    status = least_stable_step(pull.simulation, &digest->numbers[SHV_DIGEST_STABLE_STEP], error);
+    if (status == SHV_OK) status = pull_frames(&pull, &bodies, own, error);
     shv_bodies_release(&bodies);
-    shv_simulation_destroy(simulation);
+    shv_simulation_destroy(pull.simulation);
     return status;
 }
 

@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
+#include "record/checkpoint.h"
 #include "scene/source.h"
 #include "shiver/version.h"
 #include "study/inputs.h"
@@ -266,8 +267,8 @@ static void tell(const ShvStudy *study, int32_t run)
     study->options.begins(study->options.begins_data, text);
 }
 
-static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *scene, ShvDigest *digest,
-                           ShvError *error)
+static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
+                           ShvDigest *digest, ShvError *error)
 {
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
     const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
@@ -282,6 +283,8 @@ static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *s
                                   .repeats = study->plan.repeats,
                                   .audit_wakes = study->plan.audit_wakes,
                                   .tracked = shv_study_tracks(study),
+                                  .checkpoint = path,
+                                  .key = study->keys[run],
                                   .stop = study->options.stop,
                                   .stop_data = study->options.stop_data};
     const ShvStatus status = shv_digest_run(digest, &order, error);
@@ -296,11 +299,12 @@ static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
     char *path = NULL;
     tell(study, run);
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
-    ShvStatus status = run_scene(study, run, scene, &digest, error);
+    ShvStatus status = shv_study_path(study, run, NULL, &path, error);
+    if (status == SHV_OK) status = run_scene(study, run, scene, path, &digest, error);
     digest.key = study->keys[run];
     digest.shared = study->options.shared;
-    if (status == SHV_OK) status = shv_study_path(study, run, NULL, &path, error);
     if (status == SHV_OK) status = shv_digest_save(&digest, path, error);
+    if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
     shv_release(path);
     shv_digest_release(&digest);
     shv_scene_destroy(scene);

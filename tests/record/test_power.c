@@ -12,7 +12,7 @@
 #include "operations.h"
 #include "shiver/run_file.h"
 
-enum { FRAMES = 24, MOST_OPERATIONS = 20000, PAGE = 4096, MOST_FILES = 4 };
+enum { FRAMES = 24, MOST_OPERATIONS = 20000, PAGE = 4096, MOST_FILES = 12, EVERY = 5 /* frames a checkpoint */ };
 
 typedef struct Note {
     Operation operation;
@@ -106,8 +106,14 @@ static int last_sync(uint64_t number, int cut)
     return -1;
 }
 
+static void take_name_from(Disk *disk, const char *name)
+{
+    for (int i = 0; i < disk->count; i++)
+        if (strcmp(disk->files[i].name, name) == 0) disk->files[i].name[0] = '\0';
+}
+
 /* Names are brought to the disk with their folder; later ones may have come along, in their order. */
-static void give_names(Disk *disk, uint64_t folder, const char *journal, int cut, Random *random)
+static void give_names(Disk *disk, uint64_t folder, int cut, Random *random)
 {
     const int synced = last_sync(folder, cut);
     bool goes_on = true;
@@ -116,9 +122,9 @@ static void give_names(Disk *disk, uint64_t folder, const char *journal, int cut
         if (operation->kind != OPERATION_NAME && operation->kind != OPERATION_UNLINK) continue;
         goes_on = goes_on && (i <= synced || draw(random) < 0.5);
         if (!goes_on) break;
+        take_name_from(disk, notes[i].name);
         DiskFile *file = file_of(disk, operation->file);
         if (operation->kind == OPERATION_NAME) snprintf(file->name, sizeof file->name, "%s", notes[i].name);
-        if (operation->kind == OPERATION_UNLINK && strcmp(notes[i].name, journal) == 0) file->name[0] = '\0';
     }
 }
 
@@ -139,6 +145,9 @@ static int64_t frames_synced(uint64_t journal, int cut)
 
 /* ---- the test ---- */
 
+/* Writes a run to its end; returns a ShvStatus. */
+typedef int Writer(const char *path, const FakeSetup *setup, int frames, ShvError *error);
+
 typedef struct Numbers {
     uint64_t folder, run, journal;
 } Numbers;
@@ -148,13 +157,17 @@ static Numbers find_numbers(void)
     Numbers numbers = {0, 0, 0};
     for (int i = 0; i < note_count; i++) {
         const Operation *operation = &notes[i].operation;
-        if (operation->kind == OPERATION_NAME) numbers.run = operation->file;
+        if (operation->kind == OPERATION_NAME && strcmp(notes[i].name, "run.h5") == 0) numbers.run = operation->file;
         if (operation->kind == OPERATION_UNLINK && strstr(notes[i].name, ".journal")) numbers.journal = operation->file;
     }
-    for (int i = 0; i < note_count; i++) {
+    /* Nothing is written to a folder. */
+    for (int i = 0; i < note_count && numbers.folder == 0; i++) {
         const Operation *operation = &notes[i].operation;
-        if (operation->kind == OPERATION_SYNC && operation->file != numbers.run && operation->file != numbers.journal)
-            numbers.folder = operation->file;
+        bool written = false;
+        for (int k = 0; k < note_count; k++)
+            written =
+                written || (notes[k].operation.file == operation->file && notes[k].operation.kind != OPERATION_SYNC);
+        if (operation->kind == OPERATION_SYNC && !written) numbers.folder = operation->file;
     }
     assert_true(numbers.folder != 0 && numbers.run != 0 && numbers.journal != 0);
     return numbers;
@@ -164,17 +177,25 @@ static void make_disk(Disk *disk, const Numbers *numbers, int cut, Random *rando
 {
     static const double chances[] = {0.0, 0.2, 0.5, 0.9, 1.0};
     const double chance = chances[(int)(5.0 * draw(random))];
-    const uint64_t both[] = {numbers->run, numbers->journal};
-    for (int which = 0; which < 2; which++) {
-        DiskFile *file = file_of(disk, both[which]);
-        const int synced = last_sync(both[which], cut);
-        for (int i = 0; i < cut; i++)
-            if (notes[i].operation.file == both[which]) arrive(file, &notes[i], i <= synced ? 2.0 : chance, random);
+    for (int i = 0; i < cut; i++) {
+        const Operation *operation = &notes[i].operation;
+        if (operation->kind != OPERATION_WRITE && operation->kind != OPERATION_RESIZE) continue;
+        const bool synced = i <= last_sync(operation->file, cut);
+        arrive(file_of(disk, operation->file), &notes[i], synced ? 2.0 : chance, random);
     }
     /* The journal has its name from the beginning, as soon as the folder was synced; before, it may be missing. */
     if (last_sync(numbers->folder, cut) >= 0 || draw(random) < 0.5)
         snprintf(file_of(disk, numbers->journal)->name, sizeof disk->files[0].name, "run.h5.journal");
-    give_names(disk, numbers->folder, "run.h5.journal", cut, random);
+    give_names(disk, numbers->folder, cut, random);
+}
+
+static void name_for(char name[64])
+{
+    char own[64];
+    if (strncmp(name, "run.h5", 6) == 0) {
+        snprintf(own, sizeof own, "cut.h5%.50s", name + 6);
+        memcpy(name, own, sizeof own);
+    }
 }
 
 static int cut_power(const void *folder, const FakeSetup *setup, const Numbers *numbers, int cut, uint64_t seed)
@@ -183,38 +204,43 @@ static int cut_power(const void *folder, const FakeSetup *setup, const Numbers *
     Random random = {seed, 0};
     make_disk(&disk, numbers, cut, &random);
     const char *path = file_in(folder, "cut.h5");
-    for (int i = 0; i < disk.count; i++) {
-        DiskFile *file = &disk.files[i];
-        const char *name = strstr(file->name, ".journal")      ? "cut.h5.journal"
-                           : strcmp(file->name, "run.h5") == 0 ? "cut.h5"
-                                                               : "";
-        snprintf(file->name, sizeof file->name, "%s", name);
-    }
+    for (int i = 0; i < disk.count; i++) name_for(disk.files[i].name);
     write_disk(&disk, folder);
     for (int i = 0; i < disk.count; i++) free(disk.files[i].bytes);
     const int64_t least = frames_synced(numbers->journal, cut);
     crash_expect(cut > 0 ? notes[cut - 1].frames : 0);
     const char *wrong = crash_check_least(path, setup, least);
     if (wrong) fail_msg("cut after operation %d of %d, seed %d: %s", cut, note_count, (int)seed, wrong);
-    unlink(path);
-    unlink(file_in(folder, "cut.h5.journal"));
     return least > 0;
+}
+
+static void remove_cut(const void *folder)
+{
+    static const char *const names[] = {"cut.h5", "cut.h5.journal", "cut.h5.checkpoint-1", "cut.h5.checkpoint-2"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) unlink(file_in(folder, names[i]));
+}
+
+/* Notes all operations of a run. */
+static Numbers note_run(const void *folder, const FakeSetup *setup, Writer *writer)
+{
+    ShvError error;
+    crash_expect(0);
+    note_count = 0;
+    operations_hook(take_note);
+    assert_int_equal(writer(file_in(folder, "run.h5"), setup, FRAMES, &error), SHV_OK);
+    operations_hook(NULL);
+    return find_numbers();
 }
 
 static void cut_often(void **state, const FakeSetup *setup)
 {
     enum { CUTS = 300 };
-    ShvError error;
-    crash_expect(0);
-    note_count = 0;
-    operations_hook(take_note);
-    assert_int_equal(crash_frames(file_in(*state, "run.h5"), setup, FRAMES, &error), SHV_OK);
-    operations_hook(NULL);
-    const Numbers numbers = find_numbers();
+    const Numbers numbers = note_run(*state, setup, crash_frames);
     int with_frames = 0;
-    for (int i = 0; i < CUTS; i++)
+    for (int i = 0; i < CUTS; i++, remove_cut(*state))
         with_frames += cut_power(*state, setup, &numbers, (int)((int64_t)note_count * i / CUTS), (uint64_t)i + 1);
-    for (int i = note_count - 20; i <= note_count; i++) cut_power(*state, setup, &numbers, i, (uint64_t)i + 7);
+    for (int i = note_count - 20; i <= note_count; i++, remove_cut(*state))
+        cut_power(*state, setup, &numbers, i, (uint64_t)i + 7);
     for (int i = 0; i < note_count; i++) free(notes[i].data);
     assert_true(with_frames > (setup->sync_interval > 0.0 ? 0 : CUTS / 2));
 }
@@ -229,11 +255,61 @@ static void test_power_cuts_with_a_long_journal(void **state)
     cut_often(state, &CRASH_LAZY);
 }
 
+static int gone_on;
+
+/* With checkpoints, from one of which it goes on where there is one. */
+static int write_or_go_on(const char *path, const FakeSetup *setup, int frames, ShvError *error)
+{
+    ShvRecord *record;
+    int64_t done = 0;
+    ShvRecordDefinition definition = shv_record_default();
+    definition.path = path;
+    definition.force = true;
+    definition.sync_interval = 0.002;
+    ShvSimulation *simulation = fake_create(setup);
+    ShvStatus status = shv_record_resume(&record, &definition, simulation, &done, sizeof done, error);
+    gone_on += done > 0;
+    if (status == SHV_OK && !record) status = shv_record_create(&record, &definition, simulation, error);
+    while (status == SHV_OK && done < frames) {
+        fake_advance(simulation);
+        status = shv_record_frame(record, simulation, error);
+        if (status == SHV_OK) crash_counters()->frames = ++done;
+        if (status == SHV_OK && done % EVERY == 0)
+            status = shv_record_checkpoint(record, simulation, &done, sizeof done, error);
+    }
+    ShvError closing;
+    const ShvStatus closed = shv_record_close(record, status, "", &closing);
+    if (status == SHV_OK && closed != SHV_OK) *error = closing;
+    fake_destroy(simulation);
+    return status == SHV_OK ? (int)closed : (int)status;
+}
+
+/* What is left can go on, and comes to the same end. */
+static void test_power_cuts_with_checkpoints(void **state)
+{
+    enum { CUTS = 50 };
+    ShvError error;
+    const Numbers numbers = note_run(*state, &CRASH_SETUP, write_or_go_on);
+    for (int i = 0; i < CUTS; i++, remove_cut(*state)) {
+        const int cut = (int)((int64_t)note_count * (i + 1) / CUTS);
+        cut_power(*state, &CRASH_SETUP, &numbers, cut, (uint64_t)i + 1);
+        const char *path = file_in(*state, "cut.h5");
+        if (write_or_go_on(path, &CRASH_SETUP, FRAMES, &error) != SHV_OK)
+            fail_msg("after operation %d: %s", cut, error.message);
+        crash_expect(FRAMES);
+        const char *wrong = crash_check(path, &CRASH_SETUP);
+        if (wrong) fail_msg("went on after operation %d of %d: %s", cut, note_count, wrong);
+    }
+    for (int i = 0; i < note_count; i++) free(notes[i].data);
+    assert_true(gone_on > CUTS / 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_power_cuts, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_power_cuts_with_a_long_journal, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_power_cuts_with_checkpoints, make_folder, remove_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,96 @@
+#include "contact/contact_archive.h"
+
+#include "contact/candidates.h"
+
+bool shv_node_contact_archive(ShvNodeContact *contact, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvNodeContact, candidates, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, candidate_start, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, last_touch, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, pairs, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, touches, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvNodeContact, memory, SHV_FIELD_KEPT),
+    };
+    return SHV_ARCHIVE_STRUCT(archive, contact, fields);
+}
+
+bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvSurfaceContact, list.boundary, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.facets, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.nodes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.slot, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.cracks, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.place, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.touched, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.touch, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.parted, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, grid.entries, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, grid.sorted, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, grid.starts, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, grid.found, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, facet_grid.entries, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, facet_grid.sorted, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, facet_grid.starts, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, facet_grid.found, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, own, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, near, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, order, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, fragments, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, strays.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, stray_facets.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].due, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].movers, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].due, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].movers, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, watched, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, companion_before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, pairs, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.looks, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.nodes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.facets, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.planes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.drafts, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, draw.keys, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, turns, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSurfaceContact, model, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSurfaceContact, list.memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSurfaceContact, list.model, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSurfaceContact, grid.memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSurfaceContact, facet_grid.memory, SHV_FIELD_KEPT),
+    };
+    return SHV_ARCHIVE_STRUCT(archive, contact, fields);
+}
+
+static bool condition_archive(ShvImposedCondition *condition, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvImposedCondition, nodes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvImposedCondition, before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvImposedCondition, impulse, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvImposedCondition, facets, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvImposedCondition, definition, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposedCondition, origins, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposedCondition, origin_count, SHV_FIELD_KEPT),
+    };
+    return SHV_ARCHIVE_STRUCT(archive, condition, fields);
+}
+
+bool shv_imposed_archive(ShvImposed *imposed, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvImposed, memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposed, items, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposed, count, SHV_FIELD_KEPT),
+    };
+    bool good = SHV_ARCHIVE_STRUCT(archive, imposed, fields);
+    for (int32_t i = 0; good && i < imposed->count; i++) good = condition_archive(&imposed->items[i], archive);
+    return good;
+}

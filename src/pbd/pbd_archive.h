@@ -1,0 +1,13 @@
+/* What of position based dynamics goes to a checkpoint. */
+#ifndef SHV_PBD_PBD_ARCHIVE_H
+#define SHV_PBD_PBD_ARCHIVE_H
+
+#include "base/archive.h"
+#include "pbd/flyer.h"
+
+bool shv_bars_archive(ShvBars *bars, ShvArchive *archive);
+bool shv_relax_archive(ShvRelax *relax, ShvArchive *archive);
+bool shv_ties_archive(ShvTies *ties, ShvArchive *archive);
+bool shv_flyer_archive(ShvFlyer *flyer, ShvArchive *archive);
+
+#endif

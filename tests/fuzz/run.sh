@@ -1,0 +1,43 @@
+#!/bin/sh
+# Runs fuzzers, each for so many seconds of processor time; what they find is kept beside the build and ends with a failure.
+# usage: run.sh SECONDS [READER …]
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+folder=$root/build/fuzz
+seconds=$1
+shift
+[ $# -gt 0 ] || set -- scene set gmsh stl ply obj tetgen study case formula run_file
+
+# What the scenes of the source tree give, beside the kept corpus.
+seeds()
+{
+    case $1 in
+    scene) find "$root/scenes" -name '*.yaml' ! -name '*.case.yaml' ! -path '*/studies/*' ;;
+    case) find "$root/scenes" -name '*.case.yaml' ;;
+    study) find "$root/scenes/studies" -name '*.yaml' ;;
+    esac
+}
+
+bad=0
+for reader in "$@"; do
+    work=$folder/corpus/$reader
+    mkdir -p "$work" "$folder/found"
+    seeds "$reader" | while read -r file; do cp "$file" "$work/seed-$(basename "$(dirname "$file")")-$(basename "$file")"; done
+    if [ "$reader" = run_file ] && [ -x "$root/build/release/shiver" ]; then
+        "$root/build/release/shiver" run "$root/scenes/extreme/24_parts.yaml" --quiet --force --output "$work/seed.h5"
+    fi
+    kept=$root/tests/fuzz/corpus/$reader
+    [ -d "$kept" ] || kept=
+    echo "== $reader"
+    if ! LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.txt:print_suppressions=0 \
+        ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$folder/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" \
+        -timeout=20 -rss_limit_mb=2048 -max_len=20000 -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
+        -artifact_prefix="$folder/found/$reader-" "$work" ${kept:+"$kept"} >"$folder/$reader.log" 2>&1; then
+        echo "fuzz: $reader found something, see $folder/$reader.log" >&2
+        tail -n 30 "$folder/$reader.log" >&2
+        bad=1
+    else
+        grep 'number_of_executed_units' "$folder/$reader.log" || true
+    fi
+done
+exit $bad
