@@ -14,9 +14,10 @@ typedef struct ShvNodePair {
     ShvVec3 point, normal;
     ShvVec3 relative; /* velocity against the obstacle before any response, m/s */
     double speed;     /* sum of its components: unlike the Euclidean norm it does not vanish before the velocity does */
-    double normal_impulse;
-    ShvVec3 friction;  /* as in ShvNodeTouch */
-    ShvVec3 before[3]; /* of each node */
+    double inverse_mass, slip_inverse_mass; /* 1/kg: along the normal; no less than any across it */
+    double normal_impulse, friction_bound;  /* N·s */
+    ShvVec3 friction;                       /* as in ShvNodeTouch */
+    ShvVec3 before[3];                      /* of each node */
 } ShvNodePair;
 
 /* Rebuilds the candidates when they may no longer hold. Between rebuilds a step costs no look at the nodes, except that

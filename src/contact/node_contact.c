@@ -86,9 +86,37 @@ typedef struct ContactStep {
     ShvVec3 gravity;
 } ContactStep;
 
-static double sum_of_components(ShvVec3 v)
+static ShvVec3 relative_velocity(const ContactStep *now, const ShvNodePair *pair)
 {
-    return fabs(v.x) + fabs(v.y) + fabs(v.z);
+    const ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
+    const double *velocity = now->state->velocity;
+    ShvVec3 own = shv_scale(shv_load3(velocity + 3 * (int64_t)pair->nodes[0]), pair->weights[0]);
+    for (int c = 1; c < pair->node_count; c++)
+        own = shv_madd(own, pair->weights[c], shv_load3(velocity + 3 * (int64_t)pair->nodes[c]));
+    return shv_sub(own, obstacle_velocity(obstacle, pair->point, now->step, now->gravity));
+}
+
+static double inverse_mass(const ContactStep *now, const ShvNodePair *pair, ShvVec3 direction)
+{
+    double own = 0.0;
+    for (int c = 0; c < pair->node_count; c++)
+        own += pair->weights[c] * pair->weights[c] / now->state->mass[pair->nodes[c]];
+    return own + shv_obstacle_inverse_mass(&now->obstacles->items[pair->obstacle], pair->point, direction);
+}
+
+/* What follows from where they are and how they move. Of the two directions across the normal, each yields at least what the
+   masses alone yield: what the sum of both has more is the most that one can have more. */
+static void weigh(const ContactStep *now, ShvNodePair *pair)
+{
+    const ShvVec3 n = pair->normal;
+    const ShvVec3 first = shv_unit(shv_cross(n, fabs(n.x) < 0.6 ? shv_vec3(1.0, 0.0, 0.0) : shv_vec3(0.0, 1.0, 0.0)));
+    double masses = 1.0 / now->obstacles->items[pair->obstacle].mass;
+    for (int c = 0; c < pair->node_count; c++)
+        masses += pair->weights[c] * pair->weights[c] / now->state->mass[pair->nodes[c]];
+    pair->relative = relative_velocity(now, pair);
+    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
+    pair->inverse_mass = inverse_mass(now, pair, n);
+    pair->slip_inverse_mass = inverse_mass(now, pair, first) + inverse_mass(now, pair, shv_cross(n, first)) - masses;
 }
 
 static bool make_pair(const ContactStep *now, int32_t node, int32_t index, double obstacle_speed, ShvNodePair *pair)
@@ -109,8 +137,6 @@ static bool make_pair(const ContactStep *now, int32_t node, int32_t index, doubl
                           .point = at.point,
                           .normal = at.normal};
     find_plane(obstacle, x, relative, now->step, pair);
-    pair->relative = relative;
-    pair->speed = sum_of_components(relative);
     return true;
 }
 
@@ -121,14 +147,16 @@ static ShvVec3 velocity_before(const ContactStep *now, int32_t node)
     return shv_madd(shv_load3(now->state->velocity + i), -now->kick, acceleration);
 }
 
-static ShvStatus append_pair(ShvNodeContact *contact, const ShvNodePair *pair, ShvError *error)
+static ShvStatus append_pair(const ContactStep *now, const ShvNodePair *pair, ShvError *error)
 {
+    ShvNodeContact *contact = now->contact;
     const ShvNodePair copy = *pair; /* may lie in the block that moves */
     void *block = contact->pairs;
     SHV_TRY(
         shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof copy, error));
     contact->pairs = block;
     contact->pairs[contact->pair_count++] = copy;
+    weigh(now, &contact->pairs[contact->pair_count - 1]);
     return SHV_OK;
 }
 
@@ -144,20 +172,10 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
             if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
             pair.before[0] = contact->begun ? shv_load3(contact->before + 3 * (int64_t)k)
                                             : velocity_before(now, contact->candidates[k]);
-            SHV_TRY(append_pair(contact, &pair, error));
+            SHV_TRY(append_pair(now, &pair, error));
         }
     }
     return SHV_OK;
-}
-
-static ShvVec3 relative_velocity(const ContactStep *now, const ShvNodePair *pair)
-{
-    const ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
-    const double *velocity = now->state->velocity;
-    ShvVec3 own = shv_scale(shv_load3(velocity + 3 * (int64_t)pair->nodes[0]), pair->weights[0]);
-    for (int c = 1; c < pair->node_count; c++)
-        own = shv_madd(own, pair->weights[c], shv_load3(velocity + 3 * (int64_t)pair->nodes[c]));
-    return shv_sub(own, obstacle_velocity(obstacle, pair->point, now->step, now->gravity));
 }
 
 /* As make_pair; the way of a step is a small share of a facet, so that the plane found is the one that counts. */
@@ -182,9 +200,7 @@ static ShvStatus list_facet_pairs(const ContactStep *now, const ShvFacetCandidat
             pair.weights[c] = points[k].weights[c];
             pair.before[c] = now->contact->begun ? candidate->before[c] : velocity_before(now, candidate->nodes[c]);
         }
-        pair.relative = relative_velocity(now, &pair);
-        pair.speed = sum_of_components(pair.relative);
-        SHV_TRY(append_pair(now->contact, &pair, error));
+        SHV_TRY(append_pair(now, &pair, error));
     }
     return SHV_OK;
 }
@@ -203,28 +219,6 @@ static void apply_impulse(const ContactStep *now, const ShvNodePair *pair, ShvVe
     now->contact->obstacle_work[1] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
 }
 
-static double inverse_mass(const ContactStep *now, const ShvNodePair *pair, ShvVec3 direction)
-{
-    double own = 0.0;
-    for (int c = 0; c < pair->node_count; c++)
-        own += pair->weights[c] * pair->weights[c] / now->state->mass[pair->nodes[c]];
-    return own + shv_obstacle_inverse_mass(&now->obstacles->items[pair->obstacle], pair->point, direction);
-}
-
-/* At most what stops the sliding, and at most µ times the normal impulse: it can only take energy. */
-static void rub(const ContactStep *now, ShvNodePair *pair, double normal_impulse)
-{
-    const double most = now->obstacles->items[pair->obstacle].friction * normal_impulse;
-    const ShvVec3 relative = relative_velocity(now, pair);
-    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
-    const double speed = shv_norm(slip);
-    if (!(most > 0.0) || !(speed > 0.0)) return;
-    const ShvVec3 along = shv_scale(slip, 1.0 / speed);
-    const ShvVec3 impulse = shv_scale(along, -fmin(most, speed / inverse_mass(now, pair, along)));
-    apply_impulse(now, pair, impulse);
-    pair->friction = shv_add(pair->friction, impulse);
-}
-
 /* How much faster a pair closes than it may: down to the surface by the end of the step, or not at all. */
 static double excess(const ContactStep *now, const ShvNodePair *pair)
 {
@@ -232,30 +226,66 @@ static double excess(const ContactStep *now, const ShvNodePair *pair)
     return allowed - shv_dot(relative_velocity(now, pair), pair->normal);
 }
 
-static bool relax(const ContactStep *now, ShvNodePair *pair, double tolerance)
+/* The normal impulse so far becomes the one that leaves no excess, or none. Returns by how much the velocity changes. */
+static double press(const ContactStep *now, ShvNodePair *pair)
 {
-    const double too_fast = excess(now, pair);
-    if (!(too_fast > tolerance * pair->speed)) return false;
-    const double impulse = too_fast / inverse_mass(now, pair, pair->normal);
-    apply_impulse(now, pair, shv_scale(pair->normal, impulse));
-    pair->normal_impulse += impulse;
-    rub(now, pair, impulse);
-    return true;
+    const double wanted = fmax(0.0, pair->normal_impulse + excess(now, pair) / pair->inverse_mass);
+    const double change = wanted - pair->normal_impulse;
+    if (change == 0.0) return 0.0;
+    apply_impulse(now, pair, shv_scale(pair->normal, change));
+    pair->normal_impulse = wanted;
+    return fabs(change) * pair->inverse_mass;
 }
 
-/* Every impulse stops a closing motion or slows a sliding one, so each sweep takes energy or leaves it, converged or not. */
+/* Friction so far goes against the slip, up to its bound. */
+static double rub(const ContactStep *now, ShvNodePair *pair)
+{
+    if (!(pair->friction_bound > 0.0)) return 0.0;
+    const ShvVec3 relative = relative_velocity(now, pair);
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
+    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
+    const double size = shv_norm(wanted);
+    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
+    const ShvVec3 change = shv_sub(wanted, pair->friction);
+    apply_impulse(now, pair, change);
+    pair->friction = wanted;
+    return shv_norm(change) * pair->slip_inverse_mass;
+}
+
+/* Sweeps until no velocity changes by more than rounding, that of a facet, whose steps are short, by a millionth of its pair's,
+   or they are used up: true. */
+static bool relax(const ContactStep *now)
+{
+    const double rounding = 1e-13, good = 1e-6;
+    ShvNodeContact *contact = now->contact;
+    bool again = contact->pair_count > 0;
+    for (int pass = 0; pass < MOST_SWEEPS && again; pass++) {
+        again = false;
+        for (int32_t k = 0; k < contact->pair_count; k++) {
+            ShvNodePair *pair = &contact->pairs[k];
+            const double change = press(now, pair) + rub(now, pair);
+            again |= change > (pair->node_count > 1 ? good : rounding) * pair->speed;
+        }
+    }
+    return again;
+}
+
+/* Normal impulses first, then, with µ times those as bounds of friction, both: so the impulses together take energy or leave
+   it, whatever sweeps were made (respond() of surface_contact.c tells why). Points of facets share nodes: an impulse is
+   taken back where another one has done its work. */
 static void sweep(const ContactStep *now)
 {
-    const double rounding = 1e-13;
     ShvNodeContact *contact = now->contact;
-    bool closing = contact->pair_count > 0;
-    for (int pass = 0; pass < MOST_SWEEPS && closing; pass++) {
-        closing = false;
-        for (int32_t k = 0; k < contact->pair_count; k++)
-            closing |= relax(now, &contact->pairs[k], pass == 0 ? 0.0 : rounding);
+    bool open = relax(now), rough = false;
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        ShvNodePair *pair = &contact->pairs[k];
+        const double most = now->obstacles->items[pair->obstacle].friction * pair->normal_impulse;
+        pair->friction_bound = fmax(pair->friction_bound, most);
+        rough |= pair->friction_bound > 0.0;
     }
+    if (rough) open = relax(now);
     contact->unresolved = 0;
-    for (int32_t k = 0; closing && k < contact->pair_count; k++)
+    for (int32_t k = 0; open && k < contact->pair_count; k++)
         contact->unresolved += excess(now, &contact->pairs[k]) > 1e-6 * contact->pairs[k].speed;
 }
 
@@ -279,10 +309,10 @@ static ShvStatus append_crossings(const ContactStep *now, bool *any, ShvError *e
         pair.point = crossing.point;
         pair.normal = crossing.normal;
         pair.gap = shv_dot(shv_sub(from, crossing.point), crossing.normal);
-        pair.normal_impulse = 0.0;
+        pair.normal_impulse = pair.friction_bound = 0.0;
         pair.friction = shv_vec3(0.0, 0.0, 0.0);
         if (pair.gap + shv_dot(way, pair.normal) > -2.0 * rounding) continue;
-        SHV_TRY(append_pair(contact, &pair, error));
+        SHV_TRY(append_pair(now, &pair, error));
         *any = true;
     }
     return SHV_OK;
@@ -327,7 +357,8 @@ static ShvStatus list_touches(ShvNodeContact *contact, ShvError *error)
     contact->impulse = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < contact->pair_count; k++) {
         const ShvNodePair *pair = &contact->pairs[k];
-        for (int c = 0; c < pair->node_count && pair->normal_impulse > 0.0; c++)
+        const bool touches = pair->normal_impulse > 0.0 || shv_dot(pair->friction, pair->friction) > 0.0;
+        for (int c = 0; c < pair->node_count && touches; c++)
             if (pair->weights[c] > 0.0) SHV_TRY(append_touch(contact, pair, c, error));
     }
     for (int32_t k = 0; k < contact->touching; k++)
