@@ -86,7 +86,6 @@ ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvS
     ShvFacetShape shape = {.apex = shv_state_position(state, candidate->apex)};
     for (int k = 0; k < 3; k++) {
         shape.corners[k] = shv_state_position(state, candidate->nodes[k]);
-        shape.own[k] = candidate->own[k];
     }
     return shape;
 }
@@ -101,14 +100,12 @@ static ShvStatus append_facet(ShvNodeContact *contact, const ShvFacetCandidate *
     return SHV_OK;
 }
 
-/* With each feature of the obstacle that is near. Facets of a surface run round it the same way, so that each of an edge's two
-   facets has it from another end: the one in which it rises owns it. */
+/* With each feature of the obstacle that is near. */
 static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle, int32_t index,
                             int32_t face, ShvError *error)
 {
     ShvFacetCandidate candidate = {.obstacle = index, .apex = shv_state_node(state, face / 4, face % 4)};
     for (int k = 0; k < 3; k++) candidate.nodes[k] = shv_state_node(state, face / 4, shv_face_corners[face % 4][k]);
-    for (int k = 0; k < 3; k++) candidate.own[k] = candidate.nodes[k] < candidate.nodes[(k + 1) % 3];
     const ShvFacetShape shape = shv_candidate_shape(&candidate, state);
     double radius;
     int32_t first, end;

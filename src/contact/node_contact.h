@@ -30,7 +30,6 @@ typedef struct ShvNodeTouch {
 typedef struct ShvFacetCandidate {
     int32_t obstacle, feature;
     int32_t nodes[3], apex;
-    bool own[3];       /* as in ShvFacetShape */
     ShvVec3 before[3]; /* velocities of the nodes before the kick, m/s */
 } ShvFacetCandidate;
 

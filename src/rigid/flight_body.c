@@ -17,17 +17,15 @@ static ShvStatus copy_surface(ShvFlightBody *body, const ShvRigidWorld *world, S
     return body->offsets ? SHV_OK : shv_fail_memory(error, "a fragment in flight", 3 * (size_t)count * sizeof(double));
 }
 
+static ShvVec3 arm_of(const ShvState *state, int32_t element, int32_t corner, ShvVec3 centre)
+{
+    return shv_sub(shv_load3(state->reference + 3 * (int64_t)shv_state_node(state, element, corner)), centre);
+}
+
 static ShvFacetShape facet_of(const ShvState *state, int32_t face, ShvVec3 centre)
 {
-    ShvFacetShape facet;
-    int32_t nodes[3];
-    for (int k = 0; k < 3; k++) {
-        nodes[k] = shv_state_node(state, face / 4, shv_face_corners[face % 4][k]);
-        facet.corners[k] = shv_sub(shv_load3(state->reference + 3 * (int64_t)nodes[k]), centre);
-    }
-    for (int k = 0; k < 3; k++) facet.own[k] = nodes[k] < nodes[(k + 1) % 3];
-    const int32_t apex = shv_state_node(state, face / 4, face % 4);
-    facet.apex = shv_sub(shv_load3(state->reference + 3 * (int64_t)apex), centre);
+    ShvFacetShape facet = {.apex = arm_of(state, face / 4, face % 4, centre)};
+    for (int k = 0; k < 3; k++) facet.corners[k] = arm_of(state, face / 4, shv_face_corners[face % 4][k], centre);
     return facet;
 }
 

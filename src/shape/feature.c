@@ -154,6 +154,11 @@ void shv_features_near(const ShvObstacle *obstacle, ShvVec3 point, double reach,
     *end = first_from(obstacle, x + far);
 }
 
+bool shv_feature_is_edge(const ShvFeature *feature)
+{
+    return feature->outward.x != 0.0 || feature->outward.y != 0.0 || feature->outward.z != 0.0;
+}
+
 static double clamp(double share)
 {
     return fmin(1.0, fmax(0.0, share));
@@ -190,11 +195,15 @@ ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius)
 
 /* ---- meeting ---- */
 
+/* Share of an edge or facet next to its ends where nodes and vertices meet what is there: a node that lies on a face by rounding
+   below it would else bring its own edges to face those of the obstacle, sideways. */
+static const double rim = 1e-3;
+
 /* Whether a direction is among the outward normals of the obstacle at a point of its surface: then the surface is as far
    behind a point a little way out. */
 static bool looks_out(const ShvObstacle *obstacle, const ShvFeature *feature, ShvVec3 point, ShvVec3 normal)
 {
-    const double way = 0.01 * feature->size, straight = 0.98; /* cosine: 11 degrees past the normals are theirs yet */
+    const double way = 0.01 * feature->size, straight = 0.9995; /* cosine: 2 degrees past them will do */
     return shv_obstacle_closest(obstacle, shv_madd(point, way, normal), 2.0 * way).gap >= straight * way;
 }
 
@@ -229,7 +238,7 @@ static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, 
     for (int k = 0; k < 3; k++) {
         const ShvVec3 from = shv_sub(x[(k + 1) % 3], point), to = shv_sub(x[(k + 2) % 3], point);
         found->weights[k] = shv_dot(area, shv_cross(from, to)) / whole;
-        if (!(found->weights[k] >= 0.0)) return false;
+        if (!(found->weights[k] >= rim)) return false;
     }
     return looks_out(obstacle, feature, point, normal);
 }
@@ -249,10 +258,10 @@ static Nearest nearest_of_segments(ShvVec3 a, ShvVec3 u, ShvVec3 b, ShvVec3 v)
     const double uu = shv_dot(u, u), vv = shv_dot(v, v), uv = shv_dot(u, v), uw = shv_dot(u, w), vw = shv_dot(v, w);
     const double determinant = uu * vv - uv * uv;
     double s = determinant > parallel * uu * vv ? (uw * vv - vw * uv) / determinant : 0.0;
-    const bool first_inside = determinant > parallel * uu * vv && s >= 0.0 && s <= 1.0;
+    const bool first_inside = determinant > parallel * uu * vv && s >= rim && s <= 1.0 - rim;
     s = uu > 0.0 ? clamp(s) : 0.0;
     double t = vv > 0.0 ? (s * uv - vw) / vv : 0.0;
-    const bool inside = first_inside && t >= 0.0 && t <= 1.0;
+    const bool inside = first_inside && t >= rim && t <= 1.0 - rim;
     if (t < 0.0 || t > 1.0) {
         t = clamp(t);
         s = uu > 0.0 ? clamp((t * uv + uw) / uu) : 0.0;
@@ -260,11 +269,12 @@ static Nearest nearest_of_segments(ShvVec3 a, ShvVec3 u, ShvVec3 b, ShvVec3 v)
     return (Nearest){{s, t}, shv_add(w, shv_sub(shv_scale(v, t), shv_scale(u, s))), inside};
 }
 
-/* One edge of the facet; the other two nodes of its tet are to be on its far side. */
+/* One edge of the facet; its tet is to be on its far side, where a body that drapes over an edge has its next nodes lower. What a
+   node of the edge has gone into is its own to leave. */
 static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, int edge,
                       double limit, ShvFeaturePoint *found)
 {
-    const double behind = 0.02, deepest = 0.25; /* shares of the shorter edge */
+    const double lower = 0.5, deepest = 0.25; /* shares of the shorter edge */
     const int next = (edge + 1) % 3, third = (edge + 2) % 3;
     const ShvVec3 a = world_of(obstacle, feature->ends[0]), b = facet->corners[edge];
     const ShvVec3 u = shv_sub(world_of(obstacle, feature->ends[1]), a), v = shv_sub(facet->corners[next], b);
@@ -274,41 +284,37 @@ static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, co
     if (shv_dot(normal, shv_rotate(obstacle->orientation, feature->outward)) < 0.0) normal = shv_scale(normal, -1.0);
     const double gap = shv_dot(normal, at.between), size = fmin(shv_norm(u), shv_norm(v));
     if (!(gap < limit) || gap < -deepest * size) return false;
-    if (shv_dot(normal, shv_sub(facet->corners[third], b)) < -behind * size ||
-        shv_dot(normal, shv_sub(facet->apex, b)) < -behind * size)
+    if (shv_dot(normal, shv_sub(facet->corners[third], b)) < -lower * size ||
+        shv_dot(normal, shv_sub(facet->apex, b)) < 0.0)
         return false;
+    for (int k = 0; k < 2 && gap <= 0.0; k++)
+        if (shv_obstacle_closest(obstacle, facet->corners[k == 0 ? edge : next], 0.0).gap <= 0.0) return false;
     *found = (ShvFeaturePoint){gap, shv_madd(a, at.shares[0], u), normal, {0.0, 0.0, 0.0}};
     found->weights[edge] = 1.0 - at.shares[1];
     found->weights[next] = at.shares[1];
     return looks_out(obstacle, feature, found->point, normal);
 }
 
-static bool is_vertex(const ShvFeature *feature)
-{
-    return feature->outward.x == 0.0 && feature->outward.y == 0.0 && feature->outward.z == 0.0;
-}
-
 int shv_feature_meet(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, double limit,
                      ShvFeaturePoint points[3])
 {
     if (obstacle->shape == SHV_OBSTACLE_SPHERE) return meet_sphere(obstacle, facet, limit, points);
-    if (is_vertex(feature)) return meet_vertex(obstacle, feature, facet, limit, points);
+    if (!shv_feature_is_edge(feature)) return meet_vertex(obstacle, feature, facet, limit, points);
     int count = 0;
-    for (int k = 0; k < 3; k++)
-        if (facet->own[k]) count += meet_edge(obstacle, feature, facet, k, limit, &points[count]);
+    for (int k = 0; k < 3; k++) count += meet_edge(obstacle, feature, facet, k, limit, &points[count]);
     return count;
 }
 
 double shv_feature_distance(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet)
 {
     const ShvVec3 a = world_of(obstacle, feature->ends[0]);
-    if (is_vertex(feature))
+    if (!shv_feature_is_edge(feature))
         return shv_norm(shv_sub(shv_triangle_closest(a, facet->corners).point, a)) - obstacle->radius;
     const ShvVec3 u = shv_sub(world_of(obstacle, feature->ends[1]), a);
     double least = (double)INFINITY;
     for (int k = 0; k < 3; k++) {
         const ShvVec3 b = facet->corners[k], v = shv_sub(facet->corners[(k + 1) % 3], b);
-        if (facet->own[k]) least = fmin(least, shv_norm(nearest_of_segments(a, u, b, v).between));
+        least = fmin(least, shv_norm(nearest_of_segments(a, u, b, v).between));
     }
     return least;
 }

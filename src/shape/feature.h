@@ -19,7 +19,6 @@ struct ShvFeature {
 /* A facet of a body. */
 typedef struct ShvFacetShape {
     ShvVec3 corners[3], apex; /* apex: of its tet, on the inside */
-    bool own[3];              /* the edge from each corner to the next is met with this facet, not with its neighbour */
 } ShvFacetShape;
 
 /* Where they meet: the facet's point Σ wᵢ xᵢ stands at point + gap · normal. */
@@ -34,6 +33,7 @@ ShvStatus shv_features_create(ShvObstacle *obstacle, ShvMemory *memory, ShvError
 
 /* Those of obstacle->features that may be within `reach` of a world point: from *first to before *end; each is to be asked. */
 void shv_features_near(const ShvObstacle *obstacle, ShvVec3 point, double reach, int32_t *first, int32_t *end);
+bool shv_feature_is_edge(const ShvFeature *feature); /* or a vertex, or a sphere's centre */
 bool shv_feature_is_near(const ShvObstacle *obstacle, const ShvFeature *feature, ShvVec3 point, double reach);
 /* Whether facets of at most such a radius, within `reach` of a point, may meet the obstacle between their nodes. */
 bool shv_features_matter(const ShvObstacle *obstacle, double facet_radius, ShvVec3 point, double reach);
@@ -41,7 +41,7 @@ bool shv_features_matter(const ShvObstacle *obstacle, double facet_radius, ShvVe
 /* Centre, and distance of the farthest corner, m. */
 ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius);
 
-/* Where facet and feature meet with a gap below `limit`: the facet's inside, or the inside of its own edges, against a
+/* Where facet and feature meet with a gap below `limit`: the facet's inside, or the inside of its edges, against a
    point of the obstacle whose outward normals include that of the contact. Not where a node of the facet meets it.
    Returns how many points there are. */
 int shv_feature_meet(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, double limit,
