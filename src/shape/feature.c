@@ -195,9 +195,9 @@ ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius)
 
 /* ---- meeting ---- */
 
-/* Share of an edge or facet next to its ends where nodes and vertices meet what is there: a node that lies on a face by rounding
-   below it would else bring its own edges to face those of the obstacle, sideways. */
-static const double rim = 1e-3;
+/* Shares of a facet and an edge next to their rims, where what touches by rounding, or a step deep, would face features it has
+   nothing to do with: a node that lies on a box brings its steep edges to those of the box, sideways. */
+static const double facet_rim = 1e-8, edge_rim = 1e-3;
 
 /* Whether a direction is among the outward normals of the obstacle at a point of its surface: then the surface is as far
    behind a point a little way out. */
@@ -238,7 +238,7 @@ static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, 
     for (int k = 0; k < 3; k++) {
         const ShvVec3 from = shv_sub(x[(k + 1) % 3], point), to = shv_sub(x[(k + 2) % 3], point);
         found->weights[k] = shv_dot(area, shv_cross(from, to)) / whole;
-        if (!(found->weights[k] >= rim)) return false;
+        if (!(found->weights[k] >= facet_rim)) return false;
     }
     return looks_out(obstacle, feature, point, normal);
 }
@@ -258,10 +258,10 @@ static Nearest nearest_of_segments(ShvVec3 a, ShvVec3 u, ShvVec3 b, ShvVec3 v)
     const double uu = shv_dot(u, u), vv = shv_dot(v, v), uv = shv_dot(u, v), uw = shv_dot(u, w), vw = shv_dot(v, w);
     const double determinant = uu * vv - uv * uv;
     double s = determinant > parallel * uu * vv ? (uw * vv - vw * uv) / determinant : 0.0;
-    const bool first_inside = determinant > parallel * uu * vv && s >= rim && s <= 1.0 - rim;
+    const bool first_inside = determinant > parallel * uu * vv && s >= edge_rim && s <= 1.0 - edge_rim;
     s = uu > 0.0 ? clamp(s) : 0.0;
     double t = vv > 0.0 ? (s * uv - vw) / vv : 0.0;
-    const bool inside = first_inside && t >= rim && t <= 1.0 - rim;
+    const bool inside = first_inside && t >= edge_rim && t <= 1.0 - edge_rim;
     if (t < 0.0 || t > 1.0) {
         t = clamp(t);
         s = uu > 0.0 ? clamp((t * uv + uw) / uu) : 0.0;

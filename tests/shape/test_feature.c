@@ -41,11 +41,11 @@ static double node_gap(const ShvObstacle *obstacle, const ShvFacetShape *facet)
 static double feature_gap(const ShvObstacle *obstacle, const ShvFacetShape *facet, double *distance)
 {
     double least = HUGE_VAL;
-    *distance = HUGE_VAL;
+    if (distance) *distance = HUGE_VAL;
     for (int32_t f = 0; f < obstacle->feature_count; f++) {
         ShvFeaturePoint points[3];
         const int count = shv_feature_meet(obstacle, &obstacle->features[f], facet, HUGE_VAL, points);
-        *distance = fmin(*distance, shv_feature_distance(obstacle, &obstacle->features[f], facet));
+        if (distance) *distance = fmin(*distance, shv_feature_distance(obstacle, &obstacle->features[f], facet));
         for (int k = 0; k < count; k++) {
             ShvVec3 on_facet = {0.0, 0.0, 0.0};
             for (int c = 0; c < 3; c++) on_facet = shv_madd(on_facet, points[k].weights[c], facet->corners[c]);
@@ -58,12 +58,25 @@ static double feature_gap(const ShvObstacle *obstacle, const ShvFacetShape *face
     return least;
 }
 
-/* Moves a facet, whose apex stands straight out, so much closer that `left` of the gap is left. */
-static void approach(const ShvObstacle *obstacle, ShvFacetShape *facet, double gap, double left)
+static double exact_gap(const ShvObstacle *obstacle, const ShvFacetShape *facet)
 {
-    const ShvVec3 way = shv_scale(shv_obstacle_closest(obstacle, facet->apex, HUGE_VAL).normal, left - gap);
-    for (int k = 0; k < 3; k++) facet->corners[k] = shv_add(facet->corners[k], way);
-    facet->apex = shv_add(facet->apex, way);
+    double distance;
+    feature_gap(obstacle, facet, &distance);
+    return fmin(node_gap(obstacle, facet), distance);
+}
+
+/* Moves a facet, whose apex stands straight out, closer at a slant, by no more than it has room each time. */
+static double approach(const ShvObstacle *obstacle, ShvFacetShape *facet, uint64_t *index)
+{
+    const ShvVec3 out = shv_obstacle_closest(obstacle, facet->apex, HUGE_VAL).normal;
+    const ShvVec3 way = shv_unit(shv_madd(draw_vector(3, index, 0.3), -1.0, out));
+    double gap = exact_gap(obstacle, facet);
+    for (int i = 0; i < 100 && gap > 1e-6; i++) {
+        for (int k = 0; k < 3; k++) facet->corners[k] = shv_madd(facet->corners[k], gap, way);
+        facet->apex = shv_madd(facet->apex, gap, way);
+        gap = exact_gap(obstacle, facet);
+    }
+    return gap;
 }
 
 /* With the nodes, the distances of features are that of the facet. Where it has come close, their points say the same. */
@@ -84,17 +97,15 @@ static void check_distances(ShvObstacleDefinition *definition)
         ShvFacetShape facet = random_facet(obstacle, &index);
         const double sampled = sampled_gap(obstacle, &facet, CELLS);
         if (sampled <= 0.02) continue;
-        double distance;
-        feature_gap(obstacle, &facet, &distance);
-        const double gap = fmin(node_gap(obstacle, &facet), distance);
+        const double gap = exact_gap(obstacle, &facet);
         assert_true(gap <= sampled + 1e-12 && gap > sampled - 0.01); /* a cell's half diagonal */
-        approach(obstacle, &facet, gap, 2e-3);
-        const double features = feature_gap(obstacle, &facet, &distance), nodes = node_gap(obstacle, &facet);
-        assert_true(distance <= features + 1e-12);
-        missed += fmin(nodes, features) > fmin(nodes, distance) + 1e-9;
+        if (approach(obstacle, &facet, &index) > 1e-6) continue;     /* it has gone by */
+        const double features = feature_gap(obstacle, &facet, NULL), nodes = node_gap(obstacle, &facet);
         between += features < nodes;
+        missed += !(fmin(nodes, features) < 1e-5);
     }
-    assert_true(between > FACETS / 10 && missed <= FACETS / 50);
+    assert_true(between > FACETS / 10);
+    assert_true(missed <= FACETS / 100); /* by what comes within the rims of both edges */
     shv_obstacles_release(&obstacles);
 }
 
