@@ -107,15 +107,10 @@ static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, cons
     ShvFacetCandidate candidate = {.obstacle = index, .apex = shv_state_node(state, face / 4, face % 4)};
     for (int k = 0; k < 3; k++) candidate.nodes[k] = shv_state_node(state, face / 4, shv_face_corners[face % 4][k]);
     const ShvFacetShape shape = shv_candidate_shape(&candidate, state);
-    double radius;
-    int32_t first, end;
-    const ShvVec3 centre = shv_facet_centre(&shape, &radius);
-    const double reach = radius + contact->skin;
-    if (shv_obstacle_closest(obstacle, centre, reach).gap >= reach) return SHV_OK;
-    if (!shv_features_matter(obstacle, radius, centre, reach)) return SHV_OK;
-    shv_features_near(obstacle, centre, reach, &first, &end);
-    for (candidate.feature = first; candidate.feature < end; candidate.feature++)
-        if (shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], centre, reach))
+    ShvFeatureRange range;
+    if (!shv_features_about(obstacle, &shape, contact->skin, &range)) return SHV_OK;
+    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++)
+        if (shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach))
             SHV_TRY(append_facet(contact, &candidate, error));
     return SHV_OK;
 }

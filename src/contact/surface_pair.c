@@ -265,12 +265,9 @@ static ShvStatus pair_companion_facet(ShvSurfaceContact *contact, const ShvSurfa
     const ShvObstacle *other = &bodies->obstacles->items[obstacle];
     if (!shv_bodies_companion(bodies, facet->fragment)) return SHV_OK;
     const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
-    double radius;
-    int32_t first, end;
-    const ShvVec3 centre = shv_facet_centre(&shape, &radius);
-    const double reach = radius + contact->allowance[facet->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
-    if (shv_obstacle_closest(other, centre, reach).gap >= reach) return SHV_OK;
-    if (!shv_features_matter(other, radius, centre, reach)) return SHV_OK;
+    const double margin = contact->allowance[facet->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+    ShvFeatureRange range;
+    if (!shv_features_about(other, &shape, margin, &range)) return SHV_OK;
     ShvSurfaceCandidate candidate = {.node = contact->list.nodes[facet->slots[0]].node,
                                      .element = -1 - obstacle,
                                      .face = 4 * facet->element + facet->face,
@@ -278,10 +275,9 @@ static ShvStatus pair_companion_facet(ShvSurfaceContact *contact, const ShvSurfa
                                      .slot = facet->slots[0],
                                      .facet = -1,
                                      .mate = -1};
-    shv_features_near(other, centre, reach, &first, &end);
-    for (int32_t k = first; k < end; k++) {
+    for (int32_t k = range.first; k < range.end; k++) {
         candidate.feature = k + 1;
-        if (shv_feature_is_near(other, &other->features[k], centre, reach))
+        if (shv_feature_is_near(other, &other->features[k], range.centre, range.reach))
             SHV_TRY(add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, 0.0, error));
     }
     return SHV_OK;

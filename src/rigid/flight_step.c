@@ -79,14 +79,9 @@ static int32_t touches_of_facet(const ShvFlightStep *step, int32_t index, const 
     const ShvObstacle *other = &step->others[index];
     const int32_t room = step->body->arms.count + SHV_TOUCHES_AN_OBSTACLE;
     const ShvRigidMotion motion = motion_of(step);
-    double radius;
-    int32_t first, end;
-    const ShvVec3 centre = shv_facet_centre(facet, &radius);
-    const double reach = radius + 2.0 * step->body->slop;
-    if (shv_obstacle_closest(other, centre, reach).gap >= reach) return count;
-    if (!shv_features_matter(other, radius, centre, reach)) return count;
-    shv_features_near(other, centre, reach, &first, &end);
-    for (int32_t k = first; k < end; k++) {
+    ShvFeatureRange range;
+    if (!shv_features_about(other, facet, 2.0 * step->body->slop, &range)) return count;
+    for (int32_t k = range.first; k < range.end; k++) {
         ShvFeaturePoint points[3];
         const int found = shv_feature_meet(other, &other->features[k], facet, step->body->slop, points);
         for (int i = 0; i < found; i++) {

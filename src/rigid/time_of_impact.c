@@ -213,16 +213,11 @@ static bool try_facet(const Search *search, const ShvFacetShape *facet, double t
 {
     const ShvObstacle *obstacle = search->obstacle;
     const ShvFacetShape placed = shv_facet_placed(facet, &search->start, search->flight->position);
-    double radius;
-    int32_t first, end;
-    const ShvVec3 centre = shv_facet_centre(&placed, &radius);
-    const double reach = radius + travel;
+    ShvFeatureRange range;
     bool found = false;
-    if (shv_obstacle_closest(obstacle, centre, reach).gap >= reach) return false;
-    if (!shv_features_matter(obstacle, radius, centre, reach)) return false;
-    shv_features_near(obstacle, centre, reach, &first, &end);
-    for (int32_t k = first; k < end; k++) {
-        if (!shv_feature_is_near(obstacle, &obstacle->features[k], centre, reach)) continue;
+    if (!shv_features_about(obstacle, &placed, travel, &range)) return false;
+    for (int32_t k = range.first; k < range.end; k++) {
+        if (!shv_feature_is_near(obstacle, &obstacle->features[k], range.centre, range.reach)) continue;
         Traveller traveller = {.facet = facet, .feature = &obstacle->features[k]};
         for (int c = 0; c < 3; c++) traveller.arm = fmax(traveller.arm, shv_norm(facet->corners[c]));
         const double hit = impact_of(search, &traveller, *time);

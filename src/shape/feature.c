@@ -48,10 +48,17 @@ static double low_end(const ShvFeature *feature)
     return fmin(feature->ends[0].x, feature->ends[1].x);
 }
 
+/* By all their numbers, so that the order does not depend on who sorts. */
 static int by_low_end(const void *a, const void *b)
 {
-    const double x = low_end(a), y = low_end(b);
-    return (x > y) - (x < y);
+    const ShvFeature *first = a, *second = b;
+    const double x[7] = {low_end(first),   first->ends[0].x, first->ends[0].y, first->ends[0].z,
+                         first->ends[1].x, first->ends[1].y, first->ends[1].z};
+    const double y[7] = {low_end(second),   second->ends[0].x, second->ends[0].y, second->ends[0].z,
+                         second->ends[1].x, second->ends[1].y, second->ends[1].z};
+    for (int k = 0; k < 7; k++)
+        if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
+    return 0;
 }
 
 /* `sizes`: room for one number a node, zero. */
@@ -147,7 +154,7 @@ static int32_t first_from(const ShvObstacle *obstacle, double x)
     return low;
 }
 
-void shv_features_near(const ShvObstacle *obstacle, ShvVec3 point, double reach, int32_t *first, int32_t *end)
+static void find_range(const ShvObstacle *obstacle, ShvVec3 point, double reach, int32_t *first, int32_t *end)
 {
     const double x = local_of(obstacle, point).x, far = reach + obstacle->radius;
     *first = first_from(obstacle, x - far - obstacle->feature_reach);
@@ -178,7 +185,7 @@ bool shv_features_matter(const ShvObstacle *obstacle, double facet_radius, ShvVe
     const double edge = 1.7320508075688772 * facet_radius; /* of a regular facet */
     if (obstacle->radius > SHV_FEATURE_FLAT * edge) return false;
     int32_t first, end;
-    shv_features_near(obstacle, point, reach, &first, &end);
+    find_range(obstacle, point, reach, &first, &end);
     for (int32_t k = first; k < end; k++)
         if (shv_feature_is_near(obstacle, &obstacle->features[k], point, reach)) return true;
     return false;
@@ -191,6 +198,17 @@ ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius)
     *radius =
         fmax(shv_norm(shv_sub(x[0], centre)), fmax(shv_norm(shv_sub(x[1], centre)), shv_norm(shv_sub(x[2], centre))));
     return centre;
+}
+
+bool shv_features_about(const ShvObstacle *obstacle, const ShvFacetShape *facet, double margin, ShvFeatureRange *range)
+{
+    double radius;
+    range->centre = shv_facet_centre(facet, &radius);
+    range->reach = radius + margin;
+    if (shv_obstacle_closest(obstacle, range->centre, range->reach).gap >= range->reach) return false;
+    if (!shv_features_matter(obstacle, radius, range->centre, range->reach)) return false;
+    find_range(obstacle, range->centre, range->reach, &range->first, &range->end);
+    return true;
 }
 
 /* ---- meeting ---- */

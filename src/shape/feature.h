@@ -31,8 +31,15 @@ typedef struct ShvFeaturePoint {
 /* Finds the features of an obstacle whose shape has been made; a plane has none. */
 ShvStatus shv_features_create(ShvObstacle *obstacle, ShvMemory *memory, ShvError *error);
 
-/* Those of obstacle->features that may be within `reach` of a world point: from *first to before *end; each is to be asked. */
-void shv_features_near(const ShvObstacle *obstacle, ShvVec3 point, double reach, int32_t *first, int32_t *end);
+/* Those of obstacle->features that a facet may come to: from `first` to before `end`, those of them that are within `reach` of its
+   `centre`. */
+typedef struct ShvFeatureRange {
+    int32_t first, end;
+    ShvVec3 centre;
+    double reach;
+} ShvFeatureRange;
+/* When the facet and the obstacle come closer by `margin`, m, at most. False: to none. */
+bool shv_features_about(const ShvObstacle *obstacle, const ShvFacetShape *facet, double margin, ShvFeatureRange *range);
 bool shv_feature_is_edge(const ShvFeature *feature); /* or a vertex, or a sphere's centre */
 bool shv_feature_is_near(const ShvObstacle *obstacle, const ShvFeature *feature, ShvVec3 point, double reach);
 /* Whether facets of at most such a radius, within `reach` of a point, may meet the obstacle between their nodes. */
