@@ -36,6 +36,8 @@ typedef struct ShvPreflight {
     double bar_transit;         /* s: longest extent / bar speed */
     double bending_period;      /* s: of a free plate of its extents */
     double extent[3];           /* m: bounding box at the start */
+    const char *small_obstacle; /* the smallest that is smaller than a mean edge, NULL: none */
+    double small_obstacle_size; /* m: its least extent */
 } ShvPreflight;
 
 /* Number of objects; fills `preflight` for one of them. */

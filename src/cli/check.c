@@ -50,6 +50,17 @@ static void warn_step(const ShvPreflight *p)
     if (p->courant > 1.0) printf("  warning: Courant number above 1\n");
 }
 
+static void warn_obstacle(const ShvPreflight *p)
+{
+    if (!p->small_obstacle) return;
+    printf(
+        "  warning: the obstacle '%s' (%.3g m) is smaller than an edge (%.3g m): it meets facets between their "
+        "nodes,\n"
+        "           which share its force; what happens within an edge of it is not resolved. Use a finer mesh where "
+        "that matters\n",
+        p->small_obstacle, p->small_obstacle_size, p->mean_edge);
+}
+
 static void print_object(const ShvPreflight *p)
 {
     printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
@@ -74,6 +85,7 @@ static void print_object(const ShvPreflight *p)
     warn_mesh(p);
     warn_bonds(p);
     warn_step(p);
+    warn_obstacle(p);
 }
 
 static void print_object_json(const ShvPreflight *p)

@@ -1,5 +1,7 @@
 #include "contact/candidates.h"
 
+#include "mesh/facets.h"
+
 enum { STEPS_BETWEEN_LOOKS = 16, STEPS_TO_LAST = 64 };
 
 double shv_candidates_obstacle_speed(const ShvObstacle *obstacle)
@@ -27,16 +29,22 @@ static double largest_node_speed(const ShvState *state, const int32_t *nodes, in
     return sqrt(largest);
 }
 
-static double diagonal(const ShvState *state, const int32_t *nodes, int32_t count)
+/* About all nodes. */
+typedef struct Ball {
+    ShvVec3 centre;
+    double radius;
+} Ball;
+
+static Ball bound(const ShvState *state, const int32_t *nodes, int32_t count)
 {
-    if (count == 0) return 0.0;
+    if (count == 0) return (Ball){{0.0, 0.0, 0.0}, 0.0};
     ShvVec3 low = shv_state_position(state, nodes[0]), high = low;
     for (int32_t k = 1; k < count; k++) {
         const ShvVec3 x = shv_state_position(state, nodes[k]);
         low = shv_vec3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
         high = shv_vec3(fmax(high.x, x.x), fmax(high.y, x.y), fmax(high.z, x.z));
     }
-    return shv_norm(shv_sub(high, low));
+    return (Ball){shv_scale(shv_add(low, high), 0.5), 0.5 * shv_norm(shv_sub(high, low))};
 }
 
 ShvStatus shv_candidates_grow(ShvMemory *memory, void **block, int32_t *capacity, int32_t count, size_t size,
@@ -71,6 +79,99 @@ static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const Sh
     return SHV_OK;
 }
 
+/* ---- facets ---- */
+
+ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvState *state)
+{
+    ShvFacetShape shape = {.apex = shv_state_position(state, candidate->apex)};
+    for (int k = 0; k < 3; k++) {
+        shape.corners[k] = shv_state_position(state, candidate->nodes[k]);
+    }
+    return shape;
+}
+
+static ShvStatus append_facet(ShvNodeContact *contact, const ShvFacetCandidate *candidate, ShvError *error)
+{
+    void *block = contact->facets;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->facet_capacity, contact->facet_count,
+                                sizeof *candidate, error));
+    contact->facets = block;
+    contact->facets[contact->facet_count++] = *candidate;
+    return SHV_OK;
+}
+
+/* With each feature of the obstacle that is near. */
+static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle, int32_t index,
+                            int32_t face, ShvError *error)
+{
+    ShvFacetCandidate candidate = {.obstacle = index, .apex = shv_state_node(state, face / 4, face % 4)};
+    for (int k = 0; k < 3; k++) candidate.nodes[k] = shv_state_node(state, face / 4, shv_face_corners[face % 4][k]);
+    const ShvFacetShape shape = shv_candidate_shape(&candidate, state);
+    ShvFeatureRange range;
+    if (!shv_features_about(obstacle, &shape, contact->skin, &range)) return SHV_OK;
+    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++)
+        if (shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach))
+            SHV_TRY(append_facet(contact, &candidate, error));
+    return SHV_OK;
+}
+
+static ShvStatus pair_face(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle, int32_t index,
+                           int32_t face, ShvError *error)
+{
+    if (!(*contact->surface.awake)[state->element_fragment[face / 4]]) return SHV_OK;
+    return pair_facet(contact, state, obstacle, index, face, error);
+}
+
+/* Faces of cracks that have parted, too; until then nothing gets between them but at their edges, which are the boundary's. */
+static ShvStatus choose_facets(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle,
+                               int32_t index, ShvError *error)
+{
+    const ShvModel *model = contact->surface.model;
+    const ShvCohesive *cohesive = contact->surface.cohesive;
+    for (int32_t k = 0; k < contact->boundary_count; k++)
+        SHV_TRY(pair_face(contact, state, obstacle, index, contact->boundary[k], error));
+    for (int32_t i = 0; cohesive && i < cohesive->count; i++) {
+        if (cohesive->phase[i] != SHV_COHESIVE_SEPARATED) continue;
+        const int64_t side = 2 * (int64_t)cohesive->facet[i];
+        for (int k = 0; k < 2; k++)
+            SHV_TRY(pair_face(contact, state, obstacle, index,
+                              4 * model->adjacency.facet_elements[side + k] + model->adjacency.facet_faces[side + k],
+                              error));
+    }
+    return SHV_OK;
+}
+
+static ShvStatus find_boundary(ShvNodeContact *contact, ShvError *error)
+{
+    const ShvMesh *mesh = &contact->surface.model->mesh;
+    for (int32_t face = 0; face < 4 * mesh->element_count; face++) {
+        ShvFacetShape shape;
+        double radius;
+        for (int k = 0; k < 3; k++)
+            shape.corners[k] =
+                shv_mesh_position(mesh, mesh->elements[4 * (int64_t)(face / 4) + shv_face_corners[face % 4][k]]);
+        shv_facet_centre(&shape, &radius);
+        contact->facet_radius = fmax(contact->facet_radius, radius);
+    }
+    return shv_boundary_faces(mesh, contact->memory, SHV_PART_CONTACT, &contact->boundary, &contact->boundary_count,
+                              error);
+}
+
+/* Where no obstacle is small or has an edge near the nodes, no facet is looked at. */
+static ShvStatus choose_all_facets(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                                   const Ball *ball, ShvError *error)
+{
+    contact->facet_count = 0;
+    for (int32_t i = 0; contact->surface.model && i < obstacles->count; i++) {
+        const ShvObstacle *obstacle = &obstacles->items[i];
+        if (obstacle->feature_count == 0) continue;
+        if (!contact->boundary) SHV_TRY(find_boundary(contact, error));
+        if (shv_features_matter(obstacle, contact->facet_radius, ball->centre, ball->radius + contact->skin))
+            SHV_TRY(choose_facets(contact, state, obstacle, i, error));
+    }
+    return SHV_OK;
+}
+
 static void look(ShvNodeContact *contact, const ShvState *state, const int32_t *nodes, int32_t count)
 {
     contact->node_speed = largest_node_speed(state, nodes, count);
@@ -87,9 +188,11 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
     if (!forced && contact->moved <= 0.5 * contact->skin) return SHV_OK;
     look(contact, state, nodes, count);
     const double motion = step * (2.0 * contact->node_speed + others);
-    contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, 2e-3 * diagonal(state, nodes, count));
+    const Ball ball = bound(state, nodes, count);
+    contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, 4e-3 * ball.radius);
     contact->stale = true; /* until it is done */
     SHV_TRY(choose(contact, state, obstacles, nodes, count, error));
+    SHV_TRY(choose_all_facets(contact, state, obstacles, &ball, error));
     contact->stale = false;
     contact->listed = count;
     contact->moved = motion;

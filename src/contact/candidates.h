@@ -1,18 +1,23 @@
-/* Which nodes may meet which obstacle in a step. */
+/* Which nodes and facets may meet which obstacle in a step. */
 #ifndef SHV_CONTACT_CANDIDATES_H
 #define SHV_CONTACT_CANDIDATES_H
 
 #include "contact/node_contact.h"
+#include "shape/feature.h"
 
-/* A node and an obstacle that may meet within a step: the tangent plane that the node must not pass. */
+/* A node, or a point of a facet, and an obstacle that may meet within a step: the tangent plane that it must not pass. */
 typedef struct ShvNodePair {
-    int32_t node, obstacle;
+    int32_t nodes[3], node_count; /* 1 or 3 */
+    double weights[3];            /* of the nodes: the point is Σ wᵢ xᵢ */
+    int32_t obstacle;
     double gap; /* m, to the plane */
     ShvVec3 point, normal;
     ShvVec3 relative; /* velocity against the obstacle before any response, m/s */
     double speed;     /* sum of its components: unlike the Euclidean norm it does not vanish before the velocity does */
-    double normal_impulse;
-    ShvVec3 friction, before; /* as in ShvNodeTouch */
+    double inverse_mass, slip_inverse_mass; /* 1/kg: along the normal; no less than any across it */
+    double normal_impulse, friction_bound;  /* N·s */
+    ShvVec3 friction;                       /* as in ShvNodeTouch */
+    ShvVec3 before[3];                      /* of each node */
 } ShvNodePair;
 
 /* Rebuilds the candidates when they may no longer hold. Between rebuilds a step costs no look at the nodes, except that
@@ -24,6 +29,9 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
 /* Room for one more element. */
 ShvStatus shv_candidates_grow(ShvMemory *memory, void **block, int32_t *capacity, int32_t count, size_t size,
                               ShvError *error);
+
+/* The facet as it stands. */
+ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvState *state);
 
 /* Largest speed of any point of an obstacle, m/s. */
 double shv_candidates_obstacle_speed(const ShvObstacle *obstacle);

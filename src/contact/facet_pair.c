@@ -192,17 +192,61 @@ static void name_pair(ShvFacetPair *pair, const ShvSurfaceCandidate *candidate, 
     pair->node = candidate->node;
     pair->element = candidate->element;
     pair->face = candidate->face;
+    pair->feature = candidate->feature;
     for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
     pair->point = x;
+}
+
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t element, int32_t face, int32_t fragment)
+{
+    ShvFacetShape shape;
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, element, face, nodes);
+    for (int k = 0; k < 3; k++) {
+        shape.corners[k] = shv_bodies_position(bodies, nodes[k], fragment);
+    }
+    shape.apex = shv_bodies_position(bodies, shv_state_node(bodies->state, element, face), fragment);
+    return shape;
+}
+
+/* The nearest of the points at which the facet may meet the feature: its neighbours stand for the others. False where it does
+   not: then *distance is how far apart they are, where that is beyond the reach. */
+static bool look_at_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
+                            ShvSurfacePoint *at, double *distance)
+{
+    const ShvObstacle *obstacle = obstacle_of(bodies, candidate->element);
+    const ShvFeature *feature = &obstacle->features[candidate->feature - 1];
+    const ShvFacetShape shape =
+        shv_surface_facet_shape(bodies, candidate->face / 4, candidate->face % 4, candidate->fragments[0]);
+    ShvFeaturePoint points[3];
+    const int count = shv_feature_meet(obstacle, feature, &shape, reach, points);
+    if (count == 0) {
+        const double apart = shv_feature_distance(obstacle, feature, &shape);
+        if (apart > reach) *distance = apart;
+        return false;
+    }
+    int nearest = 0;
+    for (int k = 1; k < count; k++)
+        if (points[k].gap < points[nearest].gap) nearest = k;
+    *at = (ShvSurfacePoint){points[nearest].gap, points[nearest].normal, points[nearest].point};
+    return true;
 }
 
 static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
                              ShvFacetPair *pair, double *distance)
 {
-    const ShvVec3 x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
-    const ShvSurfacePoint at = shv_obstacle_closest(obstacle_of(bodies, candidate->element), x, reach);
-    *distance = at.gap > reach ? reach : 0.0;
-    if (at.gap > reach) return false;
+    ShvSurfacePoint at;
+    ShvVec3 x;
+    *distance = 0.0;
+    if (candidate->feature > 0) {
+        if (!look_at_feature(bodies, candidate, reach, &at, distance)) return false;
+        x = shv_madd(at.point, at.gap, at.normal);
+    } else {
+        x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
+        at = shv_obstacle_closest(obstacle_of(bodies, candidate->element), x, reach);
+        if (at.gap > reach) *distance = reach;
+        if (at.gap > reach) return false;
+    }
     name_pair(pair, candidate, x);
     pair->gap = at.gap;
     pair->normal = at.normal;

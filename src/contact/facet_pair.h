@@ -10,6 +10,7 @@
 #define SHV_CONTACT_FACET_PAIR_H
 
 #include "contact/surface_list.h"
+#include "shape/feature.h"
 
 /* Plane of a facet, and barycentric coordinates in it. */
 typedef struct ShvFacetPlane {
@@ -17,14 +18,16 @@ typedef struct ShvFacetPlane {
     ShvVec3 gradients[3]; /* of the weights, 1/m */
 } ShvFacetPlane;
 
-/* A node and a facet close enough to meet within a step; or a companion's node and an obstacle's nearest point. */
+/* A node and a facet close enough to meet within a step; or a companion's node, or point of a facet, and an obstacle's
+   nearest point. */
 typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
+    int32_t feature;             /* as in ShvSurfaceCandidate */
     int32_t fragments[2];        /* of the node, of the facet */
     int32_t corners[3];          /* nodes of the facet */
     double step;                 /* s: up to the next time that it is looked at */
     double gap;                  /* m; negative: inside */
-    ShvVec3 point;               /* the node's position, m */
+    ShvVec3 point;               /* the node's position, m; where a facet meets an obstacle, its own there */
     ShvVec3 normal;              /* of the facet, outward */
     ShvVec3 centre;              /* of the facet, m */
     double weights[3];
@@ -46,6 +49,8 @@ typedef struct ShvFacetPair {
 /* A pair worth looking at. */
 typedef struct ShvSurfaceCandidate {
     int32_t node, element, face;
+    int32_t feature; /* of an obstacle (shape/feature.h), + 1, that a companion's facet may meet: then `face` is that
+                             facet, element × 4 + face, and `node` a corner of it; 0: none */
     int32_t fragments[2]; /* of the node, of the facet */
     int32_t slot;         /* of the node in ShvSurfaceList */
     int32_t facet;        /* place in ShvSurfaceList, −1: an obstacle */
@@ -56,6 +61,9 @@ typedef struct ShvSurfaceCandidate {
 bool shv_facet_plane_make(const ShvVec3 corners[3], ShvFacetPlane *plane);
 /* How far a point is from the facet or from what is behind it, m. */
 double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x);
+
+/* A facet of a fragment as obstacles meet it. */
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t element, int32_t face, int32_t fragment);
 
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far

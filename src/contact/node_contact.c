@@ -18,11 +18,19 @@ void shv_node_contact_release(ShvNodeContact *contact)
 {
     shv_release(contact->candidates);
     shv_release(contact->candidate_start);
+    shv_release(contact->boundary);
+    shv_release(contact->facets);
     shv_release(contact->before);
     shv_release(contact->last_touch);
     shv_release(contact->pairs);
     shv_release(contact->touches);
     *contact = (ShvNodeContact){0};
+}
+
+void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surface)
+{
+    contact->surface = surface;
+    contact->stale = true;
 }
 
 void shv_node_contact_invalidate(ShvNodeContact *contact)
@@ -78,6 +86,39 @@ typedef struct ContactStep {
     ShvVec3 gravity;
 } ContactStep;
 
+static ShvVec3 relative_velocity(const ContactStep *now, const ShvNodePair *pair)
+{
+    const ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
+    const double *velocity = now->state->velocity;
+    ShvVec3 own = shv_scale(shv_load3(velocity + 3 * (int64_t)pair->nodes[0]), pair->weights[0]);
+    for (int c = 1; c < pair->node_count; c++)
+        own = shv_madd(own, pair->weights[c], shv_load3(velocity + 3 * (int64_t)pair->nodes[c]));
+    return shv_sub(own, obstacle_velocity(obstacle, pair->point, now->step, now->gravity));
+}
+
+static double inverse_mass(const ContactStep *now, const ShvNodePair *pair, ShvVec3 direction)
+{
+    double own = 0.0;
+    for (int c = 0; c < pair->node_count; c++)
+        own += pair->weights[c] * pair->weights[c] / now->state->mass[pair->nodes[c]];
+    return own + shv_obstacle_inverse_mass(&now->obstacles->items[pair->obstacle], pair->point, direction);
+}
+
+/* What follows from where they are and how they move. Of the two directions across the normal, each yields at least what the
+   masses alone yield: what the sum of both has more is the most that one can have more. */
+static void weigh(const ContactStep *now, ShvNodePair *pair)
+{
+    const ShvVec3 n = pair->normal;
+    const ShvVec3 first = shv_unit(shv_cross(n, fabs(n.x) < 0.6 ? shv_vec3(1.0, 0.0, 0.0) : shv_vec3(0.0, 1.0, 0.0)));
+    double masses = 1.0 / now->obstacles->items[pair->obstacle].mass;
+    for (int c = 0; c < pair->node_count; c++)
+        masses += pair->weights[c] * pair->weights[c] / now->state->mass[pair->nodes[c]];
+    pair->relative = relative_velocity(now, pair);
+    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
+    pair->inverse_mass = inverse_mass(now, pair, n);
+    pair->slip_inverse_mass = inverse_mass(now, pair, first) + inverse_mass(now, pair, shv_cross(n, first)) - masses;
+}
+
 static bool make_pair(const ContactStep *now, int32_t node, int32_t index, double obstacle_speed, ShvNodePair *pair)
 {
     const ShvObstacle *obstacle = &now->obstacles->items[index];
@@ -88,30 +129,34 @@ static bool make_pair(const ContactStep *now, int32_t node, int32_t index, doubl
     const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, limit);
     if (at.gap > 0.0 && at.gap >= limit) return false;
     const ShvVec3 relative = shv_sub(v, obstacle_velocity(obstacle, at.point, now->step, now->gravity));
-    *pair = (ShvNodePair){.node = node, .obstacle = index, .gap = at.gap, .point = at.point, .normal = at.normal};
+    *pair = (ShvNodePair){.nodes = {node},
+                          .node_count = 1,
+                          .weights = {1.0},
+                          .obstacle = index,
+                          .gap = at.gap,
+                          .point = at.point,
+                          .normal = at.normal};
     find_plane(obstacle, x, relative, now->step, pair);
-    pair->relative = relative;
-    pair->speed = fabs(relative.x) + fabs(relative.y) + fabs(relative.z);
     return true;
 }
 
-static ShvVec3 velocity_before(const ContactStep *now, int32_t candidate)
+static ShvVec3 velocity_before(const ContactStep *now, int32_t node)
 {
-    if (now->contact->begun) return shv_load3(now->contact->before + 3 * (int64_t)candidate);
-    const int32_t node = now->contact->candidates[candidate];
     const int64_t i = 3 * (int64_t)node;
     const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
     return shv_madd(shv_load3(now->state->velocity + i), -now->kick, acceleration);
 }
 
-static ShvStatus append_pair(ShvNodeContact *contact, const ShvNodePair *pair, ShvError *error)
+static ShvStatus append_pair(const ContactStep *now, const ShvNodePair *pair, ShvError *error)
 {
+    ShvNodeContact *contact = now->contact;
     const ShvNodePair copy = *pair; /* may lie in the block that moves */
     void *block = contact->pairs;
     SHV_TRY(
         shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof copy, error));
     contact->pairs = block;
     contact->pairs[contact->pair_count++] = copy;
+    weigh(now, &contact->pairs[contact->pair_count - 1]);
     return SHV_OK;
 }
 
@@ -125,9 +170,37 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
         for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
             ShvNodePair pair;
             if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
-            pair.before = velocity_before(now, k);
-            SHV_TRY(append_pair(contact, &pair, error));
+            pair.before[0] = contact->begun ? shv_load3(contact->before + 3 * (int64_t)k)
+                                            : velocity_before(now, contact->candidates[k]);
+            SHV_TRY(append_pair(now, &pair, error));
         }
+    }
+    return SHV_OK;
+}
+
+/* As make_pair; the way of a step is a small share of a facet, so that the plane found is the one that counts. */
+static ShvStatus list_facet_pairs(const ContactStep *now, const ShvFacetCandidate *candidate, ShvError *error)
+{
+    const ShvObstacle *obstacle = &now->obstacles->items[candidate->obstacle];
+    const ShvFacetShape shape = shv_candidate_shape(candidate, now->state);
+    double speed = shv_candidates_obstacle_speed(obstacle) + now->step * shv_norm(now->gravity), fastest = 0.0;
+    for (int c = 0; c < 3; c++)
+        fastest = fmax(fastest, shv_norm(shv_load3(now->state->velocity + 3 * (int64_t)candidate->nodes[c])));
+    ShvFeaturePoint points[3];
+    const int count = shv_feature_meet(obstacle, &obstacle->features[candidate->feature], &shape,
+                                       2.0 * now->step * (fastest + speed), points);
+    for (int k = 0; k < count; k++) {
+        ShvNodePair pair = {.node_count = 3,
+                            .obstacle = candidate->obstacle,
+                            .gap = points[k].gap,
+                            .point = points[k].point,
+                            .normal = points[k].normal};
+        for (int c = 0; c < 3; c++) {
+            pair.nodes[c] = candidate->nodes[c];
+            pair.weights[c] = points[k].weights[c];
+            pair.before[c] = now->contact->begun ? candidate->before[c] : velocity_before(now, candidate->nodes[c]);
+        }
+        SHV_TRY(append_pair(now, &pair, error));
     }
     return SHV_OK;
 }
@@ -137,38 +210,13 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
 static void apply_impulse(const ContactStep *now, const ShvNodePair *pair, ShvVec3 impulse)
 {
     ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
-    shv_add_to3(now->state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / now->state->mass[pair->node]));
+    for (int c = 0; c < pair->node_count; c++)
+        shv_add_to3(now->state->velocity + 3 * (int64_t)pair->nodes[c],
+                    shv_scale(impulse, pair->weights[c] / now->state->mass[pair->nodes[c]]));
     if (obstacle->motion != SHV_OBSTACLE_FREE) return;
     now->contact->obstacle_work[0] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
     shv_obstacle_impulse(obstacle, pair->point, shv_scale(impulse, -1.0));
     now->contact->obstacle_work[1] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
-}
-
-static ShvVec3 relative_velocity(const ContactStep *now, const ShvNodePair *pair)
-{
-    const ShvObstacle *obstacle = &now->obstacles->items[pair->obstacle];
-    return shv_sub(shv_load3(now->state->velocity + 3 * (int64_t)pair->node),
-                   obstacle_velocity(obstacle, pair->point, now->step, now->gravity));
-}
-
-static double inverse_mass(const ContactStep *now, const ShvNodePair *pair, ShvVec3 direction)
-{
-    return 1.0 / now->state->mass[pair->node] +
-           shv_obstacle_inverse_mass(&now->obstacles->items[pair->obstacle], pair->point, direction);
-}
-
-/* At most what stops the sliding, and at most µ times the normal impulse: it can only take energy. */
-static void rub(const ContactStep *now, ShvNodePair *pair, double normal_impulse)
-{
-    const double most = now->obstacles->items[pair->obstacle].friction * normal_impulse;
-    const ShvVec3 relative = relative_velocity(now, pair);
-    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
-    const double speed = shv_norm(slip);
-    if (!(most > 0.0) || !(speed > 0.0)) return;
-    const ShvVec3 along = shv_scale(slip, 1.0 / speed);
-    const ShvVec3 impulse = shv_scale(along, -fmin(most, speed / inverse_mass(now, pair, along)));
-    apply_impulse(now, pair, impulse);
-    pair->friction = shv_add(pair->friction, impulse);
 }
 
 /* How much faster a pair closes than it may: down to the surface by the end of the step, or not at all. */
@@ -178,30 +226,66 @@ static double excess(const ContactStep *now, const ShvNodePair *pair)
     return allowed - shv_dot(relative_velocity(now, pair), pair->normal);
 }
 
-static bool relax(const ContactStep *now, ShvNodePair *pair, double tolerance)
+/* The normal impulse so far becomes the one that leaves no excess, or none. Returns by how much the velocity changes. */
+static double press(const ContactStep *now, ShvNodePair *pair)
 {
-    const double too_fast = excess(now, pair);
-    if (!(too_fast > tolerance * pair->speed)) return false;
-    const double impulse = too_fast / inverse_mass(now, pair, pair->normal);
-    apply_impulse(now, pair, shv_scale(pair->normal, impulse));
-    pair->normal_impulse += impulse;
-    rub(now, pair, impulse);
-    return true;
+    const double wanted = fmax(0.0, pair->normal_impulse + excess(now, pair) / pair->inverse_mass);
+    const double change = wanted - pair->normal_impulse;
+    if (change == 0.0) return 0.0;
+    apply_impulse(now, pair, shv_scale(pair->normal, change));
+    pair->normal_impulse = wanted;
+    return fabs(change) * pair->inverse_mass;
 }
 
-/* Every impulse stops a closing motion or slows a sliding one, so each sweep takes energy or leaves it, converged or not. */
+/* Friction so far goes against the slip, up to its bound. */
+static double rub(const ContactStep *now, ShvNodePair *pair)
+{
+    if (!(pair->friction_bound > 0.0)) return 0.0;
+    const ShvVec3 relative = relative_velocity(now, pair);
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
+    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
+    const double size = shv_norm(wanted);
+    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
+    const ShvVec3 change = shv_sub(wanted, pair->friction);
+    apply_impulse(now, pair, change);
+    pair->friction = wanted;
+    return shv_norm(change) * pair->slip_inverse_mass;
+}
+
+/* Sweeps until no velocity changes by more than rounding, that of a facet, whose steps are short, by a millionth of its pair's,
+   or they are used up: true. */
+static bool relax(const ContactStep *now)
+{
+    const double rounding = 1e-13, good = 1e-6;
+    ShvNodeContact *contact = now->contact;
+    bool again = contact->pair_count > 0;
+    for (int pass = 0; pass < MOST_SWEEPS && again; pass++) {
+        again = false;
+        for (int32_t k = 0; k < contact->pair_count; k++) {
+            ShvNodePair *pair = &contact->pairs[k];
+            const double change = press(now, pair) + rub(now, pair);
+            again |= change > (pair->node_count > 1 ? good : rounding) * pair->speed;
+        }
+    }
+    return again;
+}
+
+/* Normal impulses first, then, with µ times those as bounds of friction, both: so the impulses together take energy or leave
+   it, whatever sweeps were made (respond() of surface_contact.c tells why). Points of facets share nodes: an impulse is
+   taken back where another one has done its work. */
 static void sweep(const ContactStep *now)
 {
-    const double rounding = 1e-13;
     ShvNodeContact *contact = now->contact;
-    bool closing = contact->pair_count > 0;
-    for (int pass = 0; pass < MOST_SWEEPS && closing; pass++) {
-        closing = false;
-        for (int32_t k = 0; k < contact->pair_count; k++)
-            closing |= relax(now, &contact->pairs[k], pass == 0 ? 0.0 : rounding);
+    bool open = relax(now), rough = false;
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        ShvNodePair *pair = &contact->pairs[k];
+        const double most = now->obstacles->items[pair->obstacle].friction * pair->normal_impulse;
+        pair->friction_bound = fmax(pair->friction_bound, most);
+        rough |= pair->friction_bound > 0.0;
     }
+    if (rough) open = relax(now);
     contact->unresolved = 0;
-    for (int32_t k = 0; closing && k < contact->pair_count; k++)
+    for (int32_t k = 0; open && k < contact->pair_count; k++)
         contact->unresolved += excess(now, &contact->pairs[k]) > 1e-6 * contact->pairs[k].speed;
 }
 
@@ -215,20 +299,20 @@ static ShvStatus append_crossings(const ContactStep *now, bool *any, ShvError *e
     for (int32_t k = 0; k < count; k++) {
         ShvNodePair pair = contact->pairs[k];
         const ShvObstacle *obstacle = &now->obstacles->items[pair.obstacle];
-        if (obstacle->shape != SHV_OBSTACLE_MESH && isfinite(pair.gap)) continue;
+        if (pair.node_count > 1 || (obstacle->shape != SHV_OBSTACLE_MESH && isfinite(pair.gap))) continue;
         const double rounding = 1e-12 * obstacle->bounding_radius;
         const ShvVec3 from =
-            shv_madd(shv_state_position(now->state, pair.node), fmax(0.0, -pair.gap) + rounding, pair.normal);
+            shv_madd(shv_state_position(now->state, pair.nodes[0]), fmax(0.0, -pair.gap) + rounding, pair.normal);
         ShvCrossing crossing;
         const ShvVec3 way = shv_scale(relative_velocity(now, &pair), now->step);
         if (!shv_obstacle_sweep(obstacle, from, shv_add(from, way), &crossing)) continue;
         pair.point = crossing.point;
         pair.normal = crossing.normal;
         pair.gap = shv_dot(shv_sub(from, crossing.point), crossing.normal);
-        pair.normal_impulse = 0.0;
+        pair.normal_impulse = pair.friction_bound = 0.0;
         pair.friction = shv_vec3(0.0, 0.0, 0.0);
         if (pair.gap + shv_dot(way, pair.normal) > -2.0 * rounding) continue;
-        SHV_TRY(append_pair(contact, &pair, error));
+        SHV_TRY(append_pair(now, &pair, error));
         *any = true;
     }
     return SHV_OK;
@@ -245,6 +329,27 @@ static ShvStatus respond(const ContactStep *now, ShvError *error)
     return SHV_OK;
 }
 
+static ShvStatus append_touch(ShvNodeContact *contact, const ShvNodePair *pair, int corner, ShvError *error)
+{
+    void *block = contact->touches;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->touch_capacity, contact->touching,
+                                sizeof(ShvNodeTouch), error));
+    contact->touches = block;
+    const ShvNodeTouch touch = {.node = pair->nodes[corner],
+                                .obstacle = pair->obstacle,
+                                .fresh = contact->last_touch[pair->nodes[corner]] + 1 < contact->step_number,
+                                .closing_speed = -shv_dot(pair->relative, pair->normal),
+                                .point = pair->point,
+                                .normal = pair->normal,
+                                .normal_impulse = pair->weights[corner] * pair->normal_impulse,
+                                .friction = shv_scale(pair->friction, pair->weights[corner]),
+                                .before = pair->before[corner]};
+    contact->touches[contact->touching++] = touch;
+    if (touch.fresh) contact->largest_closing_speed = fmax(contact->largest_closing_speed, touch.closing_speed);
+    contact->impulse = shv_add(contact->impulse, shv_madd(touch.friction, touch.normal_impulse, touch.normal));
+    return SHV_OK;
+}
+
 static ShvStatus list_touches(ShvNodeContact *contact, ShvError *error)
 {
     contact->touching = 0;
@@ -252,23 +357,9 @@ static ShvStatus list_touches(ShvNodeContact *contact, ShvError *error)
     contact->impulse = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < contact->pair_count; k++) {
         const ShvNodePair *pair = &contact->pairs[k];
-        if (!(pair->normal_impulse > 0.0)) continue;
-        void *block = contact->touches;
-        SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->touch_capacity, contact->touching,
-                                    sizeof(ShvNodeTouch), error));
-        contact->touches = block;
-        const ShvNodeTouch touch = {.node = pair->node,
-                                    .obstacle = pair->obstacle,
-                                    .fresh = contact->last_touch[pair->node] + 1 < contact->step_number,
-                                    .closing_speed = -shv_dot(pair->relative, pair->normal),
-                                    .point = pair->point,
-                                    .normal = pair->normal,
-                                    .normal_impulse = pair->normal_impulse,
-                                    .friction = pair->friction,
-                                    .before = pair->before};
-        contact->touches[contact->touching++] = touch;
-        if (touch.fresh) contact->largest_closing_speed = fmax(contact->largest_closing_speed, touch.closing_speed);
-        contact->impulse = shv_add(contact->impulse, shv_madd(touch.friction, touch.normal_impulse, touch.normal));
+        const bool touches = pair->normal_impulse > 0.0 || shv_dot(pair->friction, pair->friction) > 0.0;
+        for (int c = 0; c < pair->node_count && touches; c++)
+            if (pair->weights[c] > 0.0) SHV_TRY(append_touch(contact, pair, c, error));
     }
     for (int32_t k = 0; k < contact->touching; k++)
         contact->last_touch[contact->touches[k].node] = contact->step_number;
@@ -290,6 +381,9 @@ ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state,
     }
     for (int32_t k = 0; k < contact->candidate_start[contact->obstacle_count]; k++)
         shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k]));
+    for (int32_t k = 0; k < contact->facet_count; k++)
+        for (int c = 0; c < 3; c++)
+            contact->facets[k].before[c] = shv_load3(state->velocity + 3 * (int64_t)contact->facets[k].nodes[c]);
     contact->begun = true;
     return SHV_OK;
 }
@@ -307,6 +401,7 @@ ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvOb
     if (!contact->begun)
         SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
     SHV_TRY(list_pairs(&now, error));
+    for (int32_t k = 0; k < contact->facet_count; k++) SHV_TRY(list_facet_pairs(&now, &contact->facets[k], error));
     contact->begun = false;
     SHV_TRY(respond(&now, error));
     SHV_TRY(list_touches(contact, error));

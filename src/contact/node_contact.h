@@ -1,17 +1,21 @@
-/* Nodes against obstacles in fracture mode: unilateral, Coulomb friction, restitution 0. Acts on velocities after the
-   kick: a node that would be inside at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
-   it (gap ≤ 0); it is never pushed out, so contact takes energy or leaves it. Free obstacles take the opposite impulse.
-   Nodes and obstacles are worked through in increasing order, in a few sweeps, each impulse dissipative by itself. */
+/* Nodes against obstacles in fracture mode, and facets and edges where an obstacle is small or has edges of its own
+   (shape/feature.h): unilateral, Coulomb friction, restitution 0. Acts on velocities after the kick: a node, or a point of
+   a facet, that would be inside at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops it
+   (gap ≤ 0); it is never pushed out, so contact takes energy or leaves it. A facet's nodes share an impulse as they share
+   its point, which keeps momentum and angular momentum. Free obstacles take the opposite impulse. Nodes and obstacles are
+   worked through in increasing order, in a few sweeps, each impulse dissipative by itself. */
 #ifndef SHV_CONTACT_NODE_CONTACT_H
 #define SHV_CONTACT_NODE_CONTACT_H
 
 #include <stdbool.h>
 
+#include "cohesive/cohesive.h"
 #include "model/ledger.h"
 #include "model/state.h"
 #include "shape/obstacle.h"
 
-/* A node and an obstacle with an impulse in this step (faces of a mesh that meet a node together: one each). */
+/* A node and an obstacle with an impulse in this step (faces of a mesh that meet a node together: one each; of a facet: one
+   for each node, with its share). */
 typedef struct ShvNodeTouch {
     int32_t node, obstacle;
     bool fresh;            /* the node touched nothing in the step before */
@@ -22,9 +26,29 @@ typedef struct ShvNodeTouch {
     ShvVec3 before;        /* velocity of the node before the kick, m/s */
 } ShvNodeTouch;
 
+/* A facet that a feature of an obstacle may meet. */
+typedef struct ShvFacetCandidate {
+    int32_t obstacle, feature;
+    int32_t nodes[3], apex;
+    ShvVec3 before[3]; /* velocities of the nodes before the kick, m/s */
+} ShvFacetCandidate;
+
+/* Where the nodes' facets are looked up. */
+typedef struct ShvNodeSurface {
+    const ShvModel *model;       /* NULL: nodes alone meet obstacles */
+    const ShvCohesive *cohesive; /* NULL where nothing can break */
+    uint8_t *const *awake;       /* per fragment */
+} ShvNodeSurface;
+
 typedef struct ShvNodeContact {
     ShvMemory *memory;
     int32_t obstacle_count;
+    ShvNodeSurface surface;
+    int32_t *boundary; /* faces of the model's mesh, 4 × element + face; found once they are needed */
+    int32_t boundary_count;
+    double facet_radius;       /* m: of the largest facet of the mesh */
+    ShvFacetCandidate *facets; /* chosen with the nodes */
+    int32_t facet_count, facet_capacity;
     /* nodes near each obstacle, rebuilt when motion since then may exceed the skin */
     int32_t *candidates;      /* node indices in the order given, per obstacle one after another */
     int32_t *candidate_start; /* obstacle_count + 1 */
@@ -57,6 +81,8 @@ typedef struct ShvNodeContact {
 ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
                                   ShvError *error);
 void shv_node_contact_release(ShvNodeContact *contact);
+/* From now on facets of awake fragments meet obstacles as well. */
+void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surface);
 /* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
 /* Before the kick of a step, once forces are known or not: remembers the velocities of nodes that may touch, from which the

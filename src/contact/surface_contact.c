@@ -149,7 +149,7 @@ static void exclude_deeper(ShvSurfaceContact *contact)
 {
     for (int32_t i = 0; i < contact->pair_count; i++) {
         ShvFacetPair *pair = &contact->pairs[i];
-        for (int32_t k = i - 1; k >= 0 && contact->pairs[k].node == pair->node; k--) {
+        for (int32_t k = i - 1; k >= 0 && pair->element >= 0 && contact->pairs[k].node == pair->node; k--) {
             ShvFacetPair *other = &contact->pairs[k];
             if (other->fragments[1] != pair->fragments[1]) continue;
             ShvFacetPair *farther = fabs(pair->gap) < fabs(other->gap) ? other : pair;

@@ -228,7 +228,8 @@ static ShvStatus draw_kind(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     for (int32_t i = 0; i < draw->look_count; i++) {
         const ShvFacetPair *draft = &draw->drafts[first + i];
         if (!draw->looks[i].near) continue;
-        draw->keys[draw->key_count++] = (ShvPairKey){draft->node, draft->element, draft->face, first + i};
+        draw->keys[draw->key_count++] =
+            (ShvPairKey){draft->node, draft->element, draft->face, draft->feature, first + i};
     }
     draw->count += draw->look_count;
     return SHV_OK;
@@ -239,7 +240,8 @@ static int by_number(const void *a, const void *b)
     const ShvPairKey *x = a, *y = b;
     if (x->node != y->node) return x->node < y->node ? -1 : 1;
     if (x->element != y->element) return x->element < y->element ? -1 : 1;
-    return (x->face > y->face) - (x->face < y->face);
+    if (x->face != y->face) return x->face < y->face ? -1 : 1;
+    return (x->feature > y->feature) - (x->feature < y->feature);
 }
 
 ShvStatus shv_surface_draw(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)

@@ -5,7 +5,7 @@
 #include "contact/facet_pair.h"
 
 typedef struct ShvPairKey {
-    int32_t node, element, face, draft;
+    int32_t node, element, face, feature, draft;
 } ShvPairKey;
 
 /* A candidate that is due. */

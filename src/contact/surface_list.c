@@ -67,16 +67,8 @@ static ShvStatus reserve_marks(ShvSurfaceList *list, ShvError *error)
 static ShvStatus find_boundary(ShvSurfaceList *list, ShvError *error)
 {
     if (list->model->can_break || list->boundary) return SHV_OK;
-    int32_t *mates, count = 0;
-    SHV_TRY(shv_facet_mates(&list->model->mesh, &mates, NULL, error));
-    const int32_t faces = 4 * list->model->mesh.element_count;
-    for (int32_t k = 0; k < faces; k++) count += mates[k] < 0;
-    list->boundary = shv_allocate(list->memory, SHV_PART_CONTACT, (size_t)count, sizeof(int32_t));
-    if (list->boundary)
-        for (int32_t k = 0; k < faces; k++)
-            if (mates[k] < 0) list->boundary[list->boundary_count++] = k;
-    shv_release(mates);
-    return list->boundary ? SHV_OK : shv_fail_memory(error, "contact of surfaces", (size_t)count * sizeof(int32_t));
+    return shv_boundary_faces(&list->model->mesh, list->memory, SHV_PART_CONTACT, &list->boundary,
+                              &list->boundary_count, error);
 }
 
 /* ---- entries ---- */

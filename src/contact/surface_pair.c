@@ -240,23 +240,56 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
     return SHV_OK;
 }
 
+static ShvStatus pair_companion_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                     int32_t slot, ShvError *error)
+{
+    const ShvSurfaceNode *node = &contact->list.nodes[slot];
+    if (!shv_bodies_companion(bodies, node->fragment)) return SHV_OK;
+    const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+    const double reach = contact->allowance[node->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+    const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, reach);
+    if (at.gap >= reach) return SHV_OK;
+    const ShvSurfaceCandidate candidate = {.node = node->node,
+                                           .element = -1 - obstacle,
+                                           .fragments = {node->fragment, -1 - obstacle},
+                                           .slot = slot,
+                                           .facet = -1,
+                                           .mate = -1};
+    return add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, fmax(at.gap, 0.0), error);
+}
+
+/* With each feature that is near. */
+static ShvStatus pair_companion_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                      const ShvSurfaceFacet *facet, ShvError *error)
+{
+    const ShvObstacle *other = &bodies->obstacles->items[obstacle];
+    if (!shv_bodies_companion(bodies, facet->fragment)) return SHV_OK;
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
+    const double margin = contact->allowance[facet->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+    ShvFeatureRange range;
+    if (!shv_features_about(other, &shape, margin, &range)) return SHV_OK;
+    ShvSurfaceCandidate candidate = {.node = contact->list.nodes[facet->slots[0]].node,
+                                     .element = -1 - obstacle,
+                                     .face = 4 * facet->element + facet->face,
+                                     .fragments = {facet->fragment, -1 - obstacle},
+                                     .slot = facet->slots[0],
+                                     .facet = -1,
+                                     .mate = -1};
+    for (int32_t k = range.first; k < range.end; k++) {
+        candidate.feature = k + 1;
+        if (shv_feature_is_near(other, &other->features[k], range.centre, range.reach))
+            SHV_TRY(add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, 0.0, error));
+    }
+    return SHV_OK;
+}
+
 ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
                                     ShvError *error)
 {
-    for (int32_t slot = 0; slot < contact->list.node_count; slot++) {
-        const ShvSurfaceNode *node = &contact->list.nodes[slot];
-        if (!shv_bodies_companion(bodies, node->fragment)) continue;
-        const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
-        const double reach = contact->allowance[node->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
-        const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, reach);
-        if (at.gap >= reach) continue;
-        const ShvSurfaceCandidate candidate = {.node = node->node,
-                                               .element = -1 - obstacle,
-                                               .fragments = {node->fragment, -1 - obstacle},
-                                               .slot = slot,
-                                               .facet = -1,
-                                               .mate = -1};
-        SHV_TRY(add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, fmax(at.gap, 0.0), error));
-    }
+    for (int32_t slot = 0; slot < contact->list.node_count; slot++)
+        SHV_TRY(pair_companion_node(contact, bodies, obstacle, slot, error));
+    if (bodies->obstacles->items[obstacle].feature_count == 0) return SHV_OK;
+    for (int32_t k = 0; k < contact->list.facet_count; k++)
+        SHV_TRY(pair_companion_facet(contact, bodies, obstacle, &contact->list.facets[k], error));
     return SHV_OK;
 }

@@ -99,6 +99,10 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     if (hybrid->model.can_break) SHV_TRY(create_fracture(hybrid, error));
     SHV_TRY(shv_obstacles_create(&hybrid->obstacles, hybrid->memory, scene, folder, error));
     SHV_TRY(shv_node_contact_create(&hybrid->contact, hybrid->memory, &hybrid->obstacles, error));
+    shv_node_contact_know_surface(&hybrid->contact,
+                                  (ShvNodeSurface){.model = &hybrid->model,
+                                                   .cohesive = hybrid->model.can_break ? &hybrid->cohesive : NULL,
+                                                   .awake = &hybrid->awake.flags});
     SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
     if (hybrid->model.can_break && scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS)

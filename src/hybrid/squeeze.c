@@ -5,6 +5,8 @@
 /* Shares of the radius: room that is missing between two obstacles before it counts, beyond what round hulls, rough faces and
    solvers leave; and by which a body must have got free before it can be squeezed anew. */
 static const double missing_of_radius = 0.01, free_of_radius = 0.005;
+/* Share of the radius within which a node is on an obstacle: on which side of it is rounding. */
+static const double touching_of_radius = 1e-9;
 /* Obstacles face each other when their normals are more than 120 degrees apart. */
 static const double facing = -0.5;
 
@@ -101,6 +103,7 @@ static void find_for_rigid(const ShvHybrid *hybrid, const ShvFragment *fragment,
 /* What deforms may be pressed together as it will; obstacles that leave no room for a node do not. */
 static void find_for_awake(const ShvHybrid *hybrid, const ShvFragment *fragment, Squeeze *squeeze)
 {
+    const double slack = touching_of_radius * fragment->radius;
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const ShvVec3 x = shv_state_position(&hybrid->state, hybrid->fragments.nodes[fragment->node_begin + k]);
         Side sides[MOST_NEAR];
@@ -108,10 +111,10 @@ static void find_for_awake(const ShvHybrid *hybrid, const ShvFragment *fragment,
         for (int32_t i = 0; i < hybrid->obstacles.count && count < MOST_NEAR; i++) {
             const ShvObstacle *obstacle = &hybrid->obstacles.items[i];
             if (obstacle->motion == SHV_OBSTACLE_FREE) continue;
-            const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, 0.0);
-            if (at.gap < 0.0) sides[count++] = (Side){i, at.normal, at.gap};
+            const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, 2.0 * slack);
+            if (at.gap <= slack) sides[count++] = (Side){i, at.normal, at.gap};
         }
-        if (count > 1) find_among(sides, count, 0.0, squeeze);
+        if (count > 1) find_among(sides, count, slack, squeeze);
     }
 }
 

@@ -146,3 +146,20 @@ ShvStatus shv_facet_mates(const ShvMesh *mesh, int32_t **mates, ShvFacetFinding 
     shv_release(faces);
     return complete ? SHV_OK : shv_fail_memory(error, "the facets of a mesh", slots * (sizeof **mates + sizeof *faces));
 }
+
+ShvStatus shv_boundary_faces(const ShvMesh *mesh, ShvMemory *memory, ShvPart part, int32_t **faces, int32_t *count,
+                             ShvError *error)
+{
+    int32_t *mates;
+    *faces = NULL;
+    *count = 0;
+    SHV_TRY(shv_facet_mates(mesh, &mates, NULL, error));
+    const int32_t slots = 4 * mesh->element_count;
+    for (int32_t k = 0; k < slots; k++) *count += mates[k] < 0;
+    *faces = shv_allocate(memory, part, (size_t)*count, sizeof **faces);
+    int32_t end = 0;
+    for (int32_t k = 0; *faces && k < slots; k++)
+        if (mates[k] < 0) (*faces)[end++] = k;
+    shv_release(mates);
+    return *faces ? SHV_OK : shv_fail_memory(error, "the boundary of a mesh", (size_t)*count * sizeof **faces);
+}

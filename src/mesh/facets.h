@@ -22,4 +22,9 @@ typedef struct ShvFacetFinding {
    `finding` may be NULL for a mesh known to be valid. */
 ShvStatus shv_facet_mates(const ShvMesh *mesh, int32_t **mates, ShvFacetFinding *finding, ShvError *error);
 
+/* The faces, 4 e + k, that belong to one element alone, increasing. Counted under `part`; caller releases
+   *faces, which is NULL on failure. */
+ShvStatus shv_boundary_faces(const ShvMesh *mesh, ShvMemory *memory, ShvPart part, int32_t **faces, int32_t *count,
+                             ShvError *error);
+
 #endif

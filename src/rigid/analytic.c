@@ -44,7 +44,8 @@ static ShvStatus reserve_body(Analytic *analytic, ShvError *error)
 
 static ShvStatus reserve_touches(Analytic *analytic, int32_t surface_nodes, ShvError *error)
 {
-    const int64_t wanted = (int64_t)SHV_TOUCHES_AN_OBSTACLE * analytic->backend.world.obstacles->count + surface_nodes;
+    const int64_t obstacles = analytic->backend.world.obstacles->count;
+    const int64_t wanted = SHV_TOUCHES_AN_OBSTACLE * (obstacles + 1) + surface_nodes;
     if (wanted <= analytic->touch_capacity) return SHV_OK;
     if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "Too many obstacles: remove some.");
     ShvTouch *touches =

@@ -13,8 +13,40 @@ static ShvStatus copy_surface(ShvFlightBody *body, const ShvRigidWorld *world, S
             shv_store3(body->offsets + 3 * (int64_t)i,
                        shv_sub(shv_load3(world->state->reference + 3 * (int64_t)nodes[i]), fragment->reference_centre));
     shv_release(nodes);
-    body->arms = (ShvArms){body->offsets, count, fragment->radius};
+    body->arms = (ShvArms){.offsets = body->offsets, .count = count, .radius = fragment->radius};
     return body->offsets ? SHV_OK : shv_fail_memory(error, "a fragment in flight", 3 * (size_t)count * sizeof(double));
+}
+
+static ShvVec3 arm_of(const ShvState *state, int32_t element, int32_t corner, ShvVec3 centre)
+{
+    return shv_sub(shv_load3(state->reference + 3 * (int64_t)shv_state_node(state, element, corner)), centre);
+}
+
+static ShvFacetShape facet_of(const ShvState *state, int32_t face, ShvVec3 centre)
+{
+    ShvFacetShape facet = {.apex = arm_of(state, face / 4, face % 4, centre)};
+    for (int k = 0; k < 3; k++) facet.corners[k] = arm_of(state, face / 4, shv_face_corners[face % 4][k], centre);
+    return facet;
+}
+
+/* Needed where some obstacle has features. */
+static ShvStatus copy_facets(ShvFlightBody *body, const ShvRigidWorld *world, ShvError *error)
+{
+    int32_t *faces, count, features = 0;
+    for (int32_t o = 0; o < world->obstacles->count; o++) features += world->obstacles->items[o].feature_count;
+    if (features == 0) return SHV_OK;
+    SHV_TRY(shv_fragment_faces(world->fragments, world->state, body->fragment, &faces, &count, error));
+    body->facets = shv_allocate(world->fragments->memory, SHV_PART_RIGID, (size_t)count, sizeof *body->facets);
+    body->arms.facets = body->facets;
+    body->arms.facet_count = body->facets ? count : 0;
+    for (int32_t k = 0; k < body->arms.facet_count; k++) {
+        double radius;
+        body->facets[k] = facet_of(world->state, faces[k], world->fragments->items[body->fragment].reference_centre);
+        shv_facet_centre(&body->facets[k], &radius);
+        body->arms.facet_radius = fmax(body->arms.facet_radius, radius);
+    }
+    shv_release(faces);
+    return body->facets ? SHV_OK : shv_fail_memory(error, "a fragment in flight", (size_t)count * sizeof *body->facets);
 }
 
 static ShvStatus fill(ShvFlightBody *body, const ShvRigidWorld *world, ShvError *error)
@@ -25,6 +57,7 @@ static ShvStatus fill(ShvFlightBody *body, const ShvRigidWorld *world, ShvError 
     body->touching = shv_allocate(world->fragments->memory, SHV_PART_RIGID, obstacles, 1);
     if (!body->touched || !body->touching) return shv_fail_memory(error, "a fragment in flight", 2 * obstacles);
     SHV_TRY(copy_surface(body, world, error));
+    SHV_TRY(copy_facets(body, world, error));
     body->rotation = shv_free_rotation_make(&fragment->inertia);
     body->slop = slop_of_radius * fragment->radius;
     body->angular_momentum =
@@ -53,6 +86,7 @@ void shv_flight_body_destroy(ShvFlightBody *body)
     shv_release(body->touched);
     shv_release(body->touching);
     shv_release(body->offsets);
+    shv_release(body->facets);
     shv_release(body);
 }
 

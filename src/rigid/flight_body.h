@@ -13,6 +13,7 @@ typedef struct ShvFlightBody {
     ShvQuat seen_orientation; /* what angular_momentum was derived from or written to: */
     ShvVec3 seen_spin;        /* events of the time line change the record */
     double *offsets;          /* of `arms` */
+    ShvFacetShape *facets;    /* of `arms` */
     ShvArms arms;
     double slop;                 /* m: a smaller gap is a touch */
     uint8_t *touched, *touching; /* per obstacle: in the last step, in this one */

@@ -47,26 +47,67 @@ static ShvVec3 momentum_of(const ShvFlightStep *step, ShvVec3 angular_velocity)
 
 /* ---- touches ---- */
 
+static ShvTouch touch_at(const ShvFlightStep *step, int32_t index, ShvVec3 point, ShvVec3 normal, double gap)
+{
+    return (ShvTouch){.obstacle = index,
+                      .other = &step->others[index],
+                      .point = point,
+                      .normal = normal,
+                      .arm = shv_sub(point, step->fragment->position),
+                      .gap = gap};
+}
+
+static int32_t touches_of_nodes(const ShvFlightStep *step, int32_t index, const ShvMat3 *turned, ShvTouch *touches)
+{
+    const double slop = step->body->slop;
+    int32_t count = 0;
+    for (int32_t i = 0; i < step->body->arms.count; i++) {
+        const ShvVec3 arm = shv_apply(turned, shv_load3(step->body->arms.offsets + 3 * (int64_t)i));
+        const ShvVec3 point = shv_add(step->fragment->position, arm);
+        const ShvSurfacePoint surface = shv_obstacle_closest(&step->others[index], point, 2.0 * slop);
+        if (surface.gap > slop) continue;
+        touches[count] = touch_at(step, index, point, surface.normal, surface.gap);
+        touches[count++].arm = arm;
+    }
+    return count;
+}
+
+/* Goes on after the first `count` touches; where the room ends, those to be kept are chosen so far. */
+static int32_t touches_of_facet(const ShvFlightStep *step, int32_t index, const ShvFacetShape *facet, ShvTouch *touches,
+                                int32_t count)
+{
+    const ShvObstacle *other = &step->others[index];
+    const int32_t room = step->body->arms.count + SHV_TOUCHES_AN_OBSTACLE;
+    const ShvRigidMotion motion = motion_of(step);
+    ShvFeatureRange range;
+    if (!shv_features_about(other, facet, 2.0 * step->body->slop, &range)) return count;
+    for (int32_t k = range.first; k < range.end; k++) {
+        ShvFeaturePoint points[3];
+        const int found = shv_feature_meet(other, &other->features[k], facet, step->body->slop, points);
+        for (int i = 0; i < found; i++) {
+            if (count == room) count = shv_touches_reduce(touches, count, &motion);
+            const ShvVec3 point = shv_madd(points[i].point, points[i].gap, points[i].normal);
+            touches[count++] = touch_at(step, index, point, points[i].normal, points[i].gap);
+        }
+    }
+    return count;
+}
+
 static int32_t touches_of(const ShvFlightStep *step, int32_t index, ShvTouch *touches)
 {
     ShvObstacle *other = &step->others[index];
     const ShvFragment *fragment = step->fragment;
-    const double slop = step->body->slop, reach = fragment->radius + 2.0 * slop;
+    const ShvArms *arms = &step->body->arms;
+    const double reach = fragment->radius + 2.0 * step->body->slop;
     *other = shv_obstacle_later(&step->world->obstacles->items[index], step->now);
     if (shv_obstacle_closest(other, fragment->position, reach).gap >= reach) return 0;
     const ShvMat3 turned = shv_quat_to_matrix(fragment->orientation);
-    int32_t count = 0;
-    for (int32_t i = 0; i < step->body->arms.count; i++) {
-        const ShvVec3 arm = shv_apply(&turned, shv_load3(step->body->arms.offsets + 3 * (int64_t)i));
-        const ShvVec3 point = shv_add(fragment->position, arm);
-        const ShvSurfacePoint surface = shv_obstacle_closest(other, point, 2.0 * slop);
-        if (surface.gap > slop) continue;
-        touches[count++] = (ShvTouch){.obstacle = index,
-                                      .other = other,
-                                      .point = point,
-                                      .normal = surface.normal,
-                                      .arm = arm,
-                                      .gap = surface.gap};
+    int32_t count = touches_of_nodes(step, index, &turned, touches);
+    const bool facets =
+        arms->facet_count > 0 && shv_features_matter(other, arms->facet_radius, fragment->position, reach);
+    for (int32_t i = 0; facets && i < arms->facet_count; i++) {
+        const ShvFacetShape facet = shv_facet_placed(&arms->facets[i], &turned, fragment->position);
+        count = touches_of_facet(step, index, &facet, touches, count);
     }
     if (count == 0) return 0;
     step->body->touching[index] = 1;

@@ -14,7 +14,7 @@ typedef struct ShvFlightStep {
     ShvVec3 gravity;
     ShvWakeJudge judge; /* NULL: nothing wakes */
     void *judge_data;
-    ShvTouch *touches;   /* room for SHV_TOUCHES_AN_OBSTACLE an obstacle and one a surface node */
+    ShvTouch *touches;   /* room for SHV_TOUCHES_AN_OBSTACLE an obstacle and once more, and one a surface node */
     ShvObstacle *others; /* obstacles at `now` */
     ShvTouchWork work;   /* J, answered so far */
     bool held;           /* the last part of the step was on supports */

@@ -132,6 +132,10 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
    lists must be those of the present connectivity (shv_fragments_split after the last duplication). */
 ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,
                                int32_t fragment, int32_t **nodes, int32_t *count, ShvError *error);
+/* The faces of that surface, 4 × element + face, and those of cracks whose nodes were split, with a bond or not; the caller
+   releases *faces (SHV_PART_RIGID). */
+ShvStatus shv_fragment_faces(const ShvFragments *fragments, const ShvState *state, int32_t fragment, int32_t **faces,
+                             int32_t *count, ShvError *error);
 
 /* Rigid motion of a deforming fragment: centre of mass, best-fit rotation (polar factor of Σ m x Xᵀ; what the nodes do
    not determine, as about the line of collinear nodes, stays as it was), velocity P/m, and the angular velocity that gives

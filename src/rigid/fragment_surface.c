@@ -1,5 +1,7 @@
 #include "rigid/fragment.h"
 
+#include "mesh/facets.h"
+
 /* Whether the other side of a face uses the same three copies of the face's nodes. */
 static bool shares_face(const ShvState *state, int32_t element, int32_t face, int32_t other, int32_t other_face)
 {
@@ -56,4 +58,27 @@ ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *mo
     for (int32_t i = 0; i < item->node_count; i++)
         if (fragments->label[all[i]] == ON_SURFACE) (*nodes)[end++] = all[i];
     return SHV_OK;
+}
+
+/* As a mesh of its own, whose nodes are numbered from 0. */
+ShvStatus shv_fragment_faces(const ShvFragments *fragments, const ShvState *state, int32_t fragment, int32_t **faces,
+                             int32_t *count, ShvError *error)
+{
+    const ShvFragment *item = &fragments->items[fragment];
+    const int32_t *own = fragments->elements + item->element_begin, *nodes = fragments->nodes + item->node_begin;
+    const size_t corners = 4 * (size_t)item->element_count;
+    *faces = NULL;
+    int32_t *elements = shv_allocate(fragments->memory, SHV_PART_RIGID, corners, sizeof *elements);
+    if (!elements) return shv_fail_memory(error, "the surface of a fragment", corners * sizeof *elements);
+    for (int32_t i = 0; i < item->node_count; i++) fragments->label[nodes[i]] = i;
+    for (int32_t i = 0; i < item->element_count; i++)
+        for (int k = 0; k < 4; k++) elements[4 * (int64_t)i + k] = fragments->label[shv_state_node(state, own[i], k)];
+    const ShvMesh mesh = {.memory = fragments->memory,
+                          .node_count = item->node_count,
+                          .element_count = item->element_count,
+                          .elements = elements};
+    const ShvStatus status = shv_boundary_faces(&mesh, fragments->memory, SHV_PART_RIGID, faces, count, error);
+    for (int32_t k = 0; status == SHV_OK && k < *count; k++) (*faces)[k] = 4 * own[(*faces)[k] / 4] + (*faces)[k] % 4;
+    shv_release(elements);
+    return status;
 }

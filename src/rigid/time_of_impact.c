@@ -36,10 +36,20 @@ typedef struct Search {
     ShvMat3 start; /* orientation at time 0 */
 } Search;
 
-/* A node on its way. */
+ShvFacetShape shv_facet_placed(const ShvFacetShape *facet, const ShvMat3 *turned, ShvVec3 position)
+{
+    ShvFacetShape placed = *facet;
+    for (int k = 0; k < 3; k++) placed.corners[k] = shv_add(position, shv_apply(turned, facet->corners[k]));
+    placed.apex = shv_add(position, shv_apply(turned, facet->apex));
+    return placed;
+}
+
+/* A node on its way, or a facet that a feature of the obstacle may meet. */
 typedef struct Traveller {
-    ShvVec3 offset;
-    double arm;       /* |offset| */
+    ShvVec3 offset;             /* of the node */
+    const ShvFacetShape *facet; /* NULL: a node */
+    const ShvFeature *feature;
+    double arm;       /* farthest from the fragment's centre, m */
     double threshold; /* gap that counts as closed, but for the tolerance */
 } Traveller;
 
@@ -84,31 +94,61 @@ enum { CAREFUL_EVALUATIONS = 100, MOST_EVALUATIONS = 300, BISECTIONS = 60 };
 typedef struct Sight {
     ShvQuat orientation; /* of the fragment */
     double approach;     /* bound of the relative speed from now to the limit */
-    bool far;            /* too far to be met before the limit */
+    bool far;            /* too far to be met before the limit, or met elsewhere: by a node, or another feature */
     ShvSurfacePoint surface;
 } Sight;
 
-static Sight look(const Search *search, const Traveller *node, double time, double limit)
+/* The least gap where facet and feature face each other, else their distance. */
+static double facet_gap(const Search *search, const Traveller *traveller, const ShvObstacle *obstacle,
+                        const ShvFacetShape *facet, bool *elsewhere)
+{
+    ShvFeaturePoint points[3];
+    const int count = shv_feature_meet(obstacle, traveller->feature, facet, 2.0 * search->slop, points);
+    double gap = count > 0 ? points[0].gap : shv_feature_distance(obstacle, traveller->feature, facet);
+    for (int k = 1; k < count; k++) gap = fmin(gap, points[k].gap);
+    *elsewhere = count == 0 && gap <= search->slop;
+    return gap;
+}
+
+static void look_at_facet(const Search *search, const Traveller *traveller, double left, const ShvObstacle *obstacle,
+                          const ShvMat3 *turned, ShvVec3 position, Sight *sight)
+{
+    const ShvFacetShape facet = shv_facet_placed(traveller->facet, turned, position);
+    const double distance = search->spinning ? shv_norm(shv_sub(position, obstacle->position)) + traveller->arm : 0.0;
+    bool elsewhere;
+    sight->approach = fastest_approach(search, traveller->arm, distance, left);
+    sight->surface.gap = facet_gap(search, traveller, obstacle, &facet, &elsewhere);
+    sight->far = elsewhere || sight->surface.gap >= 2.0 * search->slop + sight->approach * left;
+}
+
+static void look_at_node(const Search *search, const Traveller *node, double left, const ShvObstacle *obstacle,
+                         const ShvMat3 *turned, ShvVec3 position, Sight *sight)
+{
+    const ShvVec3 point = shv_add(position, shv_apply(turned, node->offset));
+    const double distance = search->spinning ? shv_norm(shv_sub(point, obstacle->position)) : 0.0;
+    sight->approach = fastest_approach(search, node->arm, distance, left);
+    const double far = 2.0 * search->slop + sight->approach * left;
+    sight->surface = shv_obstacle_closest(obstacle, point, far);
+    sight->far = sight->surface.gap >= far;
+}
+
+static Sight look(const Search *search, const Traveller *traveller, double time, double limit)
 {
     const ShvFlight *flight = search->flight;
     Sight sight = {.orientation = flight->orientation};
-    ShvVec3 arm = shv_apply(&search->start, node->offset);
+    ShvMat3 turned = search->start;
     if (time > 0.0) {
         sight.orientation = shv_flight_orientation(flight, time);
-        arm = shv_rotate(sight.orientation, node->offset);
+        turned = shv_quat_to_matrix(sight.orientation);
     }
-    const ShvVec3 point = shv_add(shv_flight_position(flight, time), arm);
     ShvObstacle moved;
     const ShvObstacle *obstacle = search->obstacle;
     if (search->moving && time > 0.0) {
         moved = shv_obstacle_later(search->obstacle, time);
         obstacle = &moved;
     }
-    const double distance = search->spinning ? shv_norm(shv_sub(point, obstacle->position)) : 0.0;
-    sight.approach = fastest_approach(search, node->arm, distance, limit - time);
-    const double far = 2.0 * search->slop + sight.approach * (limit - time);
-    sight.surface = shv_obstacle_closest(obstacle, point, far);
-    sight.far = sight.surface.gap >= far;
+    (traveller->facet ? look_at_facet : look_at_node)(search, traveller, limit - time, obstacle, &turned,
+                                                      shv_flight_position(flight, time), &sight);
     return sight;
 }
 
@@ -128,10 +168,10 @@ static double bisect(const Search *search, const Traveller *node, double above, 
     return above;
 }
 
-/* Time of impact of one node before `limit`, or infinity. After CAREFUL_EVALUATIONS (a node that slides along a curved
+/* Time of impact of one before `limit`, or infinity. After CAREFUL_EVALUATIONS (a node that slides along a curved
    surface) the strides are at least 1/100 of the limit: the sign of the gap still finds it inside anything thicker than it
    moves in that time, and bisection goes back. */
-static double node_impact(const Search *search, Traveller *node, double limit)
+static double impact_of(const Search *search, Traveller *node, double limit)
 {
     double time = 0.0, above = 0.0;
     for (int evaluation = 0; evaluation < MOST_EVALUATIONS; evaluation++) {
@@ -143,7 +183,7 @@ static double node_impact(const Search *search, Traveller *node, double limit)
         const double clearance = gap - node->threshold;
         if (clearance < -0.25 * search->slop) return bisect(search, node, above, time, limit);
         if (clearance <= 0.25 * search->slop) return time;
-        const double stride = search->spinning
+        const double stride = search->spinning || node->facet
                                   ? clearance / sight.approach
                                   : safe_time(search, node, time, clearance, sight.surface.normal, sight.orientation);
         const bool forced = evaluation >= CAREFUL_EVALUATIONS && stride < 0.01 * limit;
@@ -152,6 +192,40 @@ static double node_impact(const Search *search, Traveller *node, double limit)
         time = fmin(limit, time + (forced ? 0.01 * limit : stride));
     }
     return (double)INFINITY;
+}
+
+static bool try_nodes(const Search *search, const ShvArms *arms, double *time)
+{
+    bool found = false;
+    for (int32_t i = 0; i < arms->count; i++) {
+        Traveller node = {.offset = shv_load3(arms->offsets + 3 * (int64_t)i)};
+        node.arm = shv_norm(node.offset);
+        const double hit = impact_of(search, &node, *time);
+        if (hit < *time) {
+            *time = hit;
+            found = true;
+        }
+    }
+    return found;
+}
+
+static bool try_facet(const Search *search, const ShvFacetShape *facet, double travel, double *time)
+{
+    const ShvObstacle *obstacle = search->obstacle;
+    const ShvFacetShape placed = shv_facet_placed(facet, &search->start, search->flight->position);
+    ShvFeatureRange range;
+    bool found = false;
+    if (!shv_features_about(obstacle, &placed, travel, &range)) return false;
+    for (int32_t k = range.first; k < range.end; k++) {
+        if (!shv_feature_is_near(obstacle, &obstacle->features[k], range.centre, range.reach)) continue;
+        Traveller traveller = {.facet = facet, .feature = &obstacle->features[k]};
+        for (int c = 0; c < 3; c++) traveller.arm = fmax(traveller.arm, shv_norm(facet->corners[c]));
+        const double hit = impact_of(search, &traveller, *time);
+        if (!(hit < *time)) continue;
+        *time = hit;
+        found = true;
+    }
+    return found;
 }
 
 bool shv_time_of_impact(const ShvFlight *flight, const ShvArms *arms, const ShvObstacle *obstacle, double slop,
@@ -165,19 +239,14 @@ bool shv_time_of_impact(const ShvFlight *flight, const ShvArms *arms, const ShvO
                      .slop = slop};
     search.moving = search.spinning || !is_zero(obstacle->velocity);
     const double distance = search.spinning ? shv_norm(shv_sub(flight->position, obstacle->position)) : 0.0;
-    const double travel = fastest_approach(&search, arms->radius, distance + arms->radius, *time) * *time;
-    const double far = arms->radius + travel + 2.0 * slop;
+    const double travel = fastest_approach(&search, arms->radius, distance + arms->radius, *time) * *time + 2.0 * slop;
+    const double far = arms->radius + travel;
     if (shv_obstacle_closest(obstacle, flight->position, far).gap >= far) return false;
     search.start = shv_quat_to_matrix(flight->orientation);
-    bool found = false;
-    for (int32_t i = 0; i < arms->count; i++) {
-        Traveller node = {.offset = shv_load3(arms->offsets + 3 * (int64_t)i)};
-        node.arm = shv_norm(node.offset);
-        const double hit = node_impact(&search, &node, *time);
-        if (hit < *time) {
-            *time = hit;
-            found = true;
-        }
-    }
+    bool found = try_nodes(&search, arms, time);
+    if (arms->facet_count == 0 || !shv_features_matter(obstacle, arms->facet_radius, flight->position, far))
+        return found;
+    for (int32_t i = 0; i < arms->facet_count; i++)
+        if (try_facet(&search, &arms->facets[i], travel, time)) found = true;
     return found;
 }

@@ -669,7 +669,7 @@ static const ShvKey rigid_keys[] = {
          "with flight and free rotation in closed form. `bullet_plain`: the same pieces in a Bullet world as it comes, "
          "to "
          "compare with (docs/rigid_engines.md); it has no contact with bodies in fracture mode. `analytic`: flight in "
-         "closed form, nodes against obstacles, "
+         "closed form, surfaces against obstacles, "
          "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
      .sentence = "Time step of rigid flight."},

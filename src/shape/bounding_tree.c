@@ -2,6 +2,7 @@
 
 #include "base/deterministic.h"
 #include "mesh/edge_table.h"
+#include "shape/triangle.h"
 
 enum { LEAF_TRIANGLES = 4, STACK_NODES = 96 };
 
@@ -192,33 +193,6 @@ void shv_bounding_tree_release(ShvBoundingTree *tree)
 
 /* ---- closest point ---- */
 
-/* Feature of a triangle: corners 0-2, edges 3-5 (from corner k − 3 to the next), face 6. */
-typedef struct TrianglePoint {
-    ShvVec3 point;
-    int feature;
-} TrianglePoint;
-
-/* By the Voronoi regions of the triangle's corners, edges and face (C. Ericson, Real-Time Collision Detection, §5.1.5). */
-static TrianglePoint closest_of_triangle(ShvVec3 p, ShvVec3 a, ShvVec3 b, ShvVec3 c)
-{
-    const ShvVec3 ab = shv_sub(b, a), ac = shv_sub(c, a);
-    const ShvVec3 ap = shv_sub(p, a), bp = shv_sub(p, b), cp = shv_sub(p, c);
-    const double d1 = shv_dot(ab, ap), d2 = shv_dot(ac, ap), d3 = shv_dot(ab, bp), d4 = shv_dot(ac, bp),
-                 d5 = shv_dot(ab, cp), d6 = shv_dot(ac, cp);
-    if (d1 <= 0.0 && d2 <= 0.0) return (TrianglePoint){a, 0};
-    if (d3 >= 0.0 && d4 <= d3) return (TrianglePoint){b, 1};
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (TrianglePoint){shv_madd(a, d1 / (d1 - d3), ab), 3};
-    if (d6 >= 0.0 && d5 <= d6) return (TrianglePoint){c, 2};
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (TrianglePoint){shv_madd(a, d2 / (d2 - d6), ac), 5};
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0.0 && d4 >= d3 && d5 >= d6)
-        return (TrianglePoint){shv_madd(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), shv_sub(c, b)), 4};
-    const double scale = 1.0 / (va + vb + vc);
-    return (TrianglePoint){shv_madd(shv_madd(a, vb * scale, ab), vc * scale, ac), 6};
-}
-
 static double box_distance_squared(const TreeNode *node, const double point[3])
 {
     double sum = 0.0;
@@ -232,24 +206,25 @@ static double box_distance_squared(const TreeNode *node, const double point[3])
 static ShvVec3 pseudonormal(const ShvBoundingTree *tree, int32_t triangle, int feature)
 {
     const int64_t t = triangle;
-    if (feature == 6) return shv_load3(tree->face_normals + 3 * t);
-    if (feature >= 3) return shv_load3(tree->edge_normals + 9 * t + 3 * (feature - 3));
+    if (feature == SHV_TRIANGLE_FACE) return shv_load3(tree->face_normals + 3 * t);
+    if (feature >= SHV_TRIANGLE_EDGES)
+        return shv_load3(tree->edge_normals + 9 * t + 3 * (feature - SHV_TRIANGLE_EDGES));
     return shv_load3(tree->vertex_normals + 3 * (int64_t)tree->surface->triangles[3 * t + feature]);
 }
 
 typedef struct Nearest {
     double squared; /* of the distance, the best so far */
     int32_t triangle;
-    TrianglePoint at;
+    ShvTrianglePoint at;
 } Nearest;
 
 static void try_leaf(const ShvBoundingTree *tree, const TreeNode *leaf, ShvVec3 point, Nearest *nearest)
 {
     for (int32_t i = leaf->first; i < leaf->first + leaf->count; i++) {
         const int32_t t = tree->order[i];
-        const TrianglePoint at =
-            closest_of_triangle(point, triangle_corner(tree->surface, t, 0), triangle_corner(tree->surface, t, 1),
-                                triangle_corner(tree->surface, t, 2));
+        const ShvVec3 corners[3] = {triangle_corner(tree->surface, t, 0), triangle_corner(tree->surface, t, 1),
+                                    triangle_corner(tree->surface, t, 2)};
+        const ShvTrianglePoint at = shv_triangle_closest(point, corners);
         const ShvVec3 to = shv_sub(point, at.point);
         const double squared = shv_dot(to, to);
         if (squared < nearest->squared) *nearest = (Nearest){squared, t, at};
@@ -291,7 +266,8 @@ ShvTreePoint shv_bounding_tree_closest(const ShvBoundingTree *tree, ShvVec3 poin
     double p[3];
     shv_store3(p, point);
     const double outside = box_distance_squared(&tree->nodes[0], p);
-    Nearest nearest = {outside > 0.0 ? limit * limit : (double)INFINITY, -1, {point, 6}};
+    Nearest nearest = {
+        outside > 0.0 ? limit * limit : (double)INFINITY, -1, {.point = point, .feature = SHV_TRIANGLE_FACE}};
     search(tree, point, &nearest);
     if (nearest.triangle < 0) return (ShvTreePoint){limit, point, shv_vec3(0.0, 0.0, 1.0), -1};
     const ShvVec3 pseudo = pseudonormal(tree, nearest.triangle, nearest.at.feature);
@@ -302,8 +278,9 @@ ShvTreePoint shv_bounding_tree_closest(const ShvBoundingTree *tree, ShvVec3 poin
     const TreeNode *root = &tree->nodes[0];
     const double size =
         fmax(root->high[0] - root->low[0], fmax(root->high[1] - root->low[1], root->high[2] - root->low[2]));
-    const ShvVec3 normal =
-        nearest.at.feature < 6 && distance > 1e-12 * size ? shv_scale(away, sign / distance) : shv_unit(pseudo);
+    const ShvVec3 normal = nearest.at.feature < SHV_TRIANGLE_FACE && distance > 1e-12 * size
+                               ? shv_scale(away, sign / distance)
+                               : shv_unit(pseudo);
     return (ShvTreePoint){sign * distance, nearest.at.point, normal, nearest.triangle};
 }
 

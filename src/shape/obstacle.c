@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "shape/bounding_tree.h"
 #include "shape/collide.h"
+#include "shape/feature.h"
 
 /* ---- validation: every message begins with the obstacle's name ---- */
 
@@ -199,6 +200,7 @@ static ShvStatus make(ShvObstacle *obstacle, ShvMemory *memory, const ShvObstacl
                               .orientation = shv_quat_identity()};
     ShvMat3 unit = shv_identity();
     SHV_TRY(make_shape(obstacle, memory, folder, &unit, error));
+    SHV_TRY(shv_features_create(obstacle, memory, error));
     if (obstacle->shape == SHV_OBSTACLE_PLANE) return SHV_OK;
     const ShvPlacement *placement = &definition->placement;
     const double degree = 0.017453292519943295;
@@ -243,6 +245,7 @@ void shv_obstacles_release(ShvObstacles *obstacles)
     for (int32_t i = 0; i < obstacles->count; i++) {
         shv_bounding_tree_release(obstacles->items[i].tree);
         shv_surface_release(&obstacles->items[i].surface);
+        shv_release(obstacles->items[i].features);
     }
     shv_release(obstacles->items);
     shv_release(obstacles->contacts);

@@ -10,6 +10,7 @@
 #include "shiver/definition.h"
 
 typedef struct ShvBoundingTree ShvBoundingTree; /* of a triangle mesh; bounding_tree.h */
+typedef struct ShvFeature ShvFeature;           /* feature.h */
 
 typedef struct ShvObstacle {
     const ShvObstacleDefinition *definition;
@@ -19,13 +20,16 @@ typedef struct ShvObstacle {
     /* local shape */
     ShvVec3 normal; /* plane: unit */
     double offset;
-    double radius;
+    double radius;      /* sphere; else 0 */
     ShvVec3 half;       /* box */
     ShvSurface surface; /* mesh: about its centre of mass, in the axes of the file */
     ShvVec3 centre;     /* mesh: its centre of mass in the file's (scaled) coordinates: the file's origin is at
                             position − orientation · centre, which is where placement and keyframes put it */
     ShvBoundingTree *tree;
     double bounding_radius; /* about the position; infinite for a plane */
+    ShvFeature *features;   /* what facets meet between their nodes, by the low ends of their x */
+    int32_t feature_count;
+    double feature_reach; /* m: longest way of one along x */
     /* body */
     double mass;               /* kg; infinity unless free */
     ShvMat3 inertia;           /* about the position in local axes, free only */

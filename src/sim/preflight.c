@@ -103,6 +103,30 @@ static double overshoot(const ShvSimulation *simulation, int32_t object, const S
     return speed > 0.0 ? stress / material->strength[SHV_NORMAL] * preflight->step / rise : (double)NAN;
 }
 
+static double least_extent(const ShvObstacle *obstacle)
+{
+    ShvVec3 low = shv_scale(obstacle->half, -1.0), high = obstacle->half;
+    if (obstacle->shape == SHV_OBSTACLE_PLANE) return (double)INFINITY;
+    if (obstacle->shape == SHV_OBSTACLE_SPHERE) return 2.0 * obstacle->radius;
+    for (int32_t i = 0; i < obstacle->surface.node_count; i++) {
+        const ShvVec3 x = shv_surface_position(&obstacle->surface, i);
+        low = shv_vec3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
+        high = shv_vec3(fmax(high.x, x.x), fmax(high.y, x.y), fmax(high.z, x.z));
+    }
+    return fmin(high.x - low.x, fmin(high.y - low.y, high.z - low.z));
+}
+
+static void find_small_obstacle(ShvPreflight *preflight, const ShvObstacles *obstacles)
+{
+    preflight->small_obstacle_size = preflight->mean_edge;
+    for (int32_t i = 0; i < obstacles->count; i++) {
+        const double extent = least_extent(&obstacles->items[i]);
+        if (!(extent < preflight->small_obstacle_size)) continue;
+        preflight->small_obstacle_size = extent;
+        preflight->small_obstacle = obstacles->items[i].definition->name;
+    }
+}
+
 ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight,
                                    ShvError *error)
 {
@@ -123,5 +147,6 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     preflight->never_parts = preflight->breakable && preflight->final_opening > preflight->mean_edge &&
                              hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
     preflight->overshoot_each_step = overshoot(simulation, object, preflight);
+    find_small_obstacle(preflight, &hybrid->obstacles);
     return SHV_OK;
 }

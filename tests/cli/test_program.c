@@ -25,6 +25,18 @@ static int enter(void **state)
     return 0;
 }
 
+/* An obstacle smaller than an edge. */
+static void test_small_obstacle(void **state)
+{
+    (void)state;
+    const char *pin = " --set 'obstacles.pin={sphere: {radius: 2 mm}, position: [1, 0, 0]}'";
+    char line[160];
+    snprintf(line, sizeof line, "$shiver check tiny.yaml%s", pin);
+    shell_works(line, "the obstacle 'pin' (0.004 m) is smaller than an edge");
+    shell_works("$shiver check tiny.yaml", "bar (chalk)");
+    assert_null(strstr(output.out, "smaller than an edge"));
+}
+
 static void test_usage(void **state)
 {
     (void)state;
@@ -535,6 +547,7 @@ static void test_materials(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_small_obstacle),
         cmocka_unit_test(test_usage),
         cmocka_unit_test(test_wrong_words),
         cmocka_unit_test(test_check_and_plan),

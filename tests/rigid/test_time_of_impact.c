@@ -41,7 +41,7 @@ static void check_random_flights(ShvObstacleShape shape, double spin, double obs
             shv_store3(offsets + 3 * i, draw3(&index, 0.2));
             radius = fmax(radius, shv_norm(shv_load3(offsets + 3 * i)));
         }
-        const ShvArms arms = {offsets, NODES, radius};
+        const ShvArms arms = {.offsets = offsets, .count = NODES, .radius = radius};
         ShvFlight flight = {.position = shv_add(shv_vec3(0.0, 0.0, 1.0), draw3(&index, 0.2)),
                             .velocity = shv_add(shv_vec3(0.0, 0.0, -12.0), draw3(&index, 6.0)),
                             .acceleration = draw3(&index, 10.0),
