@@ -11,6 +11,7 @@ typedef struct Closing {
     ShvFacetGaps *gaps;
     int corner;
     bool known;
+    double held; /* by the pair, J */
 } Closing;
 
 /* Of opening, seen by one who turns with the facet. */
@@ -58,16 +59,54 @@ static void rub(Closing *closing, ShvState *state, double kick, double limit)
     strike(closing, state, shv_scale(slip, -fmin(stopping, limit) / speed), kick);
 }
 
+/* Faces part when they do so faster than by this share of the speed that what they hold would give them: slower is noise of
+   neighbours under one pressure. */
+static const double parting_share = 1e-3;
+/* A push that changes by no more than this share of itself has settled. */
+static const double settled_share = 1e-3;
+
+/* Of a pair that nothing has pressed in this step all that is held comes back over the way from n − 1/2 to n + 1/2:
+   push × (way without it + yield × push) = held. */
+static bool rebound(Closing *closing, ShvState *state, double kick, double step, double speed)
+{
+    const ShvVec3 normal = closing->turn->normal;
+    const ShvFacetGaps *gaps = closing->gaps;
+    const double inverse_mass = response(closing, state, normal), yield = 0.5 * step * kick * inverse_mass;
+    if (!(speed * speed > parting_share * parting_share * 2.0 * closing->held * inverse_mass)) return false;
+    const double push = -shv_dot(gaps->push[closing->corner], normal);
+    const double way = shv_dot(gaps->before[closing->corner], normal) + 0.5 * step * speed - yield * push;
+    const double root = sqrt(way * way + 4.0 * yield * closing->held);
+    const double whole = way > 0.0 ? 2.0 * closing->held / (way + root) : 0.5 * (root - way) / yield;
+    if (!(fabs(whole - push) > settled_share * whole)) return false;
+    strike(closing, state, shv_scale(normal, (whole - push) * kick), kick);
+    return true;
+}
+
+/* Pairs that others have moved on since do not push each other apart: `excess` is how much faster they part than they have to. */
+static bool yield_back(Closing *closing, ShvState *state, double kick, double excess)
+{
+    const ShvVec3 normal = closing->turn->normal;
+    const double push = -shv_dot(closing->gaps->push[closing->corner], normal);
+    const double less = shv_smaller(push, excess / (kick * response(closing, state, normal)));
+    if (!(less > settled_share * push)) return false;
+    strike(closing, state, shv_scale(normal, -less * kick), kick);
+    return true;
+}
+
 static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction, bool failed)
 {
     const ShvVec3 normal = closing->turn->normal;
+    bool *pressed = &closing->gaps->pressed[closing->corner];
     const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
     const double speed = shv_dot(rate_of(closing, state), normal);
     const double allowed = gap > 0.0 ? -gap / step : 0.0;
+    if (*pressed && speed > allowed) return yield_back(closing, state, kick, speed - allowed);
+    if (speed > 0.0 && closing->held > 0.0) return rebound(closing, state, kick, step, speed);
     if (!(speed < allowed)) return false;
     const double impulse = (allowed - speed) / response(closing, state, normal);
     strike(closing, state, shv_scale(normal, impulse), kick);
     if (friction > 0.0 && failed) rub(closing, state, kick, friction * impulse);
+    *pressed = true;
     return true;
 }
 
@@ -79,6 +118,7 @@ static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, doubl
     if (phase == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
         if (closing.turn->first[closing.corner] == closing.turn->second[closing.corner]) continue;
+        closing.held = shv_larger(cohesive->held[3 * (int64_t)closing.turn->index + closing.corner], 0.0);
         any = close_pair(&closing, state, kick, step, friction, phase == SHV_COHESIVE_FAILED) || any;
     }
     return any;

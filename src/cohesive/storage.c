@@ -12,6 +12,7 @@
     X(ShvHistory, history, 3)                                                                                          \
     X(ShvOpening, opening, 3)                                                                                          \
     X(double, peak, 3)                                                                                                 \
+    X(double, held, 3)                                                                                                 \
     X(double, owed, 3)                                                                                                 \
     X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
