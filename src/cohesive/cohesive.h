@@ -76,7 +76,8 @@ typedef struct ShvFacetGaps {
     ShvVec3 before[3];  /* way of the opening from n − 1/2 to n, seen by one who turns with the facet, m */
     ShvVec3 push[3];    /* closing force on the first node, N */
     bool pressed[3];    /* it keeps them from closing further, and does not give back what they hold */
-    double taken[3];    /* by it from the nodes in the step, as booked, J */
+    double freed[3];    /* kinetic energy that giving back has brought so far, J */
+    double taken[3];    /* by the push from the nodes in the step, as booked, J */
 } ShvFacetGaps;
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
@@ -139,7 +140,7 @@ typedef struct ShvCohesive {
     ShvOpening *opening; /* 3 per facet: at the last half step */
     double *peak;        /* 3 per facet: largest traction still to come, Pa */
     double *owed;        /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
-    double *held;        /* 3 per facet: taken by closing faces, to be given back when they part; negative: owed; J */
+    double *held;        /* 3 per facet: taken by closing faces, to be given back when they part, J */
     ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
@@ -170,6 +171,7 @@ typedef struct ShvCohesive {
     double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
     uint8_t *node_news;          /* node_capacity: it has another velocity since */
     int32_t *origin_fill;        /* mesh.node_count; zero between steps */
+    double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */

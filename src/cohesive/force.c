@@ -165,7 +165,7 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
     for (int i = 0; i < 3; i++) {
         const int64_t first = 3 * (int64_t)turn->first[i], second = 3 * (int64_t)turn->second[i];
         gaps->push[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
-        gaps->taken[i] = 0.0;
+        gaps->taken[i] = gaps->freed[i] = 0.0;
         gaps->pressed[i] = false;
         if (first == second) continue;
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + second), shv_load3(state->velocity + first));
@@ -248,12 +248,20 @@ static bool has_opened(const ShvCohesive *cohesive, int64_t point)
            cohesive->history[point].normal > opened_starts * cohesive->sides[point / 3].start;
 }
 
-/* What is owed is paid back first; of the rest faces hold a share. */
-static double hold(double held, double taken, double returned)
+/* What faces at a node have given beyond what they held is paid back first; of the rest they hold a share. */
+static void hold(double *held, double *overdrawn, double taken, double returned)
 {
-    if (!(taken > 0.0)) return held + taken;
-    const double spare = shv_smaller(held + taken, taken);
-    return spare > 0.0 ? held + taken - (1.0 - returned) * spare : held + taken;
+    *held += shv_smaller(taken, 0.0);
+    *overdrawn -= shv_smaller(*held, 0.0) + shv_larger(taken, 0.0);
+    *held = shv_larger(*held, 0.0) - returned * shv_smaller(*overdrawn, 0.0);
+    *overdrawn = shv_larger(*overdrawn, 0.0);
+}
+
+double shv_cohesive_free_to_give(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetTurn *turn,
+                                 int corner)
+{
+    const double held = cohesive->held[3 * (int64_t)turn->index + corner];
+    return held > 0.0 ? shv_larger(held - cohesive->overdrawn[state->origin[turn->first[corner]]], 0.0) : 0.0;
 }
 
 /* Closing faces of the step that was booked, if it was taken. */
@@ -263,9 +271,12 @@ static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
     for (int32_t k = 0; k < cohesive->turn_count; k++) {
         const int32_t index = cohesive->turns[k].index;
         for (int i = 0; i < 3; i++) {
-            double *held = &cohesive->held[3 * (int64_t)index + i];
-            *held = hold(*held, cohesive->gaps[k].taken[i], cohesive->sides[index].returned);
-            if (!has_opened(cohesive, 3 * (int64_t)index + i)) *held = shv_smaller(*held, 0.0);
+            const int64_t point = 3 * (int64_t)index + i;
+            const double taken = cohesive->gaps[k].taken[i];
+            if (taken == 0.0) continue;
+            const double returned = has_opened(cohesive, point) ? cohesive->sides[index].returned : 0.0;
+            hold(&cohesive->held[point], &cohesive->overdrawn[state->origin[cohesive->turns[k].first[i]]], taken,
+                 returned);
         }
     }
 }
