@@ -6,11 +6,9 @@
    there is no cohesive limit on the step. The calls of one step, in this order:
        shv_cohesive_begin    positions of n, velocities of n − 1/2
        kick by the other forces
-       shv_cohesive_predict  cohesive impulses as they will be, nearly
-       shv_cohesive_close    closing faces
-       contact
        shv_cohesive_pull     cohesive impulses
-       supports
+       shv_cohesive_close    closing faces
+       contact, supports
        shv_cohesive_book     with the velocities that the drift will use
        drift
    `begin` moves the histories to where the last step really led and may be called again at the same moment. A cluster of
@@ -61,6 +59,7 @@ typedef struct ShvFacetTurn {
     int32_t first[3], second[3];
     bool carries;   /* its points are listed */
     bool turns;     /* couples are answered */
+    bool news;      /* nodes of it have other velocities since the last pull */
     bool answers;   /* `answer` is not zero */
     ShvVec3 normal; /* of the mean of both faces, from the first to the second */
     ShvVec3 rate;   /* of turn, rad/s */
@@ -167,10 +166,12 @@ typedef struct ShvCohesive {
     int32_t *cluster;        /* cluster_count + 1, into `points`: those between copies of one node of the mesh */
     int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
     ShvCohesiveCorner *corners;
-    ShvClusterBudget *budget; /* cluster_count */
-    bool started;             /* the pairs of the step have been made, and its points pull */
-    int32_t *origin_fill;     /* mesh.node_count; zero between steps */
-    double *overdrawn;        /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
+    ShvClusterBudget *budget;    /* cluster_count */
+    double pull_kick, pull_step; /* what `pairs` were made for; 0: nothing yet */
+    double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
+    uint8_t *node_news;          /* node_capacity: it has another velocity since */
+    int32_t *origin_fill;        /* mesh.node_count; zero between steps */
+    double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */
@@ -243,13 +244,11 @@ ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const doub
    fragment index, NULL: all) rest; flags are read anew after an insertion, after shv_cohesive_watch and when the array is another
    one. */
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
-/* Cohesive impulses on velocities after the kick, those of the last step and one sweep: what closing faces and contact are to
-   count with. `kick`: mean of the steps before and after n, `step`: the one to come. */
-void shv_cohesive_predict(ShvCohesive *cohesive, ShvState *state, double kick, double step);
-/* Cohesive impulses, on from those that act already or from those of the last step. The mean force goes to state->force as well.
-   Pairs that share nodes are brought together by sweeps over the copies of a node, pair after pair, points of one pair at
-   once with shares of its masses; a cluster that would have to be limited begins anew without any. May be called again when
-   velocities have changed. The number of threads does not matter. */
+/* Cohesive impulses on velocities after the kick; `kick`: mean of the steps before and after n, `step`: the one to come. The
+   mean force goes to state->force as well. Pairs that share nodes are brought together by sweeps over the copies of a node,
+   pair after pair, points of one pair at once with shares of its masses, from the forces of the last step on; a cluster that
+   would have to be limited begins anew without any. A second call goes on from the first: it looks only at clusters with a
+   facet whose nodes have other velocities since. The number of threads does not matter. */
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step);
 /* Keeps closing crack faces from passing through each other: a pair whose normal opening after `step` would be negative gets
    the impulse that lets it just close (or, when it is closed already, stops it). What such impulses take from the nodes of a

@@ -53,7 +53,7 @@ static void place_turn(ShvCohesive *cohesive, int32_t index, ShvFacetTurn *turn)
 {
     const ShvCohesiveSides *sides = &cohesive->sides[index];
     turn->index = index;
-    turn->answers = false;
+    turn->answers = turn->news = false;
     turn->carries = carries(cohesive, index);
     for (int i = 0; i < 3; i++) {
         turn->first[i] = sides->first[i];

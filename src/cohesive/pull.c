@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "cohesive/solve.h"
 #include "cohesive/spring.h"
@@ -7,8 +8,6 @@
 /* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
    then left is made up for by `limit_given` and `wear`. */
 enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
-/* The second brings what the first changed to the points before it. */
-enum { PREDICTING_SWEEPS = 1 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
 static const double news_share = 1e-3;
@@ -300,54 +299,68 @@ static void answer_within_limits(const Pull *pull)
     }
 }
 
-/* ---- all ---- */
+/* ---- news ---- */
 
-static void follow_turns(const Pull *pull)
+static bool has_news(const ShvCohesive *cohesive, int32_t cluster)
 {
-    ShvFacetTurn *turns = pull->cohesive->turns;
-    const int32_t count = pull->cohesive->turn_count, threads = pull->cohesive->model->threads;
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(pull->cohesive, count))
-    for (int32_t k = 0; k < count; k++)
-        if (turns[k].carries) turns[k].rate = shv_turn_rate(&turns[k], pull->state);
+    for (int32_t i = cohesive->cluster_corner[cluster]; i < cohesive->cluster_corner[cluster + 1]; i++)
+        if (cohesive->turns[cohesive->corners[i].slot / 3].news) return true;
+    return false;
 }
 
-/* Of a cluster that has not been looked at in this step: the forces of the last. */
-static void start_cluster(const Pull *pull, int32_t cluster)
+static bool compare_node(const ShvCohesive *cohesive, const ShvState *state, int64_t node)
 {
-    const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
-    prepare(pull, start, end);
-    repeat_last(pull, start, end);
+    const double *now = state->velocity + 3 * node, *then = cohesive->pulled_velocity + 3 * node;
+    const bool news = now[0] != then[0] || now[1] != then[1] || now[2] != then[2];
+    cohesive->node_news[node] = news;
+    return news;
 }
 
-void shv_cohesive_predict(ShvCohesive *cohesive, ShvState *state, double kick, double step)
+/* Of velocities, since the last pull. Returns whether there are any. */
+static bool look_for_news(const Pull *pull)
 {
-    if (!(step > 0.0 && kick > 0.0)) return;
-    const Pull pull = {cohesive, state, kick, step};
-    const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
-    for (int32_t c = 0; c < count; c++) {
-        start_cluster(&pull, c);
-        for (int k = 0; k < PREDICTING_SWEEPS; k++) sweep(&pull, cohesive->cluster[c], cohesive->cluster[c + 1]);
+    ShvCohesive *cohesive = pull->cohesive;
+    const int32_t nodes = pull->state->node_count, turns = cohesive->turn_count, threads = cohesive->model->threads;
+    bool any = false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, nodes))          \
+    reduction(||                                                                                                       \
+              : any)
+    for (int32_t i = 0; i < nodes; i++) any = compare_node(cohesive, pull->state, i) || any;
+    if (!any) return false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))
+    for (int32_t k = 0; k < turns; k++) {
+        ShvFacetTurn *turn = &cohesive->turns[k];
+        turn->news = false;
+        for (int i = 0; i < 3; i++)
+            turn->news = turn->news || cohesive->node_news[turn->first[i]] || cohesive->node_news[turn->second[i]];
+        if (turn->news) turn->rate = shv_turn_rate(turn, pull->state);
     }
-    cohesive->started = true;
+    return true;
 }
+
+/* ---- all ---- */
 
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step)
 {
     cohesive->sweeps = 0;
-    if (!(step > 0.0 && kick > 0.0)) return;
+    if (!(step > 0.0 && kick > 0.0) || cohesive->point_count == 0) return;
     const Pull pull = {cohesive, state, kick, step};
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-    const bool started = cohesive->started;
+    const bool first = cohesive->pull_kick == 0.0, again = cohesive->pull_kick == kick && cohesive->pull_step == step;
     int64_t sweeps = 0;
-    if (started) follow_turns(&pull);
+    if (!first && !look_for_news(&pull) && again) return;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(+ : sweeps)
     for (int32_t c = 0; c < count; c++) {
-        if (!started) start_cluster(&pull, c);
+        const int32_t start = cohesive->cluster[c], end = cohesive->cluster[c + 1];
+        if (start == end || (again && !has_news(cohesive, c))) continue;
+        if (!again) prepare(&pull, start, end);
+        if (first) repeat_last(&pull, start, end);
         sweeps += pull_cluster(&pull, c);
     }
     answer_within_limits(&pull);
-    cohesive->started = true;
+    memcpy(cohesive->pulled_velocity, state->velocity, 3 * (size_t)state->node_count * sizeof *state->velocity);
+    cohesive->pull_kick = kick;
+    cohesive->pull_step = step;
     cohesive->sweeps = sweeps;
 }

@@ -70,6 +70,10 @@ static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *
 ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->pulled_velocity, 3 * (size_t)nodes, "velocities of nodes",
+               25 * (size_t)nodes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_news, (size_t)nodes, "velocities of nodes",
+               25 * (size_t)nodes, error);
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
         const size_t values = 2 * (size_t)nodes;
         SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, values, "principal stresses of nodes",
@@ -184,6 +188,8 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->cluster);
     shv_release(cohesive->cluster_corner);
     shv_release(cohesive->budget);
+    shv_release(cohesive->pulled_velocity);
+    shv_release(cohesive->node_news);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->facet_watch);
     shv_release(cohesive->face_weight);

@@ -17,9 +17,9 @@
    One step, for time n:
        forces …, shv_cohesive_begin
        shv_surface_contact_begin    velocities of n − 1/2
-       kick (companions too), shv_cohesive_predict, shv_cohesive_close
+       kick (companions too), shv_cohesive_pull, shv_cohesive_close
        shv_surface_contact_apply
-       contact with obstacles, shv_cohesive_pull, supports
+       contact with obstacles, supports
        shv_surface_contact_book     with the velocities that the drift will use
        drift (companions too)
    A step may be thrown away by putting back the velocities of nodes and companions. Pairs are worked through in the order

@@ -221,7 +221,7 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
 /* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
-void shv_hybrid_predict_and_close(ShvHybrid *hybrid, double kick, double after);
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
 ShvStatus shv_hybrid_look(ShvHybrid *hybrid, double after, ShvError *error);
 ShvStatus shv_hybrid_meet(ShvHybrid *hybrid, double after, ShvError *error);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);

@@ -84,9 +84,8 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(shv_hybrid_look(hybrid, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_companions_kick(hybrid, kick);
-    shv_hybrid_predict_and_close(hybrid, kick, after);
+    shv_hybrid_pull_and_close(hybrid, kick, after);
     SHV_TRY(shv_hybrid_meet(hybrid, after, error));
-    if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     const ShvRelaxStep step = settings_of(hybrid, after);
     SHV_TRY(relax_or_explain(hybrid, &step, error));

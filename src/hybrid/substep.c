@@ -40,10 +40,10 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
 }
 
-void shv_hybrid_predict_and_close(ShvHybrid *hybrid, double kick, double after)
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
 {
     if (!hybrid->model.can_break) return;
-    shv_cohesive_predict(&hybrid->cohesive, &hybrid->state, kick, after);
+    shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, after);
     shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after, crack_friction);
 }
 
@@ -87,14 +87,14 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_companions_kick(hybrid, kick);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
-    shv_hybrid_predict_and_close(hybrid, kick, after);
+    shv_hybrid_pull_and_close(hybrid, kick, after);
     start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     SHV_TRY(shv_hybrid_meet(hybrid, after, error));
     start = shv_now();
     SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
                                    after, hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
-    /* With all that closing and contact changed: the law's work is that of the openings that really come. */
+    /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
     shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     shv_imposed_apply(&hybrid->imposed, state, before, after);

@@ -317,7 +317,7 @@ static inline void surfaces_kick(Surfaces *s, double step)
             s->companions[i]->velocity = shv_madd(body_velocity[i], kick, shv_load3(s->gravity));
         }
     if (s->model.can_break) {
-        shv_cohesive_predict(&s->cohesive, state, kick, step);
+        shv_cohesive_pull(&s->cohesive, state, kick, step);
         shv_cohesive_close(&s->cohesive, state, kick, step, 0.0);
     }
     const double kinetic = surfaces_kinetic(s, state->velocity) + companions_kinetic(s);
