@@ -11,7 +11,8 @@ typedef struct Closing {
     ShvFacetGaps *gaps;
     int corner;
     bool known;
-    double held; /* by the pair, J */
+    double held;  /* what the pair may give when it parts, J */
+    bool elastic; /* it gives back a share of what closing takes */
 } Closing;
 
 /* Of opening, seen by one who turns with the facet. */
@@ -115,7 +116,7 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
     const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
     const double speed = shv_dot(rate_of(closing, state), normal);
     const double allowed = gap > 0.0 ? -gap / step : 0.0;
-    if (*pressed && speed > 0.0) return yield_back(closing, state, kick, speed);
+    if (*pressed && speed > 0.0 && closing->elastic) return yield_back(closing, state, kick, speed);
     if (speed > 0.0 && closing->held > 0.0) return rebound(closing, state, kick, step, speed);
     if (!(speed < allowed)) return false;
     const double impulse = (allowed - speed) / response(closing, state, normal);
@@ -128,6 +129,7 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
 static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step, double friction)
 {
     Closing closing = {.turn = &cohesive->turns[k], .gaps = &cohesive->gaps[k]};
+    closing.elastic = cohesive->sides[closing.turn->index].returned > 0.0;
     const uint8_t phase = cohesive->phase[closing.turn->index];
     bool any = false;
     if (phase == SHV_COHESIVE_SEPARATED) return false;

@@ -261,7 +261,8 @@ static double rattle(Fixture *f)
             shv_cohesive_begin(&f->cohesive, &f->state, NULL);
         }
         if (k == 0) start = now;
-        assert_true(now <= last + 1e-3 * start / STEPS && overdrawn(f) <= 1e-3 * kinetic(f));
+        assert_true(now <= last + 1e-3 * start / STEPS);
+        if (f->material.face_restitution > 0.0) assert_true(overdrawn(f) <= 1e-3 * kinetic(f));
         last = now;
         exchanged += fmax(held(f) - before, 0.0);
         before = held(f);
