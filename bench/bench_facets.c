@@ -140,6 +140,7 @@ static void step_once(Bench *bench, double step)
     bench->points += bench->cohesive.point_count;
     shv_motion_drift(&bench->state, NULL, 0, step, threads);
     bench->state.last_step = step;
+    bench->state.time += step;
 }
 
 static void print_figures(const Bench *bench, int32_t steps)

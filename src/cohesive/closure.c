@@ -11,6 +11,8 @@ typedef struct Closing {
     ShvFacetGaps *gaps;
     int corner;
     bool known;
+    double held;  /* what the pair may give when it parts, J */
+    bool elastic; /* it gives back a share of what closing takes */
 } Closing;
 
 /* Of opening, seen by one who turns with the facet. */
@@ -58,27 +60,82 @@ static void rub(Closing *closing, ShvState *state, double kick, double limit)
     strike(closing, state, shv_scale(slip, -fmin(stopping, limit) / speed), kick);
 }
 
+/* Faces part when they do so faster than by this share of the speed that what they hold would give them: slower is noise of
+   neighbours under one pressure. */
+static const double parting_share = 1e-3;
+/* A push that changes by no more than this share of itself has settled. */
+static const double settled_share = 1e-3;
+
+/* Changes the push of a pair by an impulse along its normal. `speed`: at which it opens, of which the impulse makes
+   speed + impulse × inverse mass. */
+static void change_push(Closing *closing, ShvState *state, double kick, double impulse, double speed,
+                        double inverse_mass)
+{
+    closing->gaps->freed[closing->corner] += impulse * (speed + 0.5 * impulse * inverse_mass);
+    strike(closing, state, shv_scale(closing->turn->normal, impulse), kick);
+}
+
+/* Of a pair that nothing has pressed in this step all that is held comes back over the way from n − 1/2 to n + 1/2:
+   push × (way without it + yield × push) = held. That is what is booked; besides, kinetic energy rises by no more than that,
+   so that impulses of neighbours, each counting on the others as they are, together never give more than is held. */
+static bool rebound(Closing *closing, ShvState *state, double kick, double step, double speed)
+{
+    const ShvVec3 normal = closing->turn->normal;
+    const ShvFacetGaps *gaps = closing->gaps;
+    const double inverse_mass = response(closing, state, normal), yield = 0.5 * step * kick * inverse_mass;
+    if (!(speed * speed > parting_share * parting_share * 2.0 * closing->held * inverse_mass)) return false;
+    const double push = -shv_dot(gaps->push[closing->corner], normal);
+    const double way = shv_dot(gaps->before[closing->corner], normal) + 0.5 * step * speed - yield * push;
+    const double root = sqrt(way * way + 4.0 * yield * closing->held);
+    const double whole = way > 0.0 ? 2.0 * closing->held / (way + root) : 0.5 * (root - way) / yield;
+    if (!(fabs(whole - push) > settled_share * whole)) return false;
+    const double left = shv_larger(closing->held - gaps->freed[closing->corner], 0.0);
+    const double most = 2.0 * left / (speed + sqrt(speed * speed + 2.0 * left * inverse_mass));
+    const double impulse = shv_smaller(shv_larger((whole - push) * kick, -speed / inverse_mass), most);
+    if (!(fabs(impulse) > settled_share * whole * kick)) return false;
+    change_push(closing, state, kick, impulse, speed, inverse_mass);
+    return true;
+}
+
+/* A pair that others have moved on since does not push its faces apart. */
+static bool yield_back(Closing *closing, ShvState *state, double kick, double speed)
+{
+    const ShvVec3 normal = closing->turn->normal;
+    const double inverse_mass = response(closing, state, normal);
+    const double push = -shv_dot(closing->gaps->push[closing->corner], normal);
+    const double less = shv_smaller(push, speed / (kick * inverse_mass));
+    if (!(less > settled_share * push)) return false;
+    change_push(closing, state, kick, -less * kick, speed, inverse_mass);
+    return true;
+}
+
 static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction, bool failed)
 {
     const ShvVec3 normal = closing->turn->normal;
+    bool *pressed = &closing->gaps->pressed[closing->corner];
     const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
     const double speed = shv_dot(rate_of(closing, state), normal);
     const double allowed = gap > 0.0 ? -gap / step : 0.0;
+    if (*pressed && speed > 0.0 && closing->elastic) return yield_back(closing, state, kick, speed);
+    if (speed > 0.0 && closing->held > 0.0) return rebound(closing, state, kick, step, speed);
     if (!(speed < allowed)) return false;
     const double impulse = (allowed - speed) / response(closing, state, normal);
     strike(closing, state, shv_scale(normal, impulse), kick);
     if (friction > 0.0 && failed) rub(closing, state, kick, friction * impulse);
+    *pressed = true;
     return true;
 }
 
 static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step, double friction)
 {
     Closing closing = {.turn = &cohesive->turns[k], .gaps = &cohesive->gaps[k]};
+    closing.elastic = cohesive->sides[closing.turn->index].returned > 0.0;
     const uint8_t phase = cohesive->phase[closing.turn->index];
     bool any = false;
     if (phase == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
         if (closing.turn->first[closing.corner] == closing.turn->second[closing.corner]) continue;
+        closing.held = shv_cohesive_free_to_give(cohesive, state, closing.turn, closing.corner);
         any = close_pair(&closing, state, kick, step, friction, phase == SHV_COHESIVE_FAILED) || any;
     }
     return any;

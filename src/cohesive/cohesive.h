@@ -75,6 +75,9 @@ typedef struct ShvFacetGaps {
     ShvVec3 opening[3]; /* second − first, of n, m */
     ShvVec3 before[3];  /* way of the opening from n − 1/2 to n, seen by one who turns with the facet, m */
     ShvVec3 push[3];    /* closing force on the first node, N */
+    bool pressed[3];    /* it keeps them from closing further, and does not give back what they hold */
+    double freed[3];    /* kinetic energy that giving back has brought so far, J */
+    double taken[3];    /* by the push from the nodes in the step, as booked, J */
 } ShvFacetGaps;
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
@@ -89,9 +92,10 @@ typedef struct ShvClusterBudget {
 typedef struct ShvCohesiveSides {
     int32_t first[3], second[3]; /* nodes of corner i on both faces */
     int32_t elements[2];
-    bool split;     /* in some corner the nodes are not the same */
-    ShvVec3 arm[2]; /* of corners 1 and 2 from corner 0, at reference positions, m */
-    double start;   /* normal opening with which the law starts (shv_law_start), m */
+    bool split;      /* in some corner the nodes are not the same */
+    ShvVec3 arm[2];  /* of corners 1 and 2 from corner 0, at reference positions, m */
+    double start;    /* normal opening with which the law starts (shv_law_start), m */
+    double returned; /* share of what closing faces take that they give back: restitution² */
 } ShvCohesiveSides;
 
 enum { SHV_NEAREST_FACETS = 16 };
@@ -136,6 +140,7 @@ typedef struct ShvCohesive {
     ShvOpening *opening; /* 3 per facet: at the last half step */
     double *peak;        /* 3 per facet: largest traction still to come, Pa */
     double *owed;        /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
+    double *held;        /* 3 per facet: taken by closing faces, to be given back when they part, J */
     ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
@@ -152,6 +157,7 @@ typedef struct ShvCohesive {
     ShvVec3 *couple;     /* 3 per turn: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps;  /* as `turns` */
     bool pushed;         /* some closing forces are not zero */
+    double booked_time;  /* s: of the moment whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;
     ShvPair *pairs;     /* as `points`: what the pull of the step asks again and again */
@@ -165,6 +171,7 @@ typedef struct ShvCohesive {
     double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
     uint8_t *node_news;          /* node_capacity: it has another velocity since */
     int32_t *origin_fill;        /* mesh.node_count; zero between steps */
+    double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */
@@ -244,8 +251,10 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
    facet whose nodes have other velocities since. The number of threads does not matter. */
 void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, double step);
 /* Keeps closing crack faces from passing through each other: a pair whose normal opening after `step` would be negative gets
-   the inelastic impulse that lets it just close (or, when it is closed already, stops it); it never pushes faces apart,
-   so that no energy can come of it. Coulomb friction between failed faces. The mean force goes to state->force. */
+   the impulse that lets it just close (or, when it is closed already, stops it). What such impulses take from the nodes of a
+   pair that has opened before is held, and given back in the step in which the pair parts: by the impulse whose work, on the
+   way from n − 1/2 to n + 1/2, is just that. So faces are rigid, elastic without a stiffness, and nothing limits the step.
+   Coulomb friction between failed faces. The mean force goes to state->force. */
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction);
 /* Books the works of both on the nodes; velocities are those of n + 1/2. Where the openings go from here is remembered for
    the next `begin`. */
@@ -259,6 +268,7 @@ typedef struct ShvCohesiveEnergy {
     double recoverable,
         dissipated; /* J, at the present openings: histories are kept at half steps, and `dissipated` may
                                           fall back by a step's share when an opening turns round */
+    double held;    /* by closing faces, to be given back, J */
     double inserted_area, failed_area; /* m²; failed: bonds no more */
     double failed_energy;              /* ΣG·A over failed facets, J */
     /* s: at which central difference with the law's springs as forces would be stable, were it not for the pull: 2/ω with

@@ -106,12 +106,21 @@ static bool softened(const ShvCohesive *cohesive, int32_t index)
 
 /* ---- sums ---- */
 
+/* J */
+static double held_by(const ShvCohesive *cohesive, int32_t index)
+{
+    double sum = 0.0;
+    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) sum += shv_larger(cohesive->held[k], 0.0);
+    return sum;
+}
+
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state)
 {
     ShvCohesiveEnergy energy = {.inserted = cohesive->count, .spring_step = spring_step(cohesive, state)};
     for (int32_t i = 0; i < cohesive->count; i++) {
         const PointEnergy facet = facet_energy(cohesive, state, i);
         energy.recoverable += facet.recoverable;
+        energy.held += held_by(cohesive, i);
         energy.dissipated += facet.dissipated;
         energy.inserted_area += cohesive->area[i];
         energy.softened += softened(cohesive, i);
@@ -156,6 +165,7 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
         const int share = share_of(cohesive, state, index, fragment);
         if (share == 0) continue;
         if (cohesive->phase[index] == SHV_COHESIVE_CARRYING) settle_facet(cohesive, state, index);
+        for (int64_t i = 3 * (int64_t)index; i < 3 * (int64_t)index + 3; i++) cohesive->held[i] = 0.0;
         if (share == 1) cohesive->phase[index] = SHV_COHESIVE_SEPARATED;
     }
 }

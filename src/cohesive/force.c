@@ -165,6 +165,8 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
     for (int i = 0; i < 3; i++) {
         const int64_t first = 3 * (int64_t)turn->first[i], second = 3 * (int64_t)turn->second[i];
         gaps->push[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
+        gaps->taken[i] = gaps->freed[i] = 0.0;
+        gaps->pressed[i] = false;
         if (first == second) continue;
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + second), shv_load3(state->velocity + first));
         gaps->opening[i] = shv_cohesive_opening(state, turn->first[i], turn->second[i]);
@@ -236,8 +238,52 @@ static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
     if (idle > idle_share * count) cohesive->unlisted = true; /* from the next step on */
 }
 
+/* What is called opened for good, so that faces are elastic when they close: a tenth of the final opening, or of the elastic
+   displacement under the strength (shv_law_start). Below, bonds that only tremble lose what their closing nodes bring. */
+static const double opened_starts = 1e7;
+
+static bool has_opened(const ShvCohesive *cohesive, int64_t point)
+{
+    return cohesive->peak[point] == 0.0 ||
+           cohesive->history[point].normal > opened_starts * cohesive->sides[point / 3].start;
+}
+
+/* What faces at a node have given beyond what they held is paid back first; of the rest they hold a share. */
+static void hold(double *held, double *overdrawn, double taken, double returned)
+{
+    *held += shv_smaller(taken, 0.0);
+    *overdrawn -= shv_smaller(*held, 0.0) + shv_larger(taken, 0.0);
+    *held = shv_larger(*held, 0.0) - returned * shv_smaller(*overdrawn, 0.0);
+    *overdrawn = shv_larger(*overdrawn, 0.0);
+}
+
+double shv_cohesive_free_to_give(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetTurn *turn,
+                                 int corner)
+{
+    const double held = cohesive->held[3 * (int64_t)turn->index + corner];
+    return held > 0.0 ? shv_larger(held - cohesive->overdrawn[state->origin[turn->first[corner]]], 0.0) : 0.0;
+}
+
+/* Closing faces of the step that was booked, if it was taken. */
+static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
+{
+    if (!cohesive->pushed || state->time == cohesive->booked_time) return;
+    for (int32_t k = 0; k < cohesive->turn_count; k++) {
+        const int32_t index = cohesive->turns[k].index;
+        for (int i = 0; i < 3; i++) {
+            const int64_t point = 3 * (int64_t)index + i;
+            const double taken = cohesive->gaps[k].taken[i];
+            if (taken == 0.0) continue;
+            const double returned = has_opened(cohesive, point) ? cohesive->sides[index].returned : 0.0;
+            hold(&cohesive->held[point], &cohesive->overdrawn[state->origin[cohesive->turns[k].first[i]]], taken,
+                 returned);
+        }
+    }
+}
+
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
+    end_pushes(cohesive, state);
     const bool anew = cohesive->unlisted || cohesive->list_awake != awake;
     if (anew) {
         pass_clusters(cohesive, state, true, false);
@@ -266,20 +312,25 @@ static PointWork book_point(const ShvCohesive *cohesive, const ShvState *state, 
     return work;
 }
 
-static void book_pushes(const ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
+static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
     double before = 0.0, after = 0.0;
     for (int32_t k = 0; cohesive->pushed && k < cohesive->turn_count; k++) {
         const ShvFacetTurn *turn = &cohesive->turns[k];
-        const ShvFacetGaps *gaps = &cohesive->gaps[k];
+        ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
+            const ShvVec3 push = gaps->push[i];
+            if (push.x == 0.0 && push.y == 0.0 && push.z == 0.0) continue;
             const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)turn->second[i]),
                                              shv_load3(state->velocity + 3 * (int64_t)turn->first[i]));
             const ShvVec3 rate = shv_sub(velocity, shv_cross(turn->rate, gaps->opening[i]));
-            before -= shv_dot(gaps->push[i], gaps->before[i]);
-            after -= shv_dot(gaps->push[i], shv_scale(rate, 0.5 * step));
+            const double work[2] = {shv_dot(push, gaps->before[i]), shv_dot(push, shv_scale(rate, 0.5 * step))};
+            gaps->taken[i] = work[0] + work[1];
+            before -= work[0];
+            after -= work[1];
         }
     }
+    cohesive->booked_time = state->time;
     shv_ledger_book(ledger, SHV_WORK_CLOSURE, before, after);
 }
 

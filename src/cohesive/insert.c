@@ -129,12 +129,13 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     const double length = sqrt(cohesive->area[index]);
     const ShvHistory start = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
     cohesive->sides[index].start = start.normal;
+    cohesive->sides[index].returned = material->face_restitution * material->face_restitution;
     for (int i = 0; i < 3; i++) {
         cohesive->history[point + i] = start;
         cohesive->opening[point + i] = (ShvOpening){0};
         cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
-        cohesive->owed[point + i] = 0.0;
+        cohesive->owed[point + i] = cohesive->held[point + i] = 0.0;
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;

@@ -197,6 +197,43 @@ static double shear_balance(const Equation *e, double theta)
     return theta * (1.0 + e->compliance * shear_factor(e, theta)) - 1.0;
 }
 
+/* shear_balance where the envelope is a line, with its slope. */
+static double line_balance(const Equation *e, double theta, double *slope)
+{
+    const ShvVec3 to = shv_sub(shv_scale(e->sum, theta), e->start);
+    const double radius = shv_norm(to), length = radius - e->branch.limit;
+    double factor = e->stiffest, change = 0.0;
+    if (length > 0.0) {
+        const double square = (radius - e->from) * (radius + e->from);
+        const double rise = length < e->left ? e->branch.peak * (1.0 - length / e->left) : 0.0;
+        factor = (e->stored + line_work(e, length)) / square;
+        change = (rise / radius - 2.0 * factor) * (shv_dot(to, e->sum) / square);
+    }
+    *slope = 1.0 + e->compliance * (factor + theta * change);
+    return theta * (1.0 + e->compliance * factor) - 1.0;
+}
+
+/* Newton steps from the spring's end of the bracket, kept safe by bisection: nearly a parabola, it takes four or five. */
+static double line_theta(const Equation *e, double low)
+{
+    double high = 1.0, theta = low;
+    for (int i = 0; i < 100; i++) {
+        double slope;
+        const double value = line_balance(e, theta, &slope);
+        if (fabs(value) <= 4e-16) break;
+        if (value < 0.0)
+            low = theta;
+        else
+            high = theta;
+        const double next = theta - value / slope;
+        const bool inside = i % 8 != 7 && slope > 0.0 && next > low && next < high;
+        const double x = inside ? next : 0.5 * (low + high);
+        if (x == theta || high - low <= 4e-16 * high) break;
+        theta = x;
+    }
+    return theta;
+}
+
 static ShvVec3 shear_envelope(Equation *e, double spring_theta)
 {
     const double limit = e->branch.limit;
@@ -210,8 +247,11 @@ static ShvVec3 shear_envelope(Equation *e, double spring_theta)
         low = shear_balance(e, spring_theta);
     }
     /* the balance, a number near 1 less 1, is not known better than 4e-16 */
-    const double theta =
-        low < 0.0 ? solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0), 4e-16) : spring_theta;
+    double theta = spring_theta;
+    if (low < 0.0 && limit > 0.0 && e->left > 0.0)
+        theta = line_theta(e, spring_theta);
+    else if (low < 0.0)
+        theta = solve(e, shear_balance, spring_theta, 1.0, low, shear_balance(e, 1.0), 4e-16);
     return shv_scale(e->sum, shear_factor(e, theta) * theta);
 }
 

@@ -22,6 +22,10 @@ void shv_cohesive_drop_lists(ShvCohesive *cohesive);
 /* Takes facets that have separated off the list of live ones. */
 void shv_cohesive_drop_separated(ShvCohesive *cohesive);
 
+/* What the faces of a pair may give when they part, J. */
+double shv_cohesive_free_to_give(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetTurn *turn,
+                                 int corner);
+
 /* Of opening, seen by one who turns with the facet. */
 static inline ShvVec3 shv_cohesive_rate(const ShvCohesive *cohesive, const ShvState *state,
                                         const ShvCohesivePoint *point)

@@ -12,6 +12,7 @@
     X(ShvHistory, history, 3)                                                                                          \
     X(ShvOpening, opening, 3)                                                                                          \
     X(double, peak, 3)                                                                                                 \
+    X(double, held, 3)                                                                                                 \
     X(double, owed, 3)                                                                                                 \
     X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
@@ -126,6 +127,7 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->corner_queue = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_queue);
     const size_t nodes = (size_t)model->mesh.node_count;
     cohesive->origin_fill = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->origin_fill);
+    cohesive->overdrawn = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->overdrawn);
     cohesive->cluster = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster);
     cohesive->cluster_corner = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster_corner);
     cohesive->budget = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->budget);
@@ -138,10 +140,10 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->stress_known = shv_allocate(memory, SHV_PART_STRESS, batches, sizeof *cohesive->stress_known);
     cohesive->watched = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->watched);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
-        !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->cluster || !cohesive->cluster_corner ||
-        !cohesive->budget || !cohesive->facet_value || !cohesive->facet_watch || !cohesive->face_weight ||
-        !cohesive->faces || !cohesive->asked || !cohesive->stress_known || !cohesive->watched)
-        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 44);
+        !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->overdrawn || !cohesive->cluster ||
+        !cohesive->cluster_corner || !cohesive->budget || !cohesive->facet_value || !cohesive->facet_watch ||
+        !cohesive->face_weight || !cohesive->faces || !cohesive->asked || !cohesive->stress_known || !cohesive->watched)
+        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 52);
     if (cohesive->settings->criterion == SHV_CRITERION_FORCE) {
         ShvStarSearch *search = &cohesive->search;
         SHV_TRY(shv_star_create(&search->star, memory, (int32_t)corners, error));
@@ -182,6 +184,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->corner_queue);
     shv_release(cohesive->corner_copy);
     shv_release(cohesive->origin_fill);
+    shv_release(cohesive->overdrawn);
     shv_release(cohesive->cluster);
     shv_release(cohesive->cluster_corner);
     shv_release(cohesive->budget);

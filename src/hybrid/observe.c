@@ -279,6 +279,12 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
     return 1e-12 * (size + fabs(hybrid->start_energy));
 }
 
+/* By closing faces, what they hold still counted as theirs to give, J: it never rises. */
+static double given_by_closing(const ShvHybrid *hybrid, const ShvLedgerView *balance)
+{
+    return balance->closure + hybrid->cohesive_energy.held;
+}
+
 /* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven or overlaps are
    the scene's; a balance cannot tell, since all that they do is booked. */
 static double contact_gain(const ShvHybrid *hybrid)
@@ -287,7 +293,7 @@ static double contact_gain(const ShvHybrid *hybrid)
     if (hybrid->scene->overlaps == SHV_OVERLAPS_KEEP) return 0.0;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
-    return b->contact + b->friction + b->closure - hybrid->least_contact_work;
+    return b->contact + b->friction + given_by_closing(hybrid, b) - hybrid->least_contact_work;
 }
 
 /* What it takes to lift every body by its radius, J: contacts may lift out what starts or wakes inside something else. */
@@ -372,6 +378,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     close_balance(hybrid, &balance);
     const double largest = hybrid->balance.largest;
     hybrid->balance = balance;
-    hybrid->least_contact_work = fmin(hybrid->least_contact_work, balance.contact + balance.friction + balance.closure);
+    hybrid->least_contact_work =
+        fmin(hybrid->least_contact_work, balance.contact + balance.friction + given_by_closing(hybrid, &balance));
     return judge_balance(hybrid, largest, error);
 }

@@ -57,6 +57,9 @@ static ShvStatus check_fracture(const ShvMaterialDefinition *definition, ShvErro
     if (!(definition->weibull_volume >= 0.0 && isfinite(definition->weibull_volume)))
         return bad_value(error, name, "weibull_volume", definition->weibull_volume,
                          "a finite number of at least 0, in m³ (0: facets of any size scatter alike)");
+    if (!(definition->face_restitution >= 0.0 && definition->face_restitution <= 1.0))
+        return bad_value(error, name, "face_restitution", definition->face_restitution,
+                         "a number from 0 (faces that meet stay together) to 1 (they give back all)");
     if (definition->unresolved != SHV_UNRESOLVED_KEEP && definition->unresolved != SHV_UNRESOLVED_SCALE_STRENGTH &&
         definition->unresolved != SHV_UNRESOLVED_SCALE_ENERGY)
         return bad_value(error, name, "unresolved", (double)definition->unresolved, "one of ShvUnresolved");
@@ -119,6 +122,7 @@ ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *
                               .law = definition->law,
                               .weibull_modulus = definition->weibull_modulus,
                               .weibull_volume = definition->weibull_volume,
+                              .face_restitution = definition->face_restitution,
                               .unresolved = definition->unresolved,
                               .zone_edges = definition->zone_edges};
     derive_elasticity(material);

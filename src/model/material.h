@@ -27,6 +27,7 @@ typedef struct ShvMaterial {
     double mesh_edge;  /* m: mean edge of the coarsest object of it; 0 before shv_material_resolve */
     double shape[2];   /* PPR α, β */
     double weibull_modulus, weibull_volume;
+    double face_restitution;
 } ShvMaterial;
 
 /* Checks a definition (cookie, ranges; the message names the material and key) and derives the rest. */

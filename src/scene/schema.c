@@ -146,6 +146,10 @@ static const ShvKey material_keys[] = {
          "crack tips are tougher than G. `scale_strength`: lower the strengths so far that the zone is so long; cracks "
          "cost G, but begin at less stress. `scale_energy`: raise the energies instead; cracks begin at the "
          "strength, but cost more. What is in effect is in every report."},
+    {"face_restitution", SHV_KEY_NUMBER, .range = &share, .offset = MATERIAL(face_restitution),
+     .sentence =
+         "Of crack faces that have opened and close again: its square is the share of the energy of their impact that "
+         "they give back when they part. 1: faces are elastic; 0: nothing comes back."},
     {"zone_edges", SHV_KEY_NUMBER, .range = &at_least_one, .offset = MATERIAL(zone_edges),
      .sentence =
          "Mean edges that a resolved cohesive zone spans, of the coarsest object of the material; 5 to 10 are usual."},
