@@ -11,6 +11,8 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, opening, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, peak, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, owed, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, held, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, overdrawn, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, force, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, phase, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, bonded, SHV_FIELD_BLOCK),
