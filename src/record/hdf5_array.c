@@ -89,14 +89,25 @@ static bool inflates(const unsigned char *stored, size_t size, size_t bytes)
     return good;
 }
 
-/* A chunk as it lies in the file; *stored is NULL and *size 0 where it has never been written. HDF5 1.10 tells the place of a
-   chunk by looking at all, but its size at once. */
+/* Bytes of a chunk in the file, 0: it has never been written. HDF5 1.10 tells the place of a chunk by looking at all of them;
+   its size it tells at once, but fails where there is none. */
+static bool chunk_size(const Chunks *chunks, const hsize_t *offset, hsize_t *size)
+{
+    unsigned left_out;
+    haddr_t address = HADDR_UNDEF;
+    if (H5Dget_chunk_storage_size(chunks->dataset, offset, size) >= 0) return true;
+    if (H5Dget_chunk_info_by_coord(chunks->dataset, offset, &left_out, &address, size) < 0) return false;
+    if (address == HADDR_UNDEF) *size = 0;
+    return true;
+}
+
+/* A chunk as it lies in the file; *stored is NULL and *size 0 where it has never been written. */
 static bool read_chunk(const Chunks *chunks, const hsize_t *offset, unsigned char **stored, hsize_t *size,
                        uint32_t *left_out)
 {
     *stored = NULL;
     *left_out = 0;
-    if (H5Dget_chunk_storage_size(chunks->dataset, offset, size) < 0) return false;
+    if (!chunk_size(chunks, offset, size)) return false;
     if (*size == 0) return true;
     if (*size > 2 * chunks->bytes + 1024) return false;
     *stored = shv_allocate(NULL, SHV_PART_RECORD, *size, 1);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "crash.h"
 #include "fake_simulation.h"
 #include "files.h"
 #include "shiver/run_file.h"
@@ -529,9 +530,27 @@ static void test_every_allocation_may_fail(void **state)
     fail_one_by_one(path, read_with);
 }
 
+/* Early frames then lack some of the chunks that later ones have. */
+static void test_more_fragments_than_a_chunk(void **state)
+{
+    enum { COUNT = 30, COLUMNS = 2048 };
+    static const FakeSetup many = {.bricks = 1100, .split_every = 1, .most = 2199, .splits = 60};
+    ShvError error;
+    ShvRunFile *file;
+    const char *path = file_in(*state, "run.h5");
+    crash_expect(0);
+    assert_int_equal(crash_frames(path, &many, COUNT, &error), SHV_OK);
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    assert_true(shv_run_file_info(file)->fragment_count > COLUMNS);
+    const char *wrong = crash_check_open(file, &many, COUNT);
+    if (wrong) fail_msg("%s", wrong);
+    shv_run_file_close(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_more_fragments_than_a_chunk, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_everything_comes_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_cost_is_of_the_last_frame, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_nodes, make_folder, remove_folder),
