@@ -61,6 +61,7 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, stress, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, nodal, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, fixed, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, waiting, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, log.items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, ghost.before, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, ghost.displacement, SHV_FIELD_BLOCK),
