@@ -58,7 +58,7 @@ static ShvStatus check_fracture(const ShvMaterialDefinition *definition, ShvErro
         return bad_value(error, name, "weibull_volume", definition->weibull_volume,
                          "a finite number of at least 0, in m³ (0: facets of any size scatter alike)");
     if (definition->unresolved != SHV_UNRESOLVED_KEEP && definition->unresolved != SHV_UNRESOLVED_SCALE_STRENGTH &&
-        definition->unresolved != SHV_UNRESOLVED_SCALE_ENERGY)
+        definition->unresolved != SHV_UNRESOLVED_SCALE_ENERGY && definition->unresolved != SHV_UNRESOLVED_TIP_STRENGTH)
         return bad_value(error, name, "unresolved", (double)definition->unresolved, "one of ShvUnresolved");
     if (!(definition->zone_edges >= 1.0 && isfinite(definition->zone_edges)))
         return bad_value(error, name, "zone_edges", definition->zone_edges, "a finite number of at least 1");
@@ -162,7 +162,9 @@ void shv_material_resolve(ShvMaterial *material, double edge)
 {
     material->mesh_edge = edge;
     const double share = shv_material_cohesive_zone(material) / (material->zone_edges * edge);
-    if (material->unresolved == SHV_UNRESOLVED_KEEP || !(share < 1.0)) return;
+    const bool scales =
+        material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH || material->unresolved == SHV_UNRESOLVED_SCALE_ENERGY;
+    if (!scales || !(share < 1.0)) return;
     for (int mode = 0; mode < 2; mode++) {
         if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH)
             material->strength[mode] *= sqrt(share);

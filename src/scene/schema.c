@@ -106,6 +106,7 @@ static const ShvTable weibull_table = {.name = "materials.<name>.weibull",
 static const ShvChoice unresolved_choices[] = {{"keep", SHV_UNRESOLVED_KEEP},
                                                {"scale_strength", SHV_UNRESOLVED_SCALE_STRENGTH},
                                                {"scale_energy", SHV_UNRESOLVED_SCALE_ENERGY},
+                                               {"tip_strength", SHV_UNRESOLVED_TIP_STRENGTH},
                                                {NULL, 0}};
 static const ShvKey material_keys[] = {
     {"library", SHV_KEY_TEXT, .offset = offsetof(ShvMaterialItem, library), .absent = "none",
