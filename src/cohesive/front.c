@@ -5,8 +5,6 @@
 #include "cohesive/cohesive.h"
 #include "cohesive/storage.h"
 
-/* c of σ_tip = c √(E G/h). */
-static const double tip_share = 0.5;
 /* What a facet that has opened still counts with at its node that is to split. With all of it strips grow at 1.1 to 1.5 times
    Griffith's load, with this at 0.8 to 1.1. */
 static const double behind_share = 0.3;
@@ -39,7 +37,7 @@ static double tip_strength(const ShvModel *model, int32_t facet)
 {
     const ShvMaterial *material = shv_cohesive_material(model, facet);
     if (!material || material->unresolved != SHV_UNRESOLVED_TIP_STRENGTH) return (double)INFINITY;
-    return tip_share * sqrt(material->youngs_modulus * material->fracture_energy[SHV_NORMAL] / mean_edge(model, facet));
+    return shv_material_tip_strength(material, mean_edge(model, facet));
 }
 
 static int32_t node_of(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, int corner)
@@ -264,6 +262,11 @@ ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
     const size_t nodes = (size_t)cohesive->model->mesh.node_count;
     *front = (ShvFront){.any = wants_tips(cohesive->model)};
     if (!front->any) return SHV_OK;
+    if (cohesive->settings->criterion != SHV_CRITERION_FORCE)
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "a material has 'unresolved: tip_strength', which needs 'fracture: {criterion: force}': cracks go on "
+            "node by node; give that criterion, or another word");
     front->ahead = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, facets, sizeof *front->ahead);
     front->slit = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *front->slit);
     if (!front->ahead || !front->slit)

@@ -149,8 +149,8 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
         SHV_TRY(shv_star_create(&search->star, memory, (int32_t)corners, error));
         search->facet_along = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *search->facet_along);
         if (!search->facet_along) return shv_fail_memory(error, "directions of opening", facets * sizeof(double));
-        SHV_TRY(shv_front_create(cohesive, error));
     }
+    SHV_TRY(shv_front_create(cohesive, error));
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 

@@ -146,7 +146,11 @@ static const ShvKey material_keys[] = {
          "What to do where the cohesive zone is shorter than `zone_edges` mean edges of the mesh. `keep`: nothing; "
          "crack tips are tougher than G. `scale_strength`: lower the strengths so far that the zone is so long; cracks "
          "cost G, but begin at less stress. `scale_energy`: raise the energies instead; cracks begin at the "
-         "strength, but cost more. What is in effect is in every report."},
+         "strength, but cost more. `tip_strength`: lower the strength only ahead of cracks, by so much that growth "
+         "costs G; "
+         "cracks begin at the strength and cost G (docs/glass.md); needs `fracture.criterion: force`. What is in "
+         "effect "
+         "is in every report."},
     {"zone_edges", SHV_KEY_NUMBER, .range = &at_least_one, .offset = MATERIAL(zone_edges),
      .sentence =
          "Mean edges that a resolved cohesive zone spans, of the coarsest object of the material; 5 to 10 are usual."},
