@@ -27,7 +27,8 @@ typedef enum ShvCohesiveLaw { SHV_PPR, SHV_CAMACHO_ORTIZ } ShvCohesiveLaw;
 typedef enum ShvUnresolved {
     SHV_UNRESOLVED_KEEP,           /* strength and energy as given: crack tips are too tough on such a mesh */
     SHV_UNRESOLVED_SCALE_STRENGTH, /* lowers the strengths: cracks cost G, but begin too early */
-    SHV_UNRESOLVED_SCALE_ENERGY    /* raises the energies: cracks begin at the strength, but cost too much */
+    SHV_UNRESOLVED_SCALE_ENERGY,   /* raises the energies: cracks begin at the strength, but cost too much */
+    SHV_UNRESOLVED_TIP_STRENGTH /* lowers the strengths ahead of cracks alone: they begin at the strength and cost G */
 } ShvUnresolved;
 
 typedef struct ShvMaterialDefinition {

@@ -193,6 +193,8 @@ typedef struct ShvMaterialView {
     double nominal_energy, energy;     /* J/m², likewise */
     double cohesive_zone, snap_back;   /* m: (π/8) E/(1−ν²) G/σ² and 2 E G/σ², in effect */
     double tip_toughness;              /* times G: estimate of what a crack tip costs on this mesh, at least 1 */
+    double tip_strength;               /* Pa: c √(E G/mesh_edge), for `tip_strength`; 0 in run files */
+    double shear_strength;             /* Pa, mode II, in effect; 0 in run files */
 } ShvMaterialView;
 
 /* An object's half-open ranges in the joint mesh. */
@@ -280,7 +282,7 @@ ShvStatus shv_simulation_crack(const ShvSimulation *simulation, ShvCrackView *cr
 /* Materials of the scene, in its order. */
 int32_t shv_simulation_material_count(const ShvSimulation *simulation);
 ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t index);
-/* "keep", "scale_strength", "scale_energy" */
+/* "keep", "scale_strength", "scale_energy", "tip_strength" */
 const char *shv_unresolved_name(ShvUnresolved unresolved);
 /* What an obstacle is, in its own axes about its position; constant. Unused numbers are 0. */
 typedef struct ShvObstacleBody {

@@ -208,6 +208,31 @@ void shv_cli_print_pieces(const int32_t pieces[3])
            (int)pieces[1], (int)pieces[2]);
 }
 
+/* Below this share of the strength, most loads that begin a crack drive it on wherever it points. */
+static const double low_tip = 0.05;
+
+static void print_tip(const ShvMaterialView *m)
+{
+    if (!(m->tip_strength < m->strength)) {
+        printf("    ahead of cracks %.3g Pa would do, above the strength of %.3g Pa: this mesh needs no lower one\n",
+               m->tip_strength, m->strength);
+        return;
+    }
+    printf("    ahead of cracks %.3g Pa in place of the strength of %.3g Pa\n", m->tip_strength, m->strength);
+    if (m->tip_strength < low_tip * m->strength)
+        printf(
+            "    warning: %.3g Pa is so far below %.3g Pa that cracks go on under nearly any load that begins one: on "
+            "edges\n"
+            "             this long it is a weaker material; use a finer mesh\n",
+            m->tip_strength, m->strength);
+    if (m->shear_strength <= m->strength)
+        printf("    warning: it is no stronger in shear (%.3g Pa) than in tension (%.3g Pa), and grinds to crumbs "
+               "where it "
+               "is\n"
+               "             struck; brittle materials hold several times as much: give cohesive_strength_shear\n",
+               m->shear_strength, m->strength);
+}
+
 void shv_cli_print_cohesion(const ShvMaterialView *m)
 {
     if (!m->breakable) return;
@@ -221,10 +246,14 @@ void shv_cli_print_cohesion(const ShvMaterialView *m)
            resolved                                         ? "resolved"
            : m->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH ? "UNDER-RESOLVED, strength lowered until it is"
            : m->unresolved == SHV_UNRESOLVED_SCALE_ENERGY   ? "UNDER-RESOLVED, energy raised until it is"
+           : m->unresolved == SHV_UNRESOLVED_TIP_STRENGTH   ? "UNDER-RESOLVED, strength lowered ahead of cracks"
                                                             : "UNDER-RESOLVED, kept");
     if (!resolved && m->unresolved == SHV_UNRESOLVED_KEEP && m->tip_toughness > 1.0)
-        printf("    a crack tip costs about %.2g G on this mesh; see materials.<name>.unresolved in docs/scene.md\n",
+        printf("    a crack tip costs about %.2g G on this mesh; 'unresolved: tip_strength' lets cracks begin at the "
+               "strength\n"
+               "    and cost G (docs/glass.md)\n",
                m->tip_toughness);
+    if (m->unresolved == SHV_UNRESOLVED_TIP_STRENGTH && m->tip_strength > 0.0) print_tip(m);
 }
 
 void shv_cli_print_cohesion_json(const ShvMaterialView *m)

@@ -55,6 +55,7 @@ void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, cons
         if (!cohesive->bonded[index] || !cohesive->sides[index].split ||
             shv_cohesive_rests(cohesive, state, index, awake))
             continue;
+        if (cohesive->front.any && !cohesive->opened[index]) shv_front_open(cohesive, state, index);
         const bool torn = is_torn(cohesive, index);
         if (!torn && holds(cohesive, index)) continue;
         if (torn) tear(cohesive, index, ledger);

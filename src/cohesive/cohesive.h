@@ -17,6 +17,7 @@
 #ifndef SHV_COHESIVE_COHESIVE_H
 #define SHV_COHESIVE_COHESIVE_H
 
+#include "cohesive/front.h"
 #include "cohesive/pair.h"
 #include "cohesive/star.h"
 #include "model/ledger.h"
@@ -144,6 +145,8 @@ typedef struct ShvCohesive {
     ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
+    double *born;        /* time of insertion, s */
+    uint8_t *opened;     /* enough for its nodes to be a front (front.h) */
     int32_t *failed;     /* facets whose bonds failed at the last look, increasing */
     int32_t failed_count;
     double worst_overshoot; /* largest criterion / strength met at an insertion */
@@ -184,6 +187,7 @@ typedef struct ShvCohesive {
     double *face_weight;
     uint32_t *faces;
     ShvStarSearch search;
+    ShvFront front;
     int32_t *asked;                      /* batches whose stress the check asks for: batches */
     uint8_t *stress_known;               /* batches: of the present check */
     int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the level at the last check */

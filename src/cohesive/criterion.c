@@ -134,7 +134,7 @@ static int32_t batch_count(const ShvCohesive *cohesive)
 static double facet_weight(const ShvCohesive *cohesive, int32_t facet)
 {
     const double largest = 1e150, weight = shear_weight(shv_cohesive_material(cohesive->model, facet));
-    return shv_smaller(weight / cohesive->facet_strength[facet], largest);
+    return shv_smaller(weight / shv_front_strength(cohesive, facet), largest);
 }
 
 void shv_cohesive_weigh(const ShvCohesive *cohesive, int32_t facet)
@@ -160,8 +160,10 @@ static double traction_value(const ShvInspection *check, int32_t facet)
     const ShvCohesive *cohesive = check->cohesive;
     const int32_t *elements = cohesive->model->adjacency.facet_elements + 2 * (int64_t)facet;
     const ShvVec3 normal = current_normal(cohesive, check->state, facet);
-    return shv_facet_overstress(shv_cohesive_material(cohesive->model, facet), cohesive->facet_strength[facet],
-                                shv_facet_traction(check->stress, elements[0], elements[1], normal));
+    const ShvFacetTraction traction = shv_facet_traction(check->stress, elements[0], elements[1], normal);
+    const double strength =
+        traction.normal > traction.shear ? shv_front_strength(cohesive, facet) : cohesive->facet_strength[facet];
+    return shv_facet_overstress(shv_cohesive_material(cohesive->model, facet), strength, traction);
 }
 
 static bool is_watched(const ShvCohesive *cohesive, int32_t facet)
@@ -252,6 +254,7 @@ static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uin
 
 void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
+    shv_front_start(cohesive, state);
     watch_facets(cohesive, state, awake);
     cohesive->unlisted = true;
     cohesive->watched_node_count = 0;

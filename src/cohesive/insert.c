@@ -94,8 +94,10 @@ static const double least_share = 0.1;
 static ShvLaw judged_law(const ShvCohesive *cohesive, const ShvMaterial *material, int32_t facet, double scale)
 {
     ShvMaterial judged = *material;
+    if (cohesive->front.any && cohesive->front.ahead[facet] & SHV_FRONT_LOWERED)
+        judged.strength[SHV_SHEAR] = judged.strength[SHV_NORMAL];
     if (material->law == SHV_PPR) {
-        const double along = cohesive->search.facet_along[facet], beta = shv_shear_ratio(material);
+        const double along = cohesive->search.facet_along[facet], beta = shv_shear_ratio(&judged);
         const double share = shv_strength_share(along, beta);
         judged.strength[SHV_NORMAL] *= fmax(along / share, least_share);
         if (isfinite(beta)) judged.strength[SHV_SHEAR] *= fmax(beta * sqrt(1.0 - along * along) / share, least_share);
@@ -107,7 +109,9 @@ static ShvLaw starting_law(const ShvCohesive *cohesive, const ShvState *state, c
 {
     const int32_t facet = cohesive->facet[index];
     const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
-    const double scale = shv_cohesive_strength_scale(cohesive->model, facet);
+    const double scale = material->unresolved == SHV_UNRESOLVED_TIP_STRENGTH && material->strength[SHV_NORMAL] > 0.0
+                             ? cohesive->facet_strength[facet] / material->strength[SHV_NORMAL]
+                             : shv_cohesive_strength_scale(cohesive->model, facet);
     const bool judged = stress && cohesive->settings->criterion == SHV_CRITERION_FORCE;
     ShvLaw law = judged ? judged_law(cohesive, material, facet, scale)
                         : shv_law_make(material, scale * activation(cohesive, state, stress, index));
@@ -139,6 +143,8 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;
+    cohesive->opened[index] = false;
+    cohesive->born[index] = state->time;
     cohesive->live[cohesive->live_count++] = index;
 }
 
@@ -182,6 +188,9 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
     for (int32_t i = 0; i < touched; i++) find_sides_at(cohesive, state, nodes[i]);
     for (int32_t node = before; node < state->node_count; node++) find_sides_at(cohesive, state, node);
+    for (int32_t i = 0; cohesive->front.any && i < touched; i++) shv_front_look(cohesive, state, nodes[i]);
+    for (int32_t node = before; cohesive->front.any && node < state->node_count; node++)
+        shv_front_look(cohesive, state, node);
     for (int32_t i = 0; i < count; i++) shv_cohesive_weigh(cohesive, sorted[i]);
     cohesive->unlisted = true;
     return SHV_OK;

@@ -123,6 +123,11 @@ static void take_disk(const ShvInspection *inspection, int32_t *candidates, doub
         const ShvStarFacet *facet = &star->facets[star->disk[k]];
         cohesive->search.facet_along[facet->facet] =
             shv_smaller(fabs(shv_dot(facet->area, star->direction)) / shv_norm(facet->area), 1.0);
+        if (cohesive->front.any) {
+            const bool lowered = star->goes_on && facet->tip.lowered;
+            cohesive->front.ahead[facet->facet] = lowered ? SHV_FRONT_LOWERED : 0;
+            if (lowered) cohesive->facet_strength[facet->facet] = facet->tip.strength;
+        }
         candidates[*count] = facet->facet;
         overstress[(*count)++] = star->ratio;
     }

@@ -105,7 +105,9 @@ static void add_joint(ShvStar *star, const ShvCohesive *cohesive, const ShvState
     joint->area = third_of_area(state, elements[0], adjacency->facet_faces[2 * (int64_t)facet]);
     joint->force = apply(mean, joint->area);
     joint->strength = material ? cohesive->facet_strength[facet] : (double)INFINITY;
-    joint->shear_ratio = material ? shv_shear_ratio(material) : 1.0;
+    joint->tip = shv_front_tip(cohesive, state, facet, star->node);
+    const bool leans = joint->tip.lowered && cohesive->facet_cohesive[facet] >= 0;
+    joint->shear_ratio = material && !leans ? shv_shear_ratio(material) : 1.0;
     joint->share = share_of_strength(cohesive, facet, elements);
     star->cut.joints[number].member[0] = first;
     star->cut.joints[number].member[1] = second;
@@ -152,14 +154,15 @@ static void gather(ShvStar *star, const ShvCohesive *cohesive, const ShvState *s
 /* ---- one direction ---- */
 
 /* `along`: cosine between what a group leaves behind, outward, and where it goes. */
-static double capacity(const ShvStarFacet *facet, double size, double along)
+static double capacity(const ShvStarFacet *facet, double size, double along, bool goes_on)
 {
     if (along > overhang) return (double)INFINITY;
+    if (goes_on && facet->tip.lowered) return size * facet->share * facet->tip.strength;
     return size * facet->share * facet->strength * shv_strength_share(along, facet->shear_ratio);
 }
 
 /* Returns whether some facet passes on more than it could hold: if none does, no group is pulled too hard. */
-static bool load(ShvStar *star, ShvVec3 direction, double least)
+static bool load(ShvStar *star, ShvVec3 direction, double least, bool goes_on)
 {
     bool exceeded = false;
     for (int32_t i = 0; i < star->cut.member_count; i++) star->cut.members[i].pull = 0.0;
@@ -168,8 +171,8 @@ static bool load(ShvStar *star, ShvVec3 direction, double least)
         ShvJoint *joint = &star->cut.joints[k];
         const double size = shv_norm(facet->area), along = shv_dot(facet->area, direction) / size;
         const double force = shv_dot(facet->force, direction);
-        joint->capacity[0] = capacity(facet, size, along);
-        joint->capacity[1] = capacity(facet, size, -along);
+        joint->capacity[0] = capacity(facet, size, along, goes_on);
+        joint->capacity[1] = capacity(facet, size, -along, goes_on);
         star->cut.members[joint->member[0]].pull -= force;
         star->cut.members[joint->member[1]].pull += force;
         exceeded = exceeded || -force >= least * joint->capacity[0] || force >= least * joint->capacity[1];
@@ -187,14 +190,28 @@ static void keep_disk(ShvStar *star, const ShvCohesive *cohesive)
     }
 }
 
-static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 direction, double least)
+/* Whether the group just found leaves along a facet that has opened, or there is none, but a slit. */
+static bool follows_crack(const ShvStar *star)
+{
+    bool any = false;
+    for (int32_t k = 0; k < star->cut.joint_count; k++) {
+        const ShvJoint *joint = &star->cut.joints[k];
+        if (!star->facets[k].tip.behind) continue;
+        any = true;
+        if (star->cut.members[joint->member[0]].in_group != star->cut.members[joint->member[1]].in_group) return true;
+    }
+    return !any;
+}
+
+static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 direction, double least, bool goes_on)
 {
     const double wanted = shv_larger(least, star->ratio);
-    if (!load(star, direction, wanted)) return;
+    if (!load(star, direction, wanted, goes_on)) return;
     const double ratio = shv_cut_weakest(&star->cut, wanted);
-    if (!(ratio > star->ratio)) return;
+    if (!(ratio > star->ratio) || (goes_on && !follows_crack(star))) return;
     star->ratio = ratio;
     star->direction = direction;
+    star->goes_on = goes_on;
     keep_disk(star, cohesive);
 }
 
@@ -221,6 +238,14 @@ static ShvVec3 weakest_direction(const ShvStar *star)
     return direction;
 }
 
+static bool is_across_crack(const ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, ShvVec3 direction)
+{
+    if (!cohesive->front.any) return false;
+    for (int32_t k = 0; k < star->cut.joint_count; k++)
+        if (star->facets[k].tip.behind && shv_front_is_across(star->facets[k].area, direction)) return true;
+    return shv_front_is_across(shv_front_slit_normal(cohesive, state, star->node), direction);
+}
+
 /* Directions come with either sign: what moves is a group or all the others. */
 void shv_star_look(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
                    int32_t node, double least)
@@ -229,6 +254,7 @@ void shv_star_look(ShvStar *star, const ShvCohesive *cohesive, const ShvState *s
     ShvMat3 axes;
     star->ratio = 0.0;
     star->disk_count = 0;
+    star->node = node;
     gather(star, cohesive, state, stress, node);
     const double *m = star->stress;
     const ShvMat3 mean = {{{m[0], m[5], m[4]}, {m[5], m[1], m[3]}, {m[4], m[3], m[2]}}};
@@ -236,10 +262,12 @@ void shv_star_look(ShvStar *star, const ShvCohesive *cohesive, const ShvState *s
     const ShvVec3 first = shv_vec3(axes.m[0][2], axes.m[1][2], axes.m[2][2]);
     const ShvVec3 last = shv_vec3(axes.m[0][0], axes.m[1][0], axes.m[2][0]);
     const ShvVec3 across = shv_scale(first, riding_cosine);
-    if (values[2] > 0.0) try_direction(star, cohesive, first, least);
+    if (values[2] > fmax(0.0, -values[0]) && is_across_crack(star, cohesive, state, first))
+        try_direction(star, cohesive, first, least, true);
+    if (values[2] > 0.0) try_direction(star, cohesive, first, least, false);
     const ShvVec3 other = weakest_direction(star);
-    if (fabs(shv_dot(other, first)) < much_the_same) try_direction(star, cohesive, other, least);
+    if (fabs(shv_dot(other, first)) < much_the_same) try_direction(star, cohesive, other, least, false);
     if (!(values[0] < 0.0)) return;
-    try_direction(star, cohesive, shv_madd(across, riding_sine, last), least);
-    try_direction(star, cohesive, shv_madd(across, -riding_sine, last), least);
+    try_direction(star, cohesive, shv_madd(across, riding_sine, last), least, false);
+    try_direction(star, cohesive, shv_madd(across, -riding_sine, last), least, false);
 }

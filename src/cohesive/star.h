@@ -14,6 +14,7 @@
 #define SHV_COHESIVE_STAR_H
 
 #include "cohesive/cut.h"
+#include "cohesive/front.h"
 #include "model/state.h"
 
 struct ShvCohesive;
@@ -24,14 +25,17 @@ typedef struct ShvStarFacet {
     ShvVec3 area;                 /* a third of it, from the joint's first member to its second, m² */
     ShvVec3 force;                /* mean stress on it, N: of the second member on the first */
     double strength, shear_ratio; /* Pa, β */
+    ShvTip tip;                   /* what it counts with where a crack goes on */
     double share;                 /* of its strength that counts: above 1 where a tet would lose its last bonds */
 } ShvStarFacet;
 
 typedef struct ShvStar {
+    int32_t node;
     ShvCut cut;
     ShvStarFacet *facets; /* as cut.joints */
     double stress[6];     /* mean over the tets by mass, Pa */
     ShvVec3 direction;    /* of the opening found */
+    bool goes_on;         /* from a crack whose front is there: facets hold what their tips do */
     double ratio;         /* force / capacity of the disk found; 0: none */
     int32_t disk_count;
     int32_t *disk; /* its facets, as numbers of joints, that are still intact */

@@ -17,6 +17,8 @@
     X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
     X(uint8_t, bonded, 1)                                                                                              \
+    X(double, born, 1)                                                                                                 \
+    X(uint8_t, opened, 1)                                                                                              \
     X(int32_t, failed, 1)                                                                                              \
     X(int32_t, live, 1)                                                                                                \
     X(ShvFacetTurn, turns, 1)                                                                                          \
@@ -150,6 +152,7 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
         search->facet_along = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *search->facet_along);
         if (!search->facet_along) return shv_fail_memory(error, "directions of opening", facets * sizeof(double));
     }
+    SHV_TRY(shv_front_create(cohesive, error));
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
@@ -206,5 +209,6 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->search.value);
     shv_release(cohesive->search.held);
     shv_release(cohesive->search.facet_along);
+    shv_front_release(&cohesive->front);
     *cohesive = (ShvCohesive){0};
 }

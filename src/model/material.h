@@ -51,6 +51,10 @@ double shv_material_resolved_edge(const ShvMaterial *material);
    K²(1−ν²)/E = π edge σ² (1−ν²)/E = (π²/8) (edge/R) G. An estimate of size, not a prediction. */
 double shv_material_tip_toughness(const ShvMaterial *material, double edge);
 
+/* c √(E G/h), Pa: what the facets of a mesh of edges h have to hold ahead of a crack for its growth to cost G; with the strength,
+   whichever is less, where SHV_UNRESOLVED_TIP_STRENGTH asks for it. */
+double shv_material_tip_strength(const ShvMaterial *material, double edge);
+
 /* Length over which a crack tip softens, R = (π/8) E/(1−ν²) G/σ², m (physics of cohesive zones; 5-10 elements resolve
    it), and the length 2 E G/σ² above which one element in series with a crack snaps back. Infinite when σ = 0 and
    where nothing can open. */

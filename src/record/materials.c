@@ -18,7 +18,7 @@ const ShvMaterialColumn shv_material_columns[SHV_MATERIAL_COLUMNS] = {
 
 static ShvUnresolved unresolved_of(const char *name)
 {
-    for (int i = SHV_UNRESOLVED_SCALE_ENERGY; i > SHV_UNRESOLVED_KEEP; i--)
+    for (int i = SHV_UNRESOLVED_TIP_STRENGTH; i > SHV_UNRESOLVED_KEEP; i--)
         if (strcmp(shv_unresolved_name((ShvUnresolved)i), name) == 0) return (ShvUnresolved)i;
     return SHV_UNRESOLVED_KEEP;
 }

@@ -106,6 +106,7 @@ static const ShvTable weibull_table = {.name = "materials.<name>.weibull",
 static const ShvChoice unresolved_choices[] = {{"keep", SHV_UNRESOLVED_KEEP},
                                                {"scale_strength", SHV_UNRESOLVED_SCALE_STRENGTH},
                                                {"scale_energy", SHV_UNRESOLVED_SCALE_ENERGY},
+                                               {"tip_strength", SHV_UNRESOLVED_TIP_STRENGTH},
                                                {NULL, 0}};
 static const ShvKey material_keys[] = {
     {"library", SHV_KEY_TEXT, .offset = offsetof(ShvMaterialItem, library), .absent = "none",
@@ -145,7 +146,11 @@ static const ShvKey material_keys[] = {
          "What to do where the cohesive zone is shorter than `zone_edges` mean edges of the mesh. `keep`: nothing; "
          "crack tips are tougher than G. `scale_strength`: lower the strengths so far that the zone is so long; cracks "
          "cost G, but begin at less stress. `scale_energy`: raise the energies instead; cracks begin at the "
-         "strength, but cost more. What is in effect is in every report."},
+         "strength, but cost more. `tip_strength`: lower the strength only ahead of cracks, by so much that growth "
+         "costs G; "
+         "cracks begin at the strength and cost G (docs/glass.md); needs `fracture.criterion: force`. What is in "
+         "effect "
+         "is in every report."},
     {"face_restitution", SHV_KEY_NUMBER, .range = &share, .offset = MATERIAL(face_restitution),
      .sentence =
          "Of crack faces that have opened and close again: its square is the share of the energy of their impact that "

@@ -408,12 +408,14 @@ ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t
         .cohesive_zone = shv_material_cohesive_zone(material),
         .snap_back = shv_material_snap_back(material),
         .tip_toughness = shv_material_tip_toughness(material, material->mesh_edge),
+        .tip_strength = material->mesh_edge > 0.0 ? shv_material_tip_strength(material, material->mesh_edge) : 0.0,
+        .shear_strength = material->strength[SHV_SHEAR],
     };
 }
 
 const char *shv_unresolved_name(ShvUnresolved unresolved)
 {
-    static const char *const names[] = {"keep", "scale_strength", "scale_energy"};
+    static const char *const names[] = {"keep", "scale_strength", "scale_energy", "tip_strength"};
     return names[unresolved];
 }
 

@@ -300,7 +300,7 @@ ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t
 
 const char *shv_unresolved_name(ShvUnresolved unresolved)
 {
-    static const char *const names[] = {"keep", "scale_strength", "scale_energy"};
+    static const char *const names[] = {"keep", "scale_strength", "scale_energy", "tip_strength"};
     return names[unresolved];
 }
 

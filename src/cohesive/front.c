@@ -1,0 +1,289 @@
+#include "cohesive/front.h"
+
+#include <math.h>
+
+#include "cohesive/cohesive.h"
+#include "cohesive/storage.h"
+
+/* What a facet that has opened still counts with at its node that is to split. With all of it strips grow at 1.1 to 1.5 times
+   Griffith's load, with this at 0.8 to 1.1. */
+static const double behind_share = 0.3;
+/* A slit: the solid goes all the way round an edge but for less than ten degrees. */
+static const double slit_angle = 6.1086523819801535;
+/* Of the normal strength: a facet with a point that has less left has opened. */
+static const double opened_share = 0.9;
+/* Of the speed of shear waves: cracks in glass run no faster. */
+static const double limit_speed = 0.5;
+/* Facets less than 60° from where the crack came from are not ahead. */
+static const double ahead_cosine = 0.5;
+/* Between the pull and a crack's normal: cracks kink by 45° at most. */
+static const double across_cosine = 0.7;
+
+/* ---- strengths ---- */
+
+static double mean_edge(const ShvModel *model, int32_t facet)
+{
+    const int32_t element = model->adjacency.facet_elements[2 * (int64_t)facet];
+    const uint8_t *corners = shv_face_corners[model->adjacency.facet_faces[2 * (int64_t)facet]];
+    const int32_t *nodes = model->mesh.elements + 4 * (int64_t)element;
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++)
+        sum += shv_norm(shv_sub(shv_mesh_position(&model->mesh, nodes[corners[(i + 1) % 3]]),
+                                shv_mesh_position(&model->mesh, nodes[corners[i]])));
+    return sum / 3.0;
+}
+
+static double tip_strength(const ShvModel *model, int32_t facet)
+{
+    const ShvMaterial *material = shv_cohesive_material(model, facet);
+    if (!material || material->unresolved != SHV_UNRESOLVED_TIP_STRENGTH) return (double)INFINITY;
+    return shv_material_tip_strength(material, mean_edge(model, facet));
+}
+
+static int32_t node_of(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, int corner)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet]];
+    return shv_state_node(state, adjacency->facet_elements[2 * (int64_t)facet], corners[corner]);
+}
+
+static int corner_of(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, int32_t node)
+{
+    for (int i = 0; i < 3; i++)
+        if (node_of(cohesive, state, facet, i) == node) return i;
+    return -1;
+}
+
+double shv_front_strength(const ShvCohesive *cohesive, int32_t facet)
+{
+    const double strength = cohesive->facet_strength[facet];
+    const bool ahead = cohesive->front.any && cohesive->front.ahead[facet] != 0;
+    return ahead && cohesive->facet_cohesive[facet] < 0 ? fmin(strength, tip_strength(cohesive->model, facet))
+                                                        : strength;
+}
+
+ShvTip shv_front_tip(const ShvCohesive *cohesive, const ShvState *state, int32_t facet, int32_t node)
+{
+    ShvTip tip = {.strength = cohesive->facet_strength[facet]};
+    if (!cohesive->front.any) return tip;
+    const int32_t index = cohesive->facet_cohesive[facet];
+    const uint8_t bits = cohesive->front.ahead[facet];
+    if (index >= 0) {
+        tip.behind = cohesive->opened[index];
+        tip.lowered = tip.behind || (bits & SHV_FRONT_LOWERED);
+        if (tip.behind) tip.strength = behind_share * fmin(tip.strength, tip_strength(cohesive->model, facet));
+        return tip;
+    }
+    const int corner = corner_of(cohesive, state, facet, node);
+    tip.lowered = corner >= 0 && (bits >> corner & 1);
+    if (tip.lowered) tip.strength = fmin(tip.strength, tip_strength(cohesive->model, facet));
+    return tip;
+}
+
+bool shv_front_is_across(ShvVec3 normal, ShvVec3 direction)
+{
+    return fabs(shv_dot(normal, direction)) > across_cosine * shv_norm(normal);
+}
+
+/* ---- fronts ---- */
+
+/* From a corner to the middle of the facet, at reference positions. */
+static ShvVec3 wing(const ShvCohesive *cohesive, int32_t facet, int corner)
+{
+    const ShvModel *model = cohesive->model;
+    const int32_t element = model->adjacency.facet_elements[2 * (int64_t)facet];
+    const uint8_t *corners = shv_face_corners[model->adjacency.facet_faces[2 * (int64_t)facet]];
+    const int32_t *nodes = model->mesh.elements + 4 * (int64_t)element;
+    ShvVec3 p[3];
+    for (int i = 0; i < 3; i++) p[i] = shv_mesh_position(&model->mesh, nodes[corners[(corner + i) % 3]]);
+    return shv_unit(shv_sub(shv_scale(shv_add(p[1], p[2]), 0.5), p[0]));
+}
+
+/* Facets of a star, each from its first element. */
+typedef void Visit(ShvCohesive *cohesive, int32_t facet, int corner, void *context);
+
+static void visit_star(ShvCohesive *cohesive, const ShvState *state, int32_t node, Visit *visit, void *context)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t at = state->corners[state->corner_start[node] + i], element = at / 4;
+        for (int k = 0; k < 4; k++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)element + k];
+            if (k == at % 4 || facet >= adjacency->interior_count) continue;
+            if (adjacency->facet_elements[2 * (int64_t)facet] != element) continue;
+            const int corner = corner_of(cohesive, state, facet, node);
+            if (corner >= 0) visit(cohesive, facet, corner, context);
+        }
+    }
+}
+
+typedef struct Behind {
+    ShvVec3 sum;
+    int32_t count;
+} Behind;
+
+static void add_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+{
+    const int32_t index = cohesive->facet_cohesive[facet];
+    Behind *behind = context;
+    if (index < 0 || !cohesive->opened[index]) return;
+    const ShvCohesiveSides *sides = &cohesive->sides[index];
+    if (sides->first[corner] != sides->second[corner]) return;
+    behind->sum = shv_add(behind->sum, wing(cohesive, facet, corner));
+    behind->count++;
+}
+
+static void lower(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+{
+    const Behind *behind = context;
+    if (cohesive->facet_cohesive[facet] >= 0) return;
+    const bool ahead =
+        behind->count > 0 && shv_dot(wing(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum);
+    const uint8_t bit = (uint8_t)(1u << corner), now = cohesive->front.ahead[facet];
+    const uint8_t then = (uint8_t)(ahead ? now | bit : now & ~bit);
+    cohesive->front.ahead[facet] = then;
+    if (then != now) shv_cohesive_weigh(cohesive, facet);
+}
+
+/* The end of a slit that has not been split. */
+static bool is_slit(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    const int32_t *start = cohesive->model->adjacency.corner_start;
+    if (node >= cohesive->model->mesh.node_count || state->corner_count[node] < start[node + 1] - start[node])
+        return false;
+    const ShvVec3 normal = cohesive->front.slit[node].normal;
+    return shv_dot(normal, normal) > 0.0;
+}
+
+ShvVec3 shv_front_slit_normal(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    return is_slit(cohesive, state, node) ? cohesive->front.slit[node].normal : shv_vec3(0.0, 0.0, 0.0);
+}
+
+void shv_front_look(ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    Behind behind = {0};
+    visit_star(cohesive, state, node, add_opened, &behind);
+    if (is_slit(cohesive, state, node)) {
+        behind.count++;
+        behind.sum = shv_add(behind.sum, cohesive->front.slit[node].wing);
+    }
+    visit_star(cohesive, state, node, lower, &behind);
+    cohesive->search.held[node] = 0.0;
+}
+
+void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
+{
+    const ShvCohesiveSides *sides = &cohesive->sides[index];
+    const int32_t facet = cohesive->facet[index];
+    const double speed = limit_speed * shv_cohesive_material(cohesive->model, facet)->shear_speed;
+    double least = 1.0;
+    if ((state->time - cohesive->born[index]) * speed < mean_edge(cohesive->model, facet)) return;
+    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
+        least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
+    if (least > opened_share) return;
+    cohesive->opened[index] = true;
+    for (int i = 0; i < 3; i++)
+        if (sides->first[i] == sides->second[i]) shv_front_look(cohesive, state, sides->first[i]);
+}
+
+/* ---- slits ---- */
+
+static double angle_at(const ShvMesh *mesh, const int32_t *nodes, int32_t a, int32_t b)
+{
+    ShvVec3 side[2];
+    const ShvVec3 start = shv_mesh_position(mesh, a), along = shv_unit(shv_sub(shv_mesh_position(mesh, b), start));
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        if (nodes[i] == a || nodes[i] == b) continue;
+        const ShvVec3 d = shv_sub(shv_mesh_position(mesh, nodes[i]), start);
+        if (count < 2) side[count++] = shv_unit(shv_madd(d, -shv_dot(d, along), along));
+    }
+    return acos(fmax(-1.0, fmin(1.0, shv_dot(side[0], side[1]))));
+}
+
+static bool has_node(const int32_t *nodes, int32_t node)
+{
+    return nodes[0] == node || nodes[1] == node || nodes[2] == node || nodes[3] == node;
+}
+
+/* Of the solid round an edge. */
+static double angle_round(const ShvModel *model, int32_t a, int32_t b)
+{
+    const ShvAdjacency *adjacency = &model->adjacency;
+    double sum = 0.0;
+    for (int32_t k = adjacency->corner_start[a]; k < adjacency->corner_start[a + 1]; k++) {
+        const int32_t *nodes = model->mesh.elements + 4 * (int64_t)(adjacency->corners[k] / 4);
+        if (has_node(nodes, b)) sum += angle_at(&model->mesh, nodes, a, b);
+    }
+    return sum;
+}
+
+static void add_slit(ShvSlit *slit, ShvVec3 normal, ShvVec3 wing)
+{
+    const double sense = shv_dot(normal, slit->normal) < 0.0 ? -1.0 : 1.0; /* either lip counts */
+    slit->normal = shv_madd(slit->normal, sense, normal);
+    slit->wing = shv_add(slit->wing, wing);
+}
+
+static void find_slit(ShvCohesive *cohesive, int32_t element, int face)
+{
+    const ShvMesh *mesh = &cohesive->model->mesh;
+    const int32_t *nodes = mesh->elements + 4 * (int64_t)element;
+    for (int i = 0; i < 3; i++) {
+        const int32_t a = nodes[shv_face_corners[face][i]], b = nodes[shv_face_corners[face][(i + 1) % 3]];
+        if (angle_round(cohesive->model, a, b) < slit_angle) continue;
+        const ShvVec3 start = shv_mesh_position(mesh, a), along = shv_unit(shv_sub(shv_mesh_position(mesh, b), start));
+        const ShvVec3 side = shv_sub(shv_mesh_position(mesh, nodes[shv_face_corners[face][(i + 2) % 3]]), start);
+        const ShvVec3 wing = shv_unit(shv_madd(side, -shv_dot(side, along), along)), normal = shv_cross(along, wing);
+        add_slit(&cohesive->front.slit[a], normal, wing);
+        add_slit(&cohesive->front.slit[b], normal, wing);
+    }
+}
+
+static void find_slits(ShvCohesive *cohesive)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < 4 * cohesive->model->mesh.element_count; i++)
+        if (adjacency->element_facets[i] >= adjacency->interior_count) find_slit(cohesive, i / 4, i % 4);
+}
+
+static bool wants_tips(const ShvModel *model)
+{
+    for (int32_t i = 0; i < model->material_count; i++)
+        if (model->materials[i].unresolved == SHV_UNRESOLVED_TIP_STRENGTH) return true;
+    return false;
+}
+
+ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
+{
+    ShvFront *front = &cohesive->front;
+    const size_t facets = (size_t)cohesive->model->adjacency.interior_count;
+    const size_t nodes = (size_t)cohesive->model->mesh.node_count;
+    *front = (ShvFront){.any = wants_tips(cohesive->model)};
+    if (!front->any) return SHV_OK;
+    if (cohesive->settings->criterion != SHV_CRITERION_FORCE)
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "a material has 'unresolved: tip_strength', which needs 'fracture: {criterion: force}': cracks go on "
+            "node by node; give that criterion, or another word");
+    front->ahead = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, facets, sizeof *front->ahead);
+    front->slit = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *front->slit);
+    if (!front->ahead || !front->slit)
+        return shv_fail_memory(error, "fronts of cracks", facets + nodes * sizeof *front->slit);
+    find_slits(cohesive);
+    return SHV_OK;
+}
+
+void shv_front_release(ShvFront *front)
+{
+    shv_release(front->ahead);
+    shv_release(front->slit);
+    *front = (ShvFront){0};
+}
+
+void shv_front_start(ShvCohesive *cohesive, const ShvState *state)
+{
+    for (int32_t node = 0; cohesive->front.any && node < cohesive->model->mesh.node_count; node++)
+        if (is_slit(cohesive, state, node)) shv_front_look(cohesive, state, node);
+}

@@ -1,0 +1,156 @@
+#include "cohesive/fixture.h"
+
+#include "cohesive/inspection.h"
+#include "cohesive/traction.h"
+
+static const double strength = 40e6;
+
+static void build(Fixture *f, ShvUnresolved unresolved)
+{
+    fixture_define(f, 0.03, 0.02, 0.02, 0.005);
+    f->scene.fracture.criterion = SHV_CRITERION_FORCE;
+    f->scene.fracture.threshold = 1.0;
+    f->material.unresolved = unresolved;
+    fixture_build(f);
+    shv_cohesive_watch(&f->cohesive, &f->state, NULL);
+}
+
+static int32_t choose(Fixture *f, int32_t *candidates, double tension)
+{
+    const size_t facets = (size_t)f->model.adjacency.interior_count;
+    double *overstress = shv_allocate(f->memory, SHV_PART_GENERAL, facets, sizeof *overstress);
+    int32_t count = 0;
+    assert_non_null(overstress);
+    fixture_stress(f, tension, 0.0, 0.0, 0.0, 0.0, 0.0);
+    shv_cohesive_candidates(&f->cohesive, &f->state, f->stress, NULL, candidates, overstress, &count);
+    shv_release(overstress);
+    return count;
+}
+
+/* All disks that part at 1.6 times the strength, open as far as half of their law. */
+static int32_t crack(Fixture *f, int32_t *candidates)
+{
+    const int32_t count = choose(f, candidates, 1.6 * strength);
+    int32_t duplicated;
+    assert_true(count > 0);
+    check_ok(shv_cohesive_insert(&f->cohesive, &f->state, f->stress, candidates, count, &duplicated, &f->error),
+             f->error);
+    assert_true(duplicated > 0);
+    for (int32_t k = 0; k < 3 * count; k++) {
+        const ShvLaw *law = &f->cohesive.law[k / 3];
+        f->cohesive.history[k] = shv_law_grow(law, f->cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+    }
+    return count;
+}
+
+static int32_t lowered(const Fixture *f)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < f->model.adjacency.interior_count; i++) {
+        if (f->cohesive.facet_cohesive[i] >= 0) continue;
+        const double now = shv_front_strength(&f->cohesive, i);
+        if (now == f->cohesive.facet_strength[i]) continue;
+        /* ½ √(E G/h) with edges of 4 to 7 mm */
+        const double least = shv_material_tip_strength(f->model.materials, 7e-3);
+        const double most = shv_material_tip_strength(f->model.materials, 4e-3);
+        assert_true(now > least && now < most && most < 0.2 * strength);
+        count++;
+    }
+    return count;
+}
+
+/* Only once a crack has opened, and had time to, do facets ahead of it hold less; the others never do. */
+static void fronts_come_with_opened_facets(void **state)
+{
+    (void)state;
+    Fixture f;
+    build(&f, SHV_UNRESOLVED_TIP_STRENGTH);
+    int32_t *candidates = shv_allocate(f.memory, SHV_PART_GENERAL, (size_t)f.model.adjacency.interior_count, 4);
+    assert_non_null(candidates);
+    const int32_t count = crack(&f, candidates);
+    assert_int_equal(lowered(&f), 0);
+    for (int32_t k = 0; k < count; k++) shv_front_open(&f.cohesive, &f.state, k);
+    assert_int_equal(lowered(&f), 0); /* no crack has come so far yet */
+    f.state.time = 1e-3;
+    for (int32_t k = 0; k < count; k++) shv_front_open(&f.cohesive, &f.state, k);
+    const int32_t ahead = lowered(&f);
+    assert_true(ahead > 0 && ahead < f.model.adjacency.interior_count - count);
+    shv_release(candidates);
+    fixture_release(&f);
+}
+
+/* Tension that begins nothing drives on a crack that is there, and where it does, laws start so. */
+static void cracks_go_on_below_the_strength(void **state)
+{
+    (void)state;
+    for (int tips = 0; tips < 2; tips++) {
+        Fixture f;
+        build(&f, tips ? SHV_UNRESOLVED_TIP_STRENGTH : SHV_UNRESOLVED_KEEP);
+        int32_t *candidates = shv_allocate(f.memory, SHV_PART_GENERAL, (size_t)f.model.adjacency.interior_count, 4);
+        assert_non_null(candidates);
+        assert_int_equal(choose(&f, candidates, 0.5 * strength), 0);
+        const int32_t before = crack(&f, candidates);
+        f.state.time = 1e-3;
+        for (int32_t k = 0; tips && k < before; k++) shv_front_open(&f.cohesive, &f.state, k);
+        const int32_t count = choose(&f, candidates, 0.5 * strength);
+        int32_t duplicated;
+        assert_true(tips ? count > 0 : count == 0);
+        check_ok(shv_cohesive_insert(&f.cohesive, &f.state, f.stress, candidates, count, &duplicated, &f.error),
+                 f.error);
+        for (int32_t k = before; k < before + count; k++)
+            assert_true(f.cohesive.law[k].strength[SHV_NORMAL] < 0.2 * strength &&
+                        f.cohesive.law[k].energy[SHV_NORMAL] == f.model.materials->fracture_energy[SHV_NORMAL]);
+        shv_release(candidates);
+        fixture_release(&f);
+    }
+}
+
+/* The tip of a slit is a front from the start; its normal is that of the slit. */
+static void a_slit_is_a_crack(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.04, 0.01, 0.02, 0.005);
+    f.object.mesh.kind = SHV_MESH_NOTCHED_BEAM;
+    f.object.mesh.notch_depth = 0.01;
+    f.scene.fracture.criterion = SHV_CRITERION_FORCE;
+    f.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
+    fixture_build(&f);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    int32_t tips = 0;
+    for (int32_t node = 0; node < f.model.mesh.node_count; node++) {
+        const ShvVec3 normal = shv_front_slit_normal(&f.cohesive, &f.state, node);
+        if (!(shv_dot(normal, normal) > 0.0)) continue;
+        const ShvVec3 at = shv_mesh_position(&f.model.mesh, node);
+        check_near(at.x, 0.0, 1e-9);
+        check_near(at.z, 0.0, 1e-9); /* the beam's middle: half of its height is cut */
+        check_near(fabs(normal.x) / shv_norm(normal), 1.0, 1e-9);
+        tips++;
+    }
+    assert_true(tips >= 3);
+    assert_true(lowered(&f) > 0);
+    fixture_release(&f);
+}
+
+static void other_criteria_are_refused(void **state)
+{
+    (void)state;
+    Fixture f;
+    build(&f, SHV_UNRESOLVED_TIP_STRENGTH);
+    shv_cohesive_release(&f.cohesive);
+    f.scene.fracture.criterion = SHV_CRITERION_TRACTION;
+    check_fails(shv_cohesive_create(&f.cohesive, &f.model, &f.scene.fracture, &f.error), SHV_BAD_INPUT, f.error,
+                "criterion: force");
+    fixture_release(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fronts_come_with_opened_facets),
+        cmocka_unit_test(cracks_go_on_below_the_strength),
+        cmocka_unit_test(a_slit_is_a_crack),
+        cmocka_unit_test(other_criteria_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
