@@ -39,6 +39,13 @@ static double gap_of_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment,
     return fmax(0.0, least);
 }
 
+/* When nodes that close with a speed have met, s: weight may close a gap sooner than what little speed a body at rest has. */
+static double time_to_meet(const ShvHybrid *hybrid, double gap, double speed)
+{
+    const double gravity = shv_norm(shv_load3(hybrid->gravity));
+    return gap > 0.0 ? 2.0 * gap / (speed + sqrt(speed * speed + 2.0 * gravity * gap)) : 0.0;
+}
+
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact)
 {
     const double speed = contact->closing_speed;
@@ -49,7 +56,7 @@ void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, co
     fragment->contact_arm =
         shv_rotate(shv_quat_conjugate(fragment->orientation), shv_sub(contact->point, fragment->position));
     fragment->touched = fmax(hybrid->state.time, contact->expected);
-    if (speed > 0.0) fragment->touched += gap_of_nodes(hybrid, fragment, contact) / speed;
+    if (speed > 0.0) fragment->touched += time_to_meet(hybrid, gap_of_nodes(hybrid, fragment, contact), speed);
     fragment->last_insertion = fragment->touched;
 }
 
