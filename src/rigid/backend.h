@@ -8,14 +8,14 @@
 #include "shape/obstacle.h"
 
 typedef struct ShvRigidContact {
-    int32_t fragment;      /* index */
-    int32_t obstacle;      /* index; −1: the other side is a fragment, */
-    int32_t other;         /* whose index this is; −1: it is an obstacle */
-    double time;           /* s: when it closes */
-    double expected;       /* s: when it will have closed, where that is known to be later than `time`; else 0 */
+    int32_t fragment; /* index */
+    int32_t obstacle; /* index; −1: the other side is a fragment, */
+    int32_t other;    /* whose index this is; −1: it is an obstacle */
+    int32_t fresh;   /* 1: not touching at the previous step; no bool, so that no bytes of a checkpoint are undefined */
+    double time;     /* s: when it closes */
+    double expected; /* s: when it will have closed, where that is known to be later than `time`; else 0 */
     ShvVec3 point, normal; /* world; the normal points from the other side to the fragment */
     double closing_speed;  /* m/s along the normal, ≥ 0, before any response */
-    bool fresh;            /* not touching at the previous step */
     double other_mass;     /* kg of the other side with all that it touches; infinity: something holds that */
     double load;           /* N: Σ of the contact forces on the fragment, mean of the last steps; 0 where not kept */
 } ShvRigidContact;
