@@ -36,6 +36,14 @@ ShvStatus shv_path_folder(ShvMemory *memory, ShvPart part, const char *path, cha
     return SHV_OK;
 }
 
+ShvStatus shv_make_folder(const char *path, ShvError *error)
+{
+    struct stat about;
+    if (mkdir(path, 0777) == 0) return SHV_OK;
+    if (errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return SHV_OK;
+    return shv_fail(error, SHV_FILE_ERROR, "cannot make the folder '%s': %s", path, strerror(errno));
+}
+
 bool shv_same_file(const char *a, const char *b)
 {
     struct stat first, second;

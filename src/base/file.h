@@ -16,6 +16,9 @@ ShvStatus shv_path_join(ShvMemory *memory, ShvPart part, const char *folder, con
    releases *folder. */
 ShvStatus shv_path_folder(ShvMemory *memory, ShvPart part, const char *path, char **folder, ShvError *error);
 
+/* Makes a folder whose parent is there; one that exists already is as good. */
+ShvStatus shv_make_folder(const char *path, ShvError *error);
+
 /* Whether both names lead to one existing file. */
 bool shv_same_file(const char *a, const char *b);
 

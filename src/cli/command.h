@@ -84,6 +84,8 @@ int shv_cli_run(const ShvCommand *command, const ShvArguments *arguments);
 /* Loads a scene with the overrides; all errors and warnings go to stderr. After an error *scene is NULL, and the exit status is
    returned that belongs to it. */
 int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments);
+/* What follows once a scene has been read, or could not be: says its faults, puts them away, and returns the exit status. */
+int shv_cli_end_loading(ShvStatus status, ShvDiagnostics *diagnostics, const ShvError *error);
 /* Each fault of an input on a line of stderr; whether there are errors among them, which then need no message more. */
 bool shv_cli_print_faults(const ShvDiagnostics *diagnostics);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */

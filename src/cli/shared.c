@@ -146,17 +146,22 @@ bool shv_cli_print_faults(const ShvDiagnostics *diagnostics)
     return diagnostics && shv_diagnostics_errors(diagnostics) > 0;
 }
 
+int shv_cli_end_loading(ShvStatus status, ShvDiagnostics *diagnostics, const ShvError *error)
+{
+    const bool told = shv_cli_print_faults(diagnostics);
+    shv_diagnostics_destroy(diagnostics);
+    if (status == SHV_OK) return SHV_EXIT_DONE;
+    if (told && status == SHV_BAD_INPUT) return SHV_EXIT_INPUT;
+    const int exit_status = shv_cli_failed(status, error);
+    return status == SHV_FILE_ERROR ? (int)SHV_EXIT_INPUT : exit_status; /* a scene that cannot be read is bad input */
+}
+
 int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
 {
     ShvDiagnostics *diagnostics = NULL;
     ShvError error;
     const ShvStatus status = read_scene(scene, arguments, &diagnostics, &error);
-    const bool told = shv_cli_print_faults(diagnostics);
-    shv_diagnostics_destroy(diagnostics);
-    if (status == SHV_OK) return SHV_EXIT_DONE;
-    if (told && status == SHV_BAD_INPUT) return SHV_EXIT_INPUT;
-    const int exit_status = shv_cli_failed(status, &error);
-    return status == SHV_FILE_ERROR ? (int)SHV_EXIT_INPUT : exit_status; /* a scene that cannot be read is bad input */
+    return shv_cli_end_loading(status, diagnostics, &error);
 }
 
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)

@@ -237,15 +237,20 @@ static double press(const ContactStep *now, ShvNodePair *pair)
     return fabs(change) * pair->inverse_mass;
 }
 
+ShvVec3 shv_coulomb_friction(ShvVec3 so_far, ShvVec3 relative, ShvVec3 normal, double inverse_mass, double bound)
+{
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, normal), normal);
+    const ShvVec3 wanted = shv_madd(so_far, -1.0 / inverse_mass, slip);
+    const double size = shv_norm(wanted);
+    return size > bound ? shv_scale(wanted, bound / size) : wanted;
+}
+
 /* Friction so far goes against the slip, up to its bound. */
 static double rub(const ContactStep *now, ShvNodePair *pair)
 {
     if (!(pair->friction_bound > 0.0)) return 0.0;
-    const ShvVec3 relative = relative_velocity(now, pair);
-    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
-    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
-    const double size = shv_norm(wanted);
-    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
+    const ShvVec3 wanted = shv_coulomb_friction(pair->friction, relative_velocity(now, pair), pair->normal,
+                                                pair->slip_inverse_mass, pair->friction_bound);
     const ShvVec3 change = shv_sub(wanted, pair->friction);
     apply_impulse(now, pair, change);
     pair->friction = wanted;

@@ -103,4 +103,8 @@ void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state);
 /* Books normal and friction work into a ledger. */
 void shv_node_contact_book_ledger(const ShvNodeContact *contact, ShvLedger *ledger);
 
+/* Coulomb friction at a point that slips, N s: the impulse so far against what slip is left of the relative velocity, no larger
+   than its bound. `inverse_mass`: across the normal, 1/kg. */
+ShvVec3 shv_coulomb_friction(ShvVec3 so_far, ShvVec3 relative, ShvVec3 normal, double inverse_mass, double bound);
+
 #endif

@@ -203,11 +203,8 @@ static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 {
     if (!(pair->friction_bound > 0.0)) return 0.0;
-    const ShvVec3 relative = shv_facet_pair_velocity(pair, bodies);
-    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
-    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
-    const double size = shv_norm(wanted);
-    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
+    const ShvVec3 wanted = shv_coulomb_friction(pair->friction, shv_facet_pair_velocity(pair, bodies), pair->normal,
+                                                pair->slip_inverse_mass, pair->friction_bound);
     const ShvVec3 change = shv_sub(wanted, pair->friction);
     shv_facet_pair_strike(pair, bodies, change);
     pair->friction = wanted;

@@ -109,3 +109,10 @@ void shv_output_number(FILE *stream, double value)
     if (isfinite(value)) shv_output_format(text, value);
     shv_print(stream, ",%s", text);
 }
+
+void shv_output_member(FILE *stream, const char *name, double value)
+{
+    char text[SHV_OUTPUT_NUMBER] = "null";
+    if (isfinite(value)) shv_output_format(text, value);
+    shv_print(stream, "\"%s\": %s", name, text);
+}

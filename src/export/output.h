@@ -34,6 +34,8 @@ enum { SHV_OUTPUT_NUMBER = 32 };
    number is not finite. */
 void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value);
 void shv_output_number(FILE *stream, double value);
+/* A member of a JSON object, without a comma: null where the number is not finite. */
+void shv_output_member(FILE *stream, const char *name, double value);
 
 /* The options given, checked: the defaults for NULL. */
 ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error);

@@ -89,15 +89,6 @@ static double obstacle_energy(const ShvHybrid *hybrid, const ShvObstacle *obstac
     return shv_obstacle_kinetic(obstacle) + weigh(hybrid, obstacle->mass, obstacle->position);
 }
 
-static double kinetic(const ShvHybrid *hybrid, const ShvFragment *fragment)
-{
-    ShvVec3 momentum, angular;
-    double energy;
-    if (!hybrid->backend->keeps_nodes) return shv_fragment_kinetic(fragment);
-    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &energy);
-    return energy;
-}
-
 static void changed(ShvHybrid *hybrid)
 {
     shv_node_contact_invalidate(&hybrid->contact);
@@ -167,7 +158,7 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t index, const ShvP
     }
     shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
     hybrid->ledger.booked[SHV_WORK_EVENT] +=
-        kinetic(hybrid, fragment) + weigh(hybrid, fragment->mass, fragment->position) - before;
+        shv_hybrid_kinetic_in_flight(hybrid, fragment) + weigh(hybrid, fragment->mass, fragment->position) - before;
     changed(hybrid);
     return SHV_OK;
 }
@@ -175,7 +166,7 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t index, const ShvP
 void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t index)
 {
     ShvFragment *fragment = &hybrid->fragments.items[index];
-    hybrid->ledger.booked[SHV_WORK_EVENT] -= kinetic(hybrid, fragment) + fragment->strain;
+    hybrid->ledger.booked[SHV_WORK_EVENT] -= shv_hybrid_kinetic_in_flight(hybrid, fragment) + fragment->strain;
     if (fragment->companion) shv_companions_remove(hybrid, index);
     hybrid->backend->functions->remove(hybrid->backend, index);
     fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);

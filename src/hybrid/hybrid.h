@@ -281,6 +281,8 @@ void shv_hybrid_fall_asleep(ShvHybrid *hybrid);
 void shv_hybrid_stir(ShvHybrid *hybrid);
 /* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
 double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
+/* Of a fragment in flight, as its engine has it, J. */
+double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment);
 /* enter.c: puts away the obstacles that wait; keeps them there, at the beginning of an interval; whether one waits. One comes, or
    goes; an object's only fragment, put away, comes into flight; a fragment in flight is put away. Between rigid intervals,
    with records and ledger of the moment; works are booked. And the records alone, as a placement has them. */

@@ -176,7 +176,7 @@ static void stand_outside(ShvHybrid *hybrid, ShvFragment *fragment)
     hybrid->ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), way);
 }
 
-static double kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment)
+double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     ShvVec3 momentum, angular;
     double kinetic;
@@ -214,7 +214,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     leave_flight(hybrid, contact);
     if (fragment->deformed || straightens(hybrid)) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
     if (!was_companion) bring_to_now(hybrid, fragment, contact->time);
-    event.kinetic_before = kinetic_in_flight(hybrid, fragment);
+    event.kinetic_before = shv_hybrid_kinetic_in_flight(hybrid, fragment);
     give_motion(hybrid, fragment);
     stand_outside(hybrid, fragment);
     wake_energies(hybrid, fragment, &event);

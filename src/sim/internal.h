@@ -44,6 +44,8 @@ ShvStatus shv_simulation_check_event(const ShvSceneDefinition *scene, const ShvE
    (simulation.c). */
 ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvError *error);
 void shv_simulation_pass_frames(ShvSimulation *simulation);
+/* Events and samples have been looked at: the next ones follow. */
+void shv_simulation_forget_told(ShvSimulation *simulation);
 
 /* Refuses a simulation whose objects overlap at the start, unless its scene keeps that (overlap.c). */
 ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error);

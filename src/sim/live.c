@@ -28,8 +28,7 @@ static ShvStatus begin(ShvSimulation *simulation, ShvError *error)
         return shv_fail(error, SHV_BAD_INPUT,
                         "the simulation is in the midst of a rigid step, where shv_simulation_advance stopped for "
                         "output.fracture_every; change it after shv_simulation_step");
-    hybrid->log.count = 0;
-    hybrid->probes.rows = 0;
+    shv_simulation_forget_told(simulation);
     return SHV_OK;
 }
 
@@ -41,8 +40,7 @@ ShvStatus shv_simulation_step(ShvSimulation *simulation, double until, ShvError 
     if (!isfinite(until) || until < hybrid->state.time)
         return shv_fail(error, SHV_BAD_INPUT, "cannot step to %g s from %.9g s: give a later time", until,
                         hybrid->state.time);
-    hybrid->log.count = 0;
-    hybrid->probes.rows = 0;
+    shv_simulation_forget_told(simulation);
     const ShvStatus status = shv_hybrid_advance(hybrid, until, 0, &taken, error);
     shv_simulation_pass_frames(simulation);
     return tell(simulation, status, error);

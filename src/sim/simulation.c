@@ -235,6 +235,12 @@ ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvErro
 
 /* ---- frames ---- */
 
+void shv_simulation_forget_told(ShvSimulation *simulation)
+{
+    simulation->hybrid.log.count = 0;
+    simulation->hybrid.probes.rows = 0;
+}
+
 static double animation_time(const ShvSimulation *simulation)
 {
     const ShvSceneDefinition *scene = simulation->scene;
@@ -285,16 +291,12 @@ static ShvStatus go_to_frame(ShvSimulation *simulation, bool *animation, ShvErro
 
 ShvStatus shv_simulation_advance(ShvSimulation *simulation, ShvError *error)
 {
-    ShvHybrid *hybrid = &simulation->hybrid;
     if (!simulation->started) {
         simulation->started = true;
         simulation->animation_frame = 1;
         return shv_simulation_fill(simulation, true, error);
     }
-    if (!simulation->under_way) {
-        hybrid->log.count = 0;
-        hybrid->probes.rows = 0;
-    }
+    if (!simulation->under_way) shv_simulation_forget_told(simulation);
     if (shv_simulation_finished(simulation)) return SHV_OK;
     bool animation;
     const ShvStatus status = go_to_frame(simulation, &animation, error);

@@ -111,14 +111,6 @@ ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, c
     return shv_path_join(study->memory, SHV_PART_GENERAL, study->options.output, run >= 0 ? name : file, path, error);
 }
 
-static ShvStatus make_folder(const char *path, ShvError *error)
-{
-    struct stat about;
-    if (mkdir(path, 0777) == 0) return SHV_OK;
-    if (errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return SHV_OK;
-    return shv_fail(error, SHV_FILE_ERROR, "cannot make the folder '%s': %s", path, strerror(errno));
-}
-
 /* A report that is not ours stays. */
 static ShvStatus check_folder(const ShvStudy *study, const char *runs, ShvError *error)
 {
@@ -138,8 +130,8 @@ static ShvStatus make_folders(const ShvStudy *study, ShvError *error)
     char *runs;
     SHV_TRY(shv_study_path(study, -1, "runs", &runs, error));
     ShvStatus status = check_folder(study, runs, error);
-    if (status == SHV_OK) status = make_folder(study->options.output, error);
-    if (status == SHV_OK) status = make_folder(runs, error);
+    if (status == SHV_OK) status = shv_make_folder(study->options.output, error);
+    if (status == SHV_OK) status = shv_make_folder(runs, error);
     shv_release(runs);
     return status;
 }

@@ -172,13 +172,6 @@ static void put_text(FILE *stream, const char *text)
     shv_print(stream, "\"");
 }
 
-static void put_number(FILE *stream, const char *name, double value)
-{
-    char text[SHV_OUTPUT_NUMBER] = "null";
-    if (isfinite(value)) shv_output_format(text, value);
-    shv_print(stream, "\"%s\": %s", name, text);
-}
-
 static void put_pair(FILE *stream, const char *name, const char *text)
 {
     shv_print(stream, "\"%s\": ", name);
@@ -190,13 +183,13 @@ static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE
     shv_print(stream, "\"measures\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", shv_study_measure_of(study->plan.measures[i])->name);
-        put_number(stream, "value", row->values[i]);
+        shv_output_member(stream, "value", row->values[i]);
         shv_print(stream, ", ");
-        put_number(stream, "error", row->errors[i]);
+        shv_output_member(stream, "error", row->errors[i]);
         shv_print(stream, ", ");
-        put_number(stream, "error_low", row->errors_low[i]);
+        shv_output_member(stream, "error_low", row->errors_low[i]);
         shv_print(stream, ", ");
-        put_number(stream, "error_high", row->errors_high[i]);
+        shv_output_member(stream, "error_high", row->errors_high[i]);
         shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
     }
     shv_print(stream, "}");
@@ -231,12 +224,12 @@ static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
                    {"courant", row->courant}};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         shv_print(stream, ", ");
-        put_number(stream, numbers[i].name, numbers[i].value);
+        shv_output_member(stream, numbers[i].name, numbers[i].value);
     }
     shv_print(stream, ", \"costs\": {");
     for (int c = 0; c < SHV_COST_COUNT; c++) {
         shv_print(stream, "%s", c > 0 ? ", " : "");
-        put_number(stream, shv_cost_name((ShvCost)c), row->costs[c]);
+        shv_output_member(stream, shv_cost_name((ShvCost)c), row->costs[c]);
     }
     shv_print(stream, "}, ");
     put_row_measures(study, row, stream);
@@ -261,7 +254,7 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
               study->timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "%s", i > 0 ? ", " : "");
-        put_number(stream, shv_study_measure_of(study->plan.measures[i])->name, study->scatter[i]);
+        shv_output_member(stream, shv_study_measure_of(study->plan.measures[i])->name, study->scatter[i]);
     }
     shv_print(stream, "}, \"rows\": [");
     for (int32_t i = 0; i < study->setting_count; i++) {

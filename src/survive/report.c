@@ -41,10 +41,9 @@ static void add_law(Figure *figure, ShvFragilityLaw law, const ShvFragilityView 
     }
 }
 
-static void add_isotonic(Figure *figure, const ShvSurviveView *view, int32_t *order, double *shares)
+static void add_isotonic(Figure *figure, const ShvSurviveView *view, const int32_t *order, const double *shares)
 {
     begin_line(figure, "without a law", SHV_PLOT_MARKED_LINE);
-    shv_fragility_isotonic(view->shots, view->shot_count, order, shares);
     for (int32_t i = 0; i < view->shot_count; i++) add_point(figure, view->shots[order[i]].height, 1.0 - shares[i]);
 }
 
@@ -250,13 +249,6 @@ static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
 
 /* ---- JSON ---- */
 
-static void put_number(FILE *stream, const char *name, double value)
-{
-    char text[SHV_OUTPUT_NUMBER] = "null";
-    if (isfinite(value)) shv_output_format(text, value);
-    shv_print(stream, "\"%s\": %s", name, text);
-}
-
 static void put_law_json(FILE *stream, const ShvFragilityView *fit)
 {
     const struct {
@@ -267,7 +259,7 @@ static void put_law_json(FILE *stream, const ShvFragilityView *fit)
                    {"location", fit->location}, {"scale", fit->scale},     {"likelihood", fit->likelihood}};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         shv_print(stream, "%s", i > 0 ? ", " : "{");
-        put_number(stream, numbers[i].name, numbers[i].value);
+        shv_output_member(stream, numbers[i].name, numbers[i].value);
     }
     shv_print(stream, "}");
 }
@@ -291,7 +283,7 @@ void shv_survive_print_json(const ShvSurvive *survive, FILE *stream)
                    {"staircase_deviation", view->staircase_deviation}};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         shv_print(stream, ", ");
-        put_number(stream, numbers[i].name, numbers[i].value);
+        shv_output_member(stream, numbers[i].name, numbers[i].value);
     }
     for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
         shv_print(stream, ", \"%s\": ", laws[law]);

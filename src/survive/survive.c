@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -68,14 +67,6 @@ static ShvStatus hash_all(ShvSurvive *survive, ShvError *error)
                            shv_scene_definition(survive->scene), &survive->key, error);
 }
 
-static ShvStatus make_folder(const char *path, ShvError *error)
-{
-    struct stat about;
-    if (mkdir(path, 0777) == 0) return SHV_OK;
-    if (errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return SHV_OK;
-    return shv_fail(error, SHV_FILE_ERROR, "cannot make the folder '%s': %s", path, strerror(errno));
-}
-
 static ShvStatus open_all(ShvSurvive *survive, ShvError *error)
 {
     char name[64];
@@ -85,7 +76,7 @@ static ShvStatus open_all(ShvSurvive *survive, ShvError *error)
     SHV_TRY(hash_all(survive, error));
     SHV_TRY(shv_drop_create(&survive->drop, shv_scene_definition(survive->scene), shv_scene_folder(survive->scene),
                             options, error));
-    SHV_TRY(make_folder(options->output, error));
+    SHV_TRY(shv_make_folder(options->output, error));
     if (options->staircase > 0.0)
         shv_format(name, sizeof name, "staircase.csv");
     else

@@ -1,3 +1,4 @@
+/* Surfaces of one format; its ending (FUZZ_ENDING) is said by the build. */
 #include "fuzz.h"
 
 #include "mesh/surface.h"
@@ -6,7 +7,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     ShvSurface surface;
     ShvError error = {SHV_OK, ""};
-    const char *path = fuzz_path(".obj");
+    const char *path = fuzz_path(FUZZ_ENDING);
     fuzz_write(path, data, size);
     ShvStatus status = shv_surface_read(&surface, NULL, SHV_PART_MESH, path, 1.0, &error);
     if (status == SHV_OK) {
