@@ -33,6 +33,17 @@ static double last_change(const ShvFragment *fragment)
     return fmax(fragment->last_insertion, fragment->last_crack);
 }
 
+/* How long a body may tremble before it rests whatever it carries, in transits of the bending wave; and how many times as long
+   where a crack has moved since it woke: such cracks go on, a little, for about a hundred transits. */
+static const double longest_transits = 20.0, cracked_window = 5.0;
+
+static double window(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const bool cracks = hybrid->fragments.bonds && fragment->last_crack > -HUGE_VAL;
+    const bool chosen = hybrid->scene->fracture.longest > 0.0;
+    return cracks && !chosen ? cracked_window * fragment->longest : fragment->longest;
+}
+
 /* The energy against which what a body carries is small or not: that with which it woke and, where cracks have moved since,
    what its cheapest cut would take. A bound by the energy of the impact alone would stop cracks that go on: a piece of a hard
    impact carries many times what its section costs, and one that hangs by a last bond comes off with next to nothing. */
@@ -106,7 +117,7 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     const double age = hybrid->state.time - last_change(fragment);
-    if (age >= fragment->longest) return SHV_REASON_LONGEST;
+    if (age >= window(hybrid, fragment)) return SHV_REASON_LONGEST;
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
@@ -119,7 +130,7 @@ double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     double bar, bending;
     transit_times(hybrid, fragment, &bar, &bending);
-    return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : 20.0 * bending;
+    return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : longest_transits * bending;
 }
 
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
@@ -134,7 +145,7 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     const double counted = now + (checks > 0 ? checks : 0) * hybrid->clock.due * hybrid->step;
     const bool by_checks = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
     *soonest = by_checks ? counted : fmax(counted, last_change(fragment) + 2.0 * bar);
-    *latest = fmax(now, last_change(fragment) + fragment->longest);
+    *latest = fmax(now, last_change(fragment) + window(hybrid, fragment));
     if (by_checks) *latest = fmin(*latest, counted);
     *soonest = fmin(*soonest, *latest);
 }

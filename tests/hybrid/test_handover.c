@@ -685,6 +685,35 @@ static void events_leave_binned_dust_alone(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* Of the first fragment, if it has just woken; `longest` as the scene says. */
+static double latest_rest(Stage *stage, ShvHybrid *hybrid, double longest, bool cracked)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[0];
+    double soonest, latest;
+    stage->scene.fracture.longest = longest;
+    fragment->longest = shv_hybrid_longest(hybrid, fragment);
+    fragment->last_insertion = hybrid->state.time;
+    fragment->last_crack = cracked ? hybrid->state.time : -HUGE_VAL;
+    shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
+    return latest - hybrid->state.time;
+}
+
+static void cracked_bodies_tremble_longer(void **unused)
+{
+    (void)unused;
+    Stage stage;
+    stage_ball(&stage, SHV_RIGID_ANALYTIC);
+    ShvHybrid hybrid;
+    start(&hybrid, &stage, false);
+    hybrid.fragments.bonds = &hybrid.cohesive;
+    const double whole = latest_rest(&stage, &hybrid, 0.0, false), cracked = latest_rest(&stage, &hybrid, 0.0, true);
+    assert_true(whole > 0.0);
+    check_near(cracked, 5.0 * whole, 1e-9 * cracked);
+    check_near(latest_rest(&stage, &hybrid, 0.1, false), 0.1, 1e-12); /* who says how long means it */
+    check_near(latest_rest(&stage, &hybrid, 0.1, true), 0.1, 1e-12);
+    shv_hybrid_release(&hybrid);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -702,6 +731,7 @@ int main(void)
         cmocka_unit_test(a_bound_ends_the_run),
         cmocka_unit_test(contact_between_fragments_is_the_scenes),
         cmocka_unit_test(events_leave_binned_dust_alone),
+        cmocka_unit_test(cracked_bodies_tremble_longer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
