@@ -141,13 +141,6 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
     return SHV_OK;
 }
 
-static ShvStatus reserve_traces(ShvBullet *bullet, ShvError *error)
-{
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
-                        "contacts of bodies", error);
-    return SHV_OK;
-}
-
 /* This step's contacts are the next one's past. */
 static void end(ShvBullet *bullet)
 {
@@ -172,6 +165,27 @@ static bool all_at_rest(ShvBullet *bullet)
     return true;
 }
 
+typedef struct Detection {
+    ShvBullet *bullet;
+    ShvWakeJudge judge;
+    void *judge_data;
+    ShvRigidContact *wakes;
+    int32_t *wake_count;
+} Detection;
+
+/* Between Bullet's broadphase and its islands. */
+static ShvStatus detect(void *data, const ShvBulletPair *pairs, int32_t count, ShvBulletTask *task, ShvError *error)
+{
+    const Detection *detection = data;
+    ShvBullet *bullet = detection->bullet;
+    SHV_TRY(shv_bullet_find(bullet, pairs, count, error));
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
+                        "contacts of bodies", error);
+    SHV_TRY(shv_bullet_judge(bullet, detection->judge, detection->judge_data, detection->wakes, detection->wake_count,
+                             error));
+    return shv_bullet_gather(bullet, task, error);
+}
+
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error)
@@ -185,10 +199,10 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     tidy(bullet);
     SHV_TRY(begin(bullet, error));
     if (all_at_rest(bullet)) return SHV_OK;
-    SHV_TRY(shv_bullet_find(bullet, error));
-    SHV_TRY(reserve_traces(bullet, error));
-    shv_bullet_judge(bullet, judge, judge_data, wakes, wake_count);
-    SHV_TRY(shv_bullet_solve(bullet, error));
+    SHV_TRY(shv_bullet_place_all(bullet, error));
+    Detection detection = {bullet, judge, judge_data, wakes, wake_count};
+    SHV_TRY(shv_bullet_world_step(bullet->bullet, step, detect, &detection, error));
+    shv_bullet_take_motions(bullet);
     SHV_TRY(shv_bullet_guard(bullet, error));
     shv_bullet_companions_take(bullet);
     shv_bullet_move(bullet);
@@ -214,8 +228,8 @@ static void destroy(ShvRigidBackend *backend)
     shv_release(bullet->last_traces);
     shv_release(bullet->order);
     shv_release(bullet->motions);
-    shv_release(bullet->island_contacts);
-    shv_release(bullet->lists);
+    shv_release(bullet->gathered);
+    shv_release(bullet->heaps);
     shv_release(bullet);
 }
 

@@ -51,7 +51,7 @@ bool shv_bullet_is_active(const ShvBulletFlyer *flyer)
     return flyer->moves ? !flyer->asleep : shv_norm(flyer->velocity) > 0.0 || shv_norm(flyer->spin) > 0.0;
 }
 
-static ShvStatus place_all(ShvBullet *bullet, ShvError *error)
+ShvStatus shv_bullet_place_all(ShvBullet *bullet, ShvError *error)
 {
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
@@ -76,11 +76,8 @@ static ShvBulletMeeting meeting_of(const ShvBullet *bullet, const ShvBulletPair 
 }
 
 /* This step's pairs with what is remembered of them. */
-static ShvStatus list_meetings(ShvBullet *bullet, ShvError *error)
+static ShvStatus list_meetings(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error)
 {
-    const ShvBulletPair *pairs;
-    int32_t count;
-    SHV_TRY(shv_bullet_world_pairs(bullet->bullet, &pairs, &count, error));
     ShvBulletMeeting *meetings = bullet->last_meetings;
     const int32_t room = bullet->last_room;
     bullet->last_meetings = bullet->meetings;
@@ -358,10 +355,9 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error)
+ShvStatus shv_bullet_find(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error)
 {
-    SHV_TRY(place_all(bullet, error));
-    SHV_TRY(list_meetings(bullet, error));
+    SHV_TRY(list_meetings(bullet, pairs, count, error));
     SHV_TRY(find_contacts(bullet, error));
     return choose_impacts(bullet, error);
 }

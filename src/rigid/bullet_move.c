@@ -13,18 +13,13 @@ static const ShvBulletFlyer *mover_of(const ShvBullet *bullet, const ShvBulletMe
     return a->moves ? a : &bullet->flyers[meeting->b];
 }
 
-static bool was_solved(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
-{
-    return meeting->contact_count > 0 && !bullet->flyers[meeting->a].leaves && !bullet->flyers[meeting->b].leaves;
-}
-
 /* On supports velocities change evenly over the step, under forces that last, so bodies move by their mean. Where that would
    lead into an overlap a contact has closed in the step: then its island moves with the velocities of the end, which do not. */
 static void find_bumps(ShvBullet *bullet)
 {
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
@@ -46,7 +41,7 @@ static void find_holds(ShvBullet *bullet)
 {
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         double sum = 0.0;
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
@@ -153,7 +148,7 @@ static double friction_work(const ShvBullet *bullet)
     double work = 0.0;
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
         const bool own_a = a->moves && !a->companion, own_b = b->moves && !b->companion;
@@ -197,7 +192,7 @@ static void count_still_steps(ShvBullet *bullet)
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvBulletFlyer *support = a->moves ? b : a;
         ShvBulletFlyer *island = &bullet->flyers[mover_of(bullet, meeting)->island];
