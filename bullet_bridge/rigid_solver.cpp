@@ -72,6 +72,7 @@ btScalar ShvSolver::solveGroupCacheFriendlySetup(btCollisionObject **all, int co
             btSolverConstraint &slide = m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex + k];
             const btVector3 &direction = k ? point.m_lateralFrictionDir2 : point.m_lateralFrictionDir1;
             slide.m_rhs = direction.dot(support) - speed(slide); // a velocity: see rub
+            if (!settles) slide.m_rhs *= slide.m_jacDiagABInv;
         }
     }
     return 0;
@@ -183,9 +184,14 @@ bool ShvSolver::moderate(const std::vector<btScalar> &impulses) const
 }
 
 // What is left at the end comes from a plain sweep: its impulses keep to their bounds.
-btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **, int, btPersistentManifold **, int,
-                                         btTypedConstraint **, int, const btContactSolverInfo &info, btIDebugDraw *)
+btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **objects, int count,
+                                         btPersistentManifold **pointers, int manifold_count,
+                                         btTypedConstraint **constraints, int constraint_count,
+                                         const btContactSolverInfo &info, btIDebugDraw *drawer)
 {
+    if (!settles)
+        return btSequentialImpulseConstraintSolver::solveSingleIteration(
+            iteration, objects, count, pointers, manifold_count, constraints, constraint_count, info, drawer);
     const bool last = iteration + 1 == info.m_numIterations;
     const bool helped =
         restful && iteration >= plain_sweeps && (last || (iteration - plain_sweeps) % sweeps_a_mix == 0);
@@ -210,7 +216,8 @@ btScalar ShvSolver::solveGroupCacheFriendlyFinish(btCollisionObject **all, int c
 {
     for (int i = 0; i < count; i++) {
         btSolverBody &body = m_tmpSolverBodyPool[all[i]->getCompanionId()];
-        ShvBulletMotion *motion = static_cast<ShvBulletMotion *>(all[i]->getUserPointer());
+        auto *motion = static_cast<ShvBulletMotion *>(all[i]->getUserPointer());
+        if (!motion) continue; // nothing touches it: an island of boxes
         store(motion->velocity, body.m_linearVelocity + body.m_deltaLinearVelocity);
         store(motion->spin, body.m_angularVelocity + body.m_deltaAngularVelocity);
         store(motion->push, body.m_pushVelocity);
@@ -272,7 +279,7 @@ btScalar ShvSolver::solveGroup(btCollisionObject **all, int count, btPersistentM
     const btScalar tolerance = btMax(settled_of_rest * rest, settled_of_speed * fastest);
     btContactSolverInfo info = given;
     info.m_timeStep = 1; // targets are velocities: the step does not enter
-    info.m_numIterations = most_iterations(pointers, manifold_count);
+    if (settles) info.m_numIterations = most_iterations(pointers, manifold_count);
     info.m_leastSquaresResidualThreshold = tolerance * tolerance;
     return btSequentialImpulseConstraintSolver::solveGroup(all, count, pointers, manifold_count, constraints,
                                                            constraint_count, info, drawer, dispatcher);

@@ -18,6 +18,7 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
     // A point of a manifold whose bodies stand at the origin.
     static void set_point(btManifoldPoint *point, ShvBulletContact *contact);
     double rest = 0; // m/s
+    bool settles = true;
     // An island of ShvBulletBody by their numbers; its motions and contacts get the results.
     btScalar solveGroup(btCollisionObject **objects, int count, btPersistentManifold **manifolds, int manifold_count,
                         btTypedConstraint **constraints, int constraint_count, const btContactSolverInfo &info,

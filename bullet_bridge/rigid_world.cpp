@@ -33,6 +33,7 @@ class World final : public btDiscreteDynamicsWorld
   public:
     using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
     void updateAabbs() override {} // boxes are told
+    bool touching_islands = true;
 
   protected:
     void predictUnconstraintMotion(btScalar) override {}
@@ -44,9 +45,10 @@ class World final : public btDiscreteDynamicsWorld
 } // namespace
 
 struct ShvBulletWorld {
-    explicit ShvBulletWorld(btScalar length_scale);
+    ShvBulletWorld(btScalar length_scale, const ShvBulletOverrides &given);
     ~ShvBulletWorld();
     btScalar scale;
+    const ShvBulletOverrides overrides;
     btDefaultCollisionConfiguration configuration;
     Dispatcher dispatcher{&configuration, this};
     btDbvtBroadphase broadphase;
@@ -71,7 +73,8 @@ static btVector3 scaled(const ShvBulletWorld *world, const double *p)
     return btVector3(p[0], p[1], p[2]) * world->scale;
 }
 
-ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error)
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, const ShvBulletOverrides *overrides,
+                                  ShvError *error)
 {
     *world = nullptr;
     if (!(length > 0.0) || !std::isfinite(length))
@@ -79,13 +82,16 @@ ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvErro
     return guarded(error, [&] {
         // A power of two changes no digit. Bullet's own constants (margins of its tree, tolerances of GJK) then meet bodies
         // of some units.
-        *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))));
+        *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))), *overrides);
         return SHV_OK;
     });
 }
 
-ShvBulletWorld::ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale)
+ShvBulletWorld::ShvBulletWorld(btScalar length_scale, const ShvBulletOverrides &given)
+    : scale(length_scale), overrides(given), collider(length_scale)
 {
+    world.touching_islands = overrides.touching_islands;
+    solver.settles = overrides.settled_impulses;
     world.setGravity(btVector3(0, 0, 0)); // the caller's
     world.getSolverInfo() = ShvSolver::settings();
 }
@@ -310,6 +316,10 @@ void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *cache, const 
 // Bullet's union-find, over what touches instead of over boxes.
 void World::calculateSimulationIslands()
 {
+    if (!touching_islands) {
+        btDiscreteDynamicsWorld::calculateSimulationIslands();
+        return;
+    }
     btUnionFind &sets = m_islandManager->getUnionFind();
     int count = 0;
     for (int i = 0; i < m_collisionObjects.size(); i++)
@@ -329,9 +339,11 @@ static void leave(ShvBulletWorld *world)
     std::vector<int32_t> first(size_t(world->world.getNumCollisionObjects()), -1); // motions, by islands
     for (int32_t i = 0; i < world->task.motion_count; i++) {
         ShvBulletMotion *motion = &world->task.motions[i];
-        int32_t &island = first[size_t(body_of(world, motion->body)->body->getIslandTag())];
+        btRigidBody *body = body_of(world, motion->body)->body.get();
+        int32_t &island = first[size_t(body->getIslandTag())];
         if (island < 0) island = i;
         motion->island = island;
+        body->setUserPointer(nullptr);
     }
     world->task = {};
     for (int i = world->dispatcher.getNumManifolds(); i-- > 0;)
@@ -386,11 +398,67 @@ ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int
     });
 }
 
+namespace
+{
+// By Bullet's algorithms: as many points as they give, about the first body's origin.
+struct Points final : btCollisionWorld::ContactResultCallback {
+    btScalar addSingleResult(btManifoldPoint &point, const btCollisionObjectWrapper *one, int, int,
+                             const btCollisionObjectWrapper *, int, int) override
+    {
+        const btScalar side = one->getCollisionObject()->getUserIndex() == pair->first ? 1 : -1;
+        ShvBulletContact contact = *pair;
+        for (int k = 0; k < 3; k++) {
+            const btScalar middle = (point.m_positionWorldOnA[k] + point.m_positionWorldOnB[k]) / 2;
+            contact.arm_first[k] = middle / scale;
+            contact.arm_second[k] = (middle - shift[k]) / scale;
+            contact.normal[k] = side * point.m_normalWorldOnB[k];
+        }
+        contact.gap = point.getDistance() / scale;
+        contacts->push_back(contact);
+        return 0;
+    }
+    const ShvBulletContact *pair;
+    btScalar scale;
+    btVector3 shift;
+    std::vector<ShvBulletContact> *contacts;
+};
+} // namespace
+
+static void collide_plainly(ShvBulletWorld *world, const ShvBulletBody &first, const ShvBulletBody &second,
+                            btScalar reach)
+{
+    ShvBulletContact pair = {};
+    pair.first = first.number;
+    pair.second = second.number;
+    Points points;
+    points.pair = &pair;
+    points.scale = world->scale;
+    points.shift = (second.position - first.position) * world->scale;
+    points.contacts = &world->collider.contacts;
+    points.m_closestDistanceThreshold = reach * world->scale;
+    world->collider.contacts.clear();
+    const auto place = [&](const ShvBulletBody &body) {
+        const bool plane = body.kind == SHV_BULLET_PLANE; // in the world's frame
+        const btVector3 origin = plane ? btVector3(0, 0, 0) : body.position;
+        body.body->setWorldTransform(btTransform(plane ? btMatrix3x3::getIdentity() : body.axes,
+                                                 (origin - first.position) * world->scale));
+    };
+    place(first);
+    place(second);
+    world->world.contactPairTest(first.body.get(), second.body.get(), points);
+    for (const ShvBulletBody *body : {&first, &second})
+        body->body->setWorldTransform(btTransform(body->axes, btVector3(0, 0, 0)));
+}
+
 ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
                                    ShvBulletContact **contacts, int32_t *count, ShvError *error)
 {
     return guarded(error, [&] {
-        world->collider.collide(*body_of(world, first), *body_of(world, second), reach);
+        const ShvBulletBody &one = *body_of(world, first), &other = *body_of(world, second);
+        if (world->overrides.exact_contacts)
+            world->collider.collide(one, other, reach);
+        else
+            collide_plainly(world, one, other, reach);
         *contacts = world->collider.contacts.data();
         *count = int32_t(world->collider.contacts.size());
         return SHV_OK;

@@ -12,6 +12,7 @@
 #ifndef BULLET_BRIDGE_RIGID_WORLD_H
 #define BULLET_BRIDGE_RIGID_WORLD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "shiver/status.h"
@@ -93,8 +94,14 @@ typedef struct ShvBulletTask {
 typedef ShvStatus (*ShvBulletDetect)(void *data, const ShvBulletPair *pairs, int32_t count, ShvBulletTask *task,
                                      ShvError *error);
 
+/* Of those above, what can be left out. */
+typedef struct ShvBulletOverrides {
+    bool exact_contacts, settled_impulses, touching_islands;
+} ShvBulletOverrides;
+
 /* An empty world. `length`: of a typical large body, m, > 0. On failure *world is NULL. */
-ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error);
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, const ShvBulletOverrides *overrides,
+                                  ShvError *error);
 void shv_bullet_world_destroy(ShvBulletWorld *world);
 
 /* A new body under a number ≥ 0 that is free; axes of the body's frame are its principal axes. inverse_mass 0: moved by

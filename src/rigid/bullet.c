@@ -274,7 +274,11 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.whole_steps = true;
     bullet->backend.fragment_friction = world->settings->friction;
     bullet->backend.fragment_restitution = world->settings->restitution;
-    ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), error);
+    const ShvBulletDefinition *settings = &world->settings->bullet;
+    const ShvBulletOverrides overrides = {.exact_contacts = settings->exact_contacts,
+                                          .settled_impulses = settings->settled_impulses,
+                                          .touching_islands = settings->touching_islands};
+    ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), &overrides, error);
     if (status == SHV_OK) status = add_obstacles(bullet, error);
     if (status == SHV_OK)
         *backend = &bullet->backend;

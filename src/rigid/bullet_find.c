@@ -139,6 +139,7 @@ static double slide_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
 static void allow_overlaps(const ShvBullet *bullet, ShvBulletMeeting *meeting)
 {
     const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    if (!bullet->backend.world.settings->bullet.keep_overlaps) return;
     double deepest = 0.0;
     for (int32_t i = 0; i < meeting->contact_count; i++)
         deepest = fmin(deepest, bullet->contacts[meeting->contact_begin + i].gap);
@@ -172,9 +173,11 @@ static bool closes_fast(const ShvBullet *bullet, const ShvBulletMeeting *meeting
 
 static void find_slow_impact(const ShvBullet *bullet, ShvBulletMeeting *meeting)
 {
+    const double latest = bullet->backend.world.settings->bullet.times_of_impact ? bullet->step : 0.0;
     for (int32_t i = 0; i < meeting->contact_count; i++) {
         double moment;
         if (!closes_fast(bullet, meeting, &bullet->contacts[meeting->contact_begin + i], &moment)) continue;
+        if (moment > latest) continue;
         if (meeting->impact < 0.0 || moment < meeting->impact) meeting->impact = moment;
     }
 }
@@ -220,7 +223,7 @@ static ShvStatus find_meeting(ShvBullet *bullet, ShvBulletMeeting *meeting, ShvE
         meeting->touching |= bullet->contacts[meeting->contact_begin + i].gap + meeting->allowance <= meeting->slop;
     if (a->born || b->born) meeting->touched = meeting->touching;
     const double told = meeting->touching ? touching_motion_of_radius * fmin(a->radius, b->radius) : small;
-    if (meeting->reach > told)
+    if (meeting->reach > told && bullet->backend.world.settings->bullet.times_of_impact)
         SHV_TRY(find_fast_impact(bullet, meeting, error));
     else
         find_slow_impact(bullet, meeting);

@@ -90,6 +90,16 @@ static void move_evenly(const ShvBullet *bullet, ShvBulletFlyer *flyer, ShvVec3 
     flyer->orientation = shv_free_rotation_advance(&flyer->rotation, flyer->orientation, turning, left);
 }
 
+/* As Bullet's integrator does: with the velocities of the end, the spin unchanged. */
+static ShvVec3 move_plainly(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+{
+    const double left = fmin(bullet->step, flyer->until);
+    flyer->position = shv_madd(flyer->position, left, flyer->new_velocity);
+    flyer->orientation =
+        shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(flyer->new_spin, left)), flyer->orientation));
+    return shv_free_rotation_momentum(&flyer->rotation, flyer->orientation, flyer->new_spin);
+}
+
 static void undo_overlaps(const ShvBullet *bullet, ShvBulletFlyer *flyer)
 {
     if (shv_norm(flyer->push) == 0.0 && shv_norm(flyer->turn) == 0.0) return;
@@ -115,9 +125,11 @@ static void move_body(const ShvBullet *bullet, ShvBulletFlyer *flyer)
         return;
     }
     const ShvVec3 change = shv_sub(flyer->new_spin, flyer->solver_spin);
-    const ShvVec3 momentum = shv_add(flyer->angular_momentum,
-                                     shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
-    if (flyer->impact_time >= 0.0 && flyer->solved)
+    ShvVec3 momentum = shv_add(flyer->angular_momentum,
+                               shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
+    if (!bullet->backend.world.settings->bullet.exact_flight)
+        momentum = move_plainly(bullet, flyer);
+    else if (flyer->impact_time >= 0.0 && flyer->solved)
         move_struck(bullet, flyer, momentum);
     else
         move_evenly(bullet, flyer, momentum);
@@ -252,7 +264,7 @@ void shv_bullet_move(ShvBullet *bullet)
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->companion || (flyer->asleep && !flyer->solved)) continue;
-        if (flyer->solved) change += energy(bullet, flyer) - flyer->energy;
+        if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight) change += energy(bullet, flyer) - flyer->energy;
         shv_bullet_flyer_write(flyer, &bullet->backend.world);
     }
     bullet->backend.friction_work += friction;

@@ -51,6 +51,8 @@ static void make(Body *body, ShvBulletWorld *world, int32_t number, ShvVec3 posi
     shv_bullet_world_place(world, number, body->convex.position, body->convex.rotation);
 }
 
+static const ShvBulletOverrides all = {true, true, true};
+
 typedef struct Seen {
     ShvBulletPair pairs[16];
     int32_t count;
@@ -77,7 +79,7 @@ static void test_layers(void **unused)
     const double moment[3] = {1.0, 1.0, 1.0}, none[3] = {0.0, 0.0, 0.0}, axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     ShvBulletWorld *world;
     ShvError error;
-    check_ok(shv_bullet_world_create(&world, 1.0, &error), error);
+    check_ok(shv_bullet_world_create(&world, 1.0, &all, &error), error);
     for (int32_t i = 0; i < COUNT; i++) {
         const ShvBulletShape ball = {.kind = SHV_BULLET_SPHERE, .layer = layers[i], .radius = 0.5};
         const double inverse_mass = layers[i] == SHV_BULLET_OBSTACLE ? 0.0 : 1.0;
@@ -105,7 +107,7 @@ static void test_gaps(void **unused)
     for (int trial = 0; trial < TRIALS; trial++) {
         ShvBulletWorld *world;
         ShvError error;
-        check_ok(shv_bullet_world_create(&world, 1.0, &error), error);
+        check_ok(shv_bullet_world_create(&world, 1.0, &all, &error), error);
         Body a, b;
         make(&a, world, 0, draw3(0.1));
         make(&b, world, 1, shv_add(shv_vec3(1.7, 0.0, 0.0), draw3(0.7)));
