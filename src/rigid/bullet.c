@@ -128,8 +128,7 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
                              : shv_norm(flyer->spin);
         flyer->impact_time = -1.0;
         flyer->until = bullet->step;
-        flyer->leaves = flyer->meets = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = flyer->bumped =
-            false;
+        flyer->leaves = flyer->meets = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = false;
         flyer->restless = flyer->supported = false;
         flyer->push = flyer->turn = shv_vec3(0.0, 0.0, 0.0);
         flyer->impulse = 0.0;

@@ -13,29 +13,6 @@ static const ShvBulletFlyer *mover_of(const ShvBullet *bullet, const ShvBulletMe
     return a->moves ? a : &bullet->flyers[meeting->b];
 }
 
-/* On supports velocities change evenly over the step, under forces that last, so bodies move by their mean. Where that would
-   lead into an overlap a contact has closed in the step: then its island moves with the velocities of the end, which do not. */
-static void find_bumps(ShvBullet *bullet)
-{
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (meeting->contact_count == 0) continue;
-        const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-        for (int32_t k = 0; k < meeting->contact_count; k++) {
-            const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            const double before = shv_dot(shv_load3(contact->normal),
-                                          shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin));
-            const double after =
-                shv_dot(shv_load3(contact->normal),
-                        shv_bullet_relative(contact, a->new_velocity, a->new_spin, b->new_velocity, b->new_spin));
-            const double gap = contact->gap + meeting->allowance;
-            const double then = gap + 0.5 * (before + after) * bullet->step;
-            if (then < fmin(gap, 0.0) - 0.1 * meeting->slop)
-                bullet->flyers[mover_of(bullet, meeting)->island].bumped = true;
-        }
-    }
-}
-
 /* What pushes a body beside its impact. */
 static void find_holds(ShvBullet *bullet)
 {
@@ -81,7 +58,7 @@ static void move_evenly(const ShvBullet *bullet, ShvBulletFlyer *flyer, ShvVec3 
     ShvVec3 velocity = flyer->new_velocity, turning = momentum;
     if (!island->supported) {
         velocity = shv_madd(velocity, -0.5 * bullet->step, bullet->gravity);
-    } else if (!island->bumped) {
+    } else { /* what holds it lasts: velocities change evenly over the step */
         velocity = shv_scale(shv_add(flyer->velocity, flyer->new_velocity), 0.5);
         turning = shv_scale(shv_add(flyer->angular_momentum, momentum), 0.5);
     }
@@ -245,7 +222,6 @@ static void keep_traces(ShvBullet *bullet)
 
 void shv_bullet_move(ShvBullet *bullet)
 {
-    find_bumps(bullet);
     find_holds(bullet);
     keep_traces(bullet);
     const double friction = friction_work(bullet);
@@ -264,7 +240,8 @@ void shv_bullet_move(ShvBullet *bullet)
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->companion || (flyer->asleep && !flyer->solved)) continue;
-        if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight) change += energy(bullet, flyer) - flyer->energy;
+        if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight)
+            change += energy(bullet, flyer) - flyer->energy;
         shv_bullet_flyer_write(flyer, &bullet->backend.world);
     }
     bullet->backend.friction_work += friction;
