@@ -142,7 +142,8 @@ static ShvStatus make_worlds(Case *bench, ShvError *error)
         if (bodies->fragments.items[f].mode != SHV_MODE_DEAD) length += bodies->fragments.items[f].radius;
     const ShvBulletPlainDefinition settings = {.unit = length / bodies->fragments.alive, .margin = plain_margin};
     SHV_TRY(copy_fragments(bench, error));
-    const ShvRigidDefinition rigid = {.friction = friction};
+    ShvRigidDefinition rigid = shv_scene_default().rigid;
+    rigid.friction = friction;
     const ShvRigidWorld world = {&bodies->model, &bodies->state, &bodies->fragments, &bench->obstacles, &rigid};
     ShvRigidWorld plain_world = world;
     plain_world.fragments = &bench->plain_fragments;

@@ -10,9 +10,9 @@
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "bullet_bridge/body_shapes.hpp"
 #include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/layers.hpp"
-#include "bullet_bridge/rigid_convex.hpp"
 
 namespace
 {
@@ -21,10 +21,8 @@ using Pair = std::pair<int32_t, int32_t>; // of numbers, the smaller one first
 
 struct Body {
     ShvBulletLayer layer = SHV_BULLET_BODY;
-    btScalar friction = 0, restitution = 0, radius = 0; // radius in units
-    std::vector<std::unique_ptr<btConvexHullShape>> hulls;
-    std::unique_ptr<btTriangleMesh> triangles;
-    std::unique_ptr<btCollisionShape> shape;
+    btScalar friction = 0, restitution = 0;
+    shiver::BodyShapes shapes; // in units
     std::unique_ptr<btRigidBody> body;
     btVector3 velocity{0, 0, 0}, spin{0, 0, 0}; // before the step
     bool born = true;                           // since the last step
@@ -111,7 +109,7 @@ void shv_dynamics_world_destroy(ShvDynamicsWorld *world)
     delete world;
 }
 
-/* ---- shapes ---- */
+/* ---- vectors ---- */
 
 static btVector3 load(const double *p)
 {
@@ -121,81 +119,6 @@ static btVector3 load(const double *p)
 static void store(double *p, const btVector3 &v)
 {
     for (int k = 0; k < 3; k++) p[k] = v[k];
-}
-
-static std::unique_ptr<btConvexHullShape> make_hull(const ShvBulletShape &shape, int32_t begin, int32_t end,
-                                                    const ShvDynamicsSettings &settings)
-{
-    std::vector<btVector3> points;
-    for (int32_t i = begin; i < end; i++) points.push_back(load(shape.vertices + 3 * size_t(i)) / settings.unit);
-    ShvConvex convex;
-    if (points.size() < 4 || !convex.make_hull(points)) return nullptr; // a sliver without volume meets nothing
-    auto hull = std::make_unique<btConvexHullShape>();
-    for (const btVector3 &point : convex.vertices) hull->addPoint(point, false);
-    hull->recalcLocalAabb();
-    hull->setMargin(settings.margin);
-    return hull;
-}
-
-static ShvStatus make_hulls(Body *body, const ShvBulletShape &shape, const ShvDynamicsSettings &settings,
-                            ShvError *error)
-{
-    for (int32_t h = 0; h < shape.hull_count; h++) {
-        auto hull = make_hull(shape, shape.hull_begin[h], shape.hull_begin[h + 1], settings);
-        if (hull) body->hulls.push_back(std::move(hull));
-    }
-    if (body->hulls.empty())
-        return shv_fail(error, SHV_BAD_INPUT, "it is flat: no convex hull of it has a volume; mend the mesh there");
-    if (body->hulls.size() == 1) {
-        body->shape = std::move(body->hulls.front());
-        body->hulls.clear();
-        return SHV_OK;
-    }
-    auto compound = std::make_unique<btCompoundShape>();
-    for (const auto &hull : body->hulls) compound->addChildShape(btTransform::getIdentity(), hull.get());
-    body->shape = std::move(compound);
-    return SHV_OK;
-}
-
-static void make_triangles(Body *body, const ShvBulletShape &shape, btScalar unit)
-{
-    body->triangles = std::make_unique<btTriangleMesh>();
-    for (int32_t t = 0; t < shape.triangle_count; t++) {
-        btVector3 corner[3];
-        for (int k = 0; k < 3; k++) corner[k] = load(shape.vertices + 3 * size_t(shape.triangles[3 * t + k])) / unit;
-        body->triangles->addTriangle(corner[0], corner[1], corner[2]);
-    }
-    body->shape = std::make_unique<btBvhTriangleMeshShape>(body->triangles.get(), true);
-}
-
-static btScalar radius_of(const ShvBulletShape &shape, int32_t vertices, btScalar unit)
-{
-    btScalar radius = 0;
-    for (int32_t i = 0; i < vertices; i++) radius = btMax(radius, load(shape.vertices + 3 * size_t(i)).length());
-    return radius / unit;
-}
-
-static ShvStatus make_shape(Body *body, const ShvBulletShape &shape, const ShvDynamicsSettings &settings,
-                            ShvError *error)
-{
-    switch (shape.kind) {
-    case SHV_BULLET_PLANE:
-        body->radius = BT_LARGE_FLOAT;
-        body->shape = std::make_unique<btStaticPlaneShape>(load(shape.normal), shape.offset / settings.unit);
-        return SHV_OK;
-    case SHV_BULLET_SPHERE:
-        body->radius = shape.radius / settings.unit;
-        body->shape = std::make_unique<btSphereShape>(body->radius);
-        return SHV_OK;
-    case SHV_BULLET_HULLS:
-        body->radius = radius_of(shape, shape.hull_begin[shape.hull_count], settings.unit);
-        return make_hulls(body, shape, settings, error);
-    case SHV_BULLET_TRIANGLES:
-        break;
-    }
-    body->radius = radius_of(shape, shape.vertex_count, settings.unit);
-    make_triangles(body, shape, settings.unit);
-    return SHV_OK;
 }
 
 /* ---- bodies ---- */
@@ -229,7 +152,7 @@ static void make_body(Body *made, const ShvDynamicsBody &given, const ShvDynamic
     made->layer = given.shape.layer;
     made->friction = given.friction;
     made->restitution = given.restitution;
-    btRigidBody::btRigidBodyConstructionInfo info(moves ? 1 / given.inverse_mass : 0, nullptr, made->shape.get());
+    btRigidBody::btRigidBodyConstructionInfo info(moves ? 1 / given.inverse_mass : 0, nullptr, made->shapes.shape);
     made->body = std::make_unique<btRigidBody>(info);
     if (moves)
         made->body->setInvInertiaDiagLocal(load(given.inverse_moment) * (settings.unit * settings.unit));
@@ -240,12 +163,11 @@ static void make_body(Body *made, const ShvDynamicsBody &given, const ShvDynamic
 
 static ShvStatus check_body(const Body &body, const ShvDynamicsSettings &settings, ShvError *error)
 {
-    const btScalar smallest = body.hulls.empty() ? body.shape->getMargin() : settings.margin;
-    if (body.radius > smallest) return SHV_OK;
+    if (body.shapes.radius > settings.margin) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT,
                     "its radius of %.3g m is within the margin of %.3g m that Bullet lays round it; give a smaller "
                     "bullet_plain.unit or .margin",
-                    body.radius * settings.unit, smallest * settings.unit);
+                    body.shapes.radius * settings.unit, settings.margin * settings.unit);
 }
 
 ShvStatus shv_dynamics_world_add(ShvDynamicsWorld *world, int32_t number, const ShvDynamicsBody *given,
@@ -253,9 +175,9 @@ ShvStatus shv_dynamics_world_add(ShvDynamicsWorld *world, int32_t number, const 
 {
     return shiver::guarded(error, [&]() -> ShvStatus {
         auto made = std::make_unique<Body>();
-        ShvStatus status = make_shape(made.get(), given->shape, world->settings, error);
-        if (status == SHV_OK && given->shape.kind == SHV_BULLET_HULLS)
-            status = check_body(*made, world->settings, error);
+        const ShvDynamicsSettings &settings = world->settings;
+        ShvStatus status = shiver::make_shapes(&made->shapes, given->shape, settings.unit, settings.margin, error);
+        if (status == SHV_OK && given->shape.kind == SHV_BULLET_HULLS) status = check_body(*made, settings, error);
         if (status != SHV_OK) return status;
         make_body(made.get(), *given, world->settings);
         made->body->setUserIndex(number);
@@ -285,7 +207,7 @@ void shv_dynamics_world_remove(ShvDynamicsWorld *world, int32_t number)
 
 double shv_dynamics_world_radius(const ShvDynamicsWorld *world, int32_t number)
 {
-    const btScalar radius = world->bodies[size_t(number)]->radius;
+    const btScalar radius = world->bodies[size_t(number)]->shapes.radius;
     return radius == BT_LARGE_FLOAT ? double(INFINITY) : radius * world->settings.unit;
 }
 

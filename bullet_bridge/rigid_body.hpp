@@ -4,26 +4,22 @@
 
 #include <memory>
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include "bullet_bridge/rigid_convex.hpp"
-#include "bullet_bridge/rigid_world.h"
+#include "bullet_bridge/body_shapes.hpp"
 
 struct ShvBulletBody {
     int32_t number = 0;
-    btBroadphaseProxy *proxy = nullptr; // the world's; planes have none
     ShvBulletKind kind = SHV_BULLET_PLANE;
     ShvBulletLayer layer = SHV_BULLET_BODY;
+    shiver::BodyShapes shapes; // scaled
     btVector3 normal{0, 0, 0}; // plane, scaled offset
     btScalar offset = 0;
-    btScalar radius = 0; // about the origin, scaled
-    std::vector<ShvConvex> parts;
-    btDbvt tree;                           // of the parts of a surface
+    btScalar radius = 0;                   // about the origin, scaled
     btVector3 low{0, 0, 0}, high{0, 0, 0}; // box in the body's frame, scaled
     btVector3 position{0, 0, 0};           // m, world: not scaled, so that far from the origin nothing is lost
     btMatrix3x3 axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    std::unique_ptr<btRigidBody> body; // with mass only: what the solver sees
+    std::unique_ptr<btRigidBody> body; // as the solver sees it: turned, its origin in the world's. User: number, motion
     btScalar mass = 0, give = 1;
     btVector3 inverse_moment{0, 0, 0};
     void yield(btScalar share);                    // to impulses
@@ -87,6 +83,7 @@ class ShvCollider
                    const btVector3 &outward_second, Axis *axis) const;
     Face nearest_face(const Placed &first, const Placed &second, const btVector3 &normal) const;
     bool emit_faces(const Placed &first, const Placed &second, const Axis &axis);
+    const std::vector<int> &near_triangles(const ShvBulletBody &surface, const btVector3 &local, btScalar reach);
     void parts_surface(const ShvBulletBody &parts, const ShvBulletBody &surface, const btVector3 &parts_origin,
                        const btVector3 &surface_origin, bool swapped);
     bool clip(const Placed &reference, size_t face, const Placed &incident, const btVector3 &outward);
@@ -100,6 +97,7 @@ class ShvCollider
     std::vector<Point> points;
     std::vector<btVector3> polygon, clipped;
     std::vector<Near> near_first, near_second;
+    std::vector<int> triangles;
 };
 
 #endif

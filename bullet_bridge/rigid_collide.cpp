@@ -3,6 +3,8 @@
 // their overlap is clipped out, so that a contact has its whole area from the first moment on.
 #include <algorithm>
 
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_gjk.hpp"
 
@@ -124,7 +126,7 @@ void ShvCollider::plane_body(const ShvBulletBody &plane, const ShvBulletBody &bo
         return;
     }
     const btVector3 local = plane.normal * body.axes; // in the body's frame
-    for (const ShvConvex &part : body.parts) {
+    for (const ShvConvex &part : body.shapes.parts) {
         if (local.dot(part.centre) - part.radius - height > limit) continue;
         for (const btVector3 &vertex : part.vertices) {
             const btScalar gap = local.dot(vertex) - height;
@@ -323,43 +325,43 @@ void ShvCollider::part_part(const Placed &first, const Placed &second, bool surf
     emit(axis.normal);
 }
 
+// Triangles of a surface near a place, in its frame, in order.
+const std::vector<int> &ShvCollider::near_triangles(const ShvBulletBody &surface, const btVector3 &local,
+                                                    btScalar reach)
+{
+    struct Visit final : btTriangleCallback {
+        std::vector<int> *found;
+        void processTriangle(btVector3 *, int, int triangle) override { found->push_back(triangle); }
+    } visit;
+    visit.found = &triangles;
+    triangles.clear();
+    const btVector3 half(reach, reach, reach);
+    static_cast<const btConcaveShape *>(surface.shapes.shape)->processAllTriangles(&visit, local - half, local + half);
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+}
+
 void ShvCollider::sphere_parts(const ShvBulletBody &sphere, const ShvBulletBody &other, const btVector3 &centre,
                                const btVector3 &origin, btScalar side)
 {
     if (other.kind == SHV_BULLET_HULLS) {
-        for (const ShvConvex &part : other.parts)
+        for (const ShvConvex &part : other.shapes.parts)
             sphere_part(sphere, {&part, &other.axes, origin}, false, centre, side);
         return;
     }
     const btVector3 local = (centre - origin) * other.axes;
-    const btScalar reach = sphere.radius + limit;
-    const btVector3 half(reach, reach, reach);
-    struct Visit : public btDbvt::ICollide {
-        std::vector<int> found;
-        void Process(const btDbvtNode *leaf) override { found.push_back(leaf->dataAsInt); }
-    } visit;
-    other.tree.collideTV(other.tree.m_root, btDbvtVolume::FromMM(local - half, local + half), visit);
-    std::sort(visit.found.begin(), visit.found.end());
-    for (int i : visit.found) sphere_part(sphere, {&other.parts[size_t(i)], &other.axes, origin}, true, centre, side);
+    for (int i : near_triangles(other, local, sphere.radius + limit))
+        sphere_part(sphere, {&other.shapes.parts[size_t(i)], &other.axes, origin}, true, centre, side);
 }
 
 void ShvCollider::parts_surface(const ShvBulletBody &parts, const ShvBulletBody &surface, const btVector3 &parts_origin,
                                 const btVector3 &surface_origin, bool swapped)
 {
-    struct Visit : public btDbvt::ICollide {
-        std::vector<int> found;
-        void Process(const btDbvtNode *leaf) override { found.push_back(leaf->dataAsInt); }
-    } visit;
-    for (const ShvConvex &part : parts.parts) {
-        visit.found.clear();
-        const btScalar reach = part.radius + limit;
-        const btVector3 half(reach, reach, reach);
+    for (const ShvConvex &part : parts.shapes.parts) {
         const btVector3 local = (parts_origin + parts.axes * part.centre - surface_origin) * surface.axes;
-        surface.tree.collideTV(surface.tree.m_root, btDbvtVolume::FromMM(local - half, local + half), visit);
-        std::sort(visit.found.begin(), visit.found.end());
         const Placed own = {&part, &parts.axes, parts_origin};
-        for (int i : visit.found) {
-            const Placed triangle = {&surface.parts[size_t(i)], &surface.axes, surface_origin};
+        for (int i : near_triangles(surface, local, part.radius + limit)) {
+            const Placed triangle = {&surface.shapes.parts[size_t(i)], &surface.axes, surface_origin};
             if (swapped)
                 part_part(triangle, own, true, false);
             else
@@ -376,7 +378,7 @@ void ShvCollider::near_parts(const ShvBulletBody &own, const btVector3 &origin, 
     const btMatrix3x3 turn = other.axes.transposeTimes(own.axes), spread = own.axes.absolute();
     const btVector3 middle = (other.low + other.high) / 2, half = (other.high - other.low) / 2;
     const btVector3 away = (origin - other_origin) * other.axes - middle;
-    for (const ShvConvex &part : own.parts) {
+    for (const ShvConvex &part : own.shapes.parts) {
         const btScalar reach = part.radius + limit;
         const btVector3 beyond = (turn * part.centre + away).absolute() - half;
         if (beyond.x() > reach || beyond.y() > reach || beyond.z() > reach) continue;

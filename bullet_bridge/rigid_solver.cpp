@@ -1,11 +1,13 @@
 #include "bullet_bridge/rigid_solver.hpp"
 
-#include <new>
+#include <algorithm>
 
 // Islands that sweeps alone have not settled by then are helped, when there is a solution: impulses of contacts that
 // contradict each other (a ram that presses a body into the floor) have no limit, to which no mix should lead.
 static const int plain_sweeps = 40, sweeps_a_mix = 4; // a mix costs as much as two sweeps
 static const btScalar most_of_momentum = 10;
+// A sweep that changes no velocity by more is the last: of the speed of rest, of that of the island's fastest body.
+static const btScalar settled_of_rest = 1e-5, settled_of_speed = 1e-10;
 
 static btVector3 load(const double *p)
 {
@@ -17,44 +19,24 @@ static void store(double *p, const btVector3 &v)
     for (int k = 0; k < 3; k++) p[k] = v[k];
 }
 
-ShvSolver::ShvSolver() : ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, nullptr)) {}
-
 ShvBulletContact &ShvSolver::contact_of(const btSolverConstraint &row)
 {
     return *static_cast<ShvBulletContact *>(
         static_cast<btManifoldPoint *>(row.m_originalContactPoint)->m_userPersistentData);
 }
 
-// Manifolds of up to four contacts of one pair. The world positions are arms, and the bodies' origins are zero: far from the
-// world's origin nothing is lost.
-void ShvSolver::fill(const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
-                     ShvBulletContact *contacts, int count)
+void ShvSolver::set_point(btManifoldPoint *point, ShvBulletContact *contact)
 {
-    manifolds.clear();
-    manifolds.reserve(size_t(count));
-    for (int i = 0; i < count; i++) {
-        ShvBulletContact &contact = contacts[i];
-        btRigidBody *first = firsts[size_t(i)] ? firsts[size_t(i)]->body.get() : &ground;
-        btRigidBody *second = seconds[size_t(i)] ? seconds[size_t(i)]->body.get() : &ground;
-        const bool fits = i > 0 && contacts[i - 1].first == contact.first && contacts[i - 1].second == contact.second &&
-                          manifolds.back().getNumContacts() < MANIFOLD_CACHE_SIZE;
-        if (!fits) manifolds.emplace_back(first, second, 0, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-        btManifoldPoint point(btVector3(0, 0, 0), btVector3(0, 0, 0), load(contact.normal), 0);
-        point.m_positionWorldOnA = load(contact.arm_first);
-        point.m_positionWorldOnB = load(contact.arm_second);
-        point.m_combinedFriction = contact.friction;
-        point.m_contactPointFlags = BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
-        btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
-        point.m_appliedImpulse = contact.normal_impulse;
-        point.m_appliedImpulseLateral1 = load(contact.friction_impulse).dot(point.m_lateralFrictionDir1);
-        point.m_appliedImpulseLateral2 = load(contact.friction_impulse).dot(point.m_lateralFrictionDir2);
-        point.m_userPersistentData = &contact;
-        btPersistentManifold &manifold = manifolds.back();
-        manifold.setNumContacts(manifold.getNumContacts() + 1);
-        manifold.getContactPoint(manifold.getNumContacts() - 1) = point;
-    }
-    manifold_pointers.clear();
-    for (btPersistentManifold &manifold : manifolds) manifold_pointers.push_back(&manifold);
+    *point = btManifoldPoint(btVector3(0, 0, 0), btVector3(0, 0, 0), load(contact->normal), 0);
+    point->m_positionWorldOnA = load(contact->arm_first);
+    point->m_positionWorldOnB = load(contact->arm_second);
+    point->m_combinedFriction = contact->friction;
+    point->m_contactPointFlags = BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
+    btPlaneSpace1(point->m_normalWorldOnB, point->m_lateralFrictionDir1, point->m_lateralFrictionDir2);
+    point->m_appliedImpulse = contact->normal_impulse;
+    point->m_appliedImpulseLateral1 = load(contact->friction_impulse).dot(point->m_lateralFrictionDir1);
+    point->m_appliedImpulseLateral2 = load(contact->friction_impulse).dot(point->m_lateralFrictionDir2);
+    point->m_userPersistentData = contact;
 }
 
 // What every row must still bring: the wanted velocity less that of the bodies before any contact.
@@ -90,6 +72,7 @@ btScalar ShvSolver::solveGroupCacheFriendlySetup(btCollisionObject **all, int co
             btSolverConstraint &slide = m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex + k];
             const btVector3 &direction = k ? point.m_lateralFrictionDir2 : point.m_lateralFrictionDir1;
             slide.m_rhs = direction.dot(support) - speed(slide); // a velocity: see rub
+            if (!settles) slide.m_rhs *= slide.m_jacDiagABInv;
         }
     }
     return 0;
@@ -201,9 +184,14 @@ bool ShvSolver::moderate(const std::vector<btScalar> &impulses) const
 }
 
 // What is left at the end comes from a plain sweep: its impulses keep to their bounds.
-btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **, int, btPersistentManifold **, int,
-                                         btTypedConstraint **, int, const btContactSolverInfo &info, btIDebugDraw *)
+btScalar ShvSolver::solveSingleIteration(int iteration, btCollisionObject **objects, int count,
+                                         btPersistentManifold **pointers, int manifold_count,
+                                         btTypedConstraint **constraints, int constraint_count,
+                                         const btContactSolverInfo &info, btIDebugDraw *drawer)
 {
+    if (!settles)
+        return btSequentialImpulseConstraintSolver::solveSingleIteration(
+            iteration, objects, count, pointers, manifold_count, constraints, constraint_count, info, drawer);
     const bool last = iteration + 1 == info.m_numIterations;
     const bool helped =
         restful && iteration >= plain_sweeps && (last || (iteration - plain_sweeps) % sweeps_a_mix == 0);
@@ -228,10 +216,12 @@ btScalar ShvSolver::solveGroupCacheFriendlyFinish(btCollisionObject **all, int c
 {
     for (int i = 0; i < count; i++) {
         btSolverBody &body = m_tmpSolverBodyPool[all[i]->getCompanionId()];
-        store(motion[i].velocity, body.m_linearVelocity + body.m_deltaLinearVelocity);
-        store(motion[i].spin, body.m_angularVelocity + body.m_deltaAngularVelocity);
-        store(motion[i].push, body.m_pushVelocity);
-        store(motion[i].turn, body.m_turnVelocity);
+        auto *motion = static_cast<ShvBulletMotion *>(all[i]->getUserPointer());
+        if (!motion) continue; // nothing touches it: an island of boxes
+        store(motion->velocity, body.m_linearVelocity + body.m_deltaLinearVelocity);
+        store(motion->spin, body.m_angularVelocity + body.m_deltaAngularVelocity);
+        store(motion->push, body.m_pushVelocity);
+        store(motion->turn, body.m_turnVelocity);
     }
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); i++) {
         const btSolverConstraint &row = m_tmpSolverContactConstraintPool[i];
@@ -248,33 +238,49 @@ btScalar ShvSolver::solveGroupCacheFriendlyFinish(btCollisionObject **all, int c
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(all, count, plain);
 }
 
-void ShvSolver::solve(const std::vector<ShvBulletBody *> &bodies, ShvBulletMotion *motions,
-                      const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
-                      ShvBulletContact *contacts, int contact_count, const ShvBulletSolve &settings)
+btContactSolverInfo ShvSolver::settings()
 {
-    motion = motions;
-    objects.clear();
-    for (size_t i = 0; i < bodies.size(); i++) {
-        btRigidBody *body = bodies[i]->body.get();
-        bodies[i]->yield(motions[i].give);
-        body->setWorldTransform(btTransform(bodies[i]->axes, btVector3(0, 0, 0)));
-        body->updateInertiaTensor();
-        body->setLinearVelocity(load(motions[i].velocity));
-        body->setAngularVelocity(load(motions[i].spin));
-        objects.push_back(body);
-    }
-    fill(firsts, seconds, contacts, contact_count);
     btContactSolverInfo info;
-    info.m_timeStep = 1; // targets are velocities: the step does not enter
-    info.m_numIterations = settings.iterations;
-    info.m_leastSquaresResidualThreshold = settings.tolerance * settings.tolerance;
+    info.m_minimumSolverBatchSize = 1; // each island for itself
     info.m_splitImpulse = true;
     info.m_warmstartingFactor = 1;
     info.m_restitutionVelocityThreshold = 0;
     info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS |
                         SOLVER_ENABLE_FRICTION_DIRECTION_CACHING | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
-    solveGroup(objects.data(), int(objects.size()), manifold_pointers.data(), int(manifold_pointers.size()), nullptr, 0,
-               info, nullptr, nullptr);
-    for (btPersistentManifold &manifold : manifolds)
-        for (int i = 0; i < manifold.getNumContacts(); i++) manifold.getContactPoint(i).m_userPersistentData = nullptr;
+    return info;
+}
+
+// Small islands are solved to the tolerance, of large ones each step goes on from the last one's impulses.
+static int most_iterations(btPersistentManifold **manifolds, int count)
+{
+    enum { ROW_BUDGET = 10000, FEWEST = 30, MOST = 1000 };
+    int contacts = 0;
+    for (int i = 0; i < count; i++) contacts += manifolds[i]->getNumContacts();
+    return std::max(int(FEWEST), std::min(int(MOST), ROW_BUDGET / std::max(1, contacts)));
+}
+
+btScalar ShvSolver::solveGroup(btCollisionObject **all, int count, btPersistentManifold **pointers, int manifold_count,
+                               btTypedConstraint **constraints, int constraint_count, const btContactSolverInfo &given,
+                               btIDebugDraw *drawer, btDispatcher *dispatcher)
+{
+    if (manifold_count == 0) return 0;
+    // In an order that does not depend on the past.
+    const auto first = [](const btPersistentManifold *manifold) {
+        return static_cast<const ShvBulletContact *>(manifold->getContactPoint(0).m_userPersistentData);
+    };
+    std::sort(pointers, pointers + manifold_count,
+              [&](const btPersistentManifold *a, const btPersistentManifold *b) { return first(a) < first(b); });
+    std::sort(all, all + count, [](const btCollisionObject *a, const btCollisionObject *b) {
+        return a->getUserIndex() < b->getUserIndex();
+    });
+    btScalar fastest = 0;
+    for (int i = 0; i < count; i++)
+        fastest = btMax(fastest, static_cast<const btRigidBody *>(all[i])->getLinearVelocity().length());
+    const btScalar tolerance = btMax(settled_of_rest * rest, settled_of_speed * fastest);
+    btContactSolverInfo info = given;
+    info.m_timeStep = 1; // targets are velocities: the step does not enter
+    if (settles) info.m_numIterations = most_iterations(pointers, manifold_count);
+    info.m_leastSquaresResidualThreshold = tolerance * tolerance;
+    return btSequentialImpulseConstraintSolver::solveGroup(all, count, pointers, manifold_count, constraints,
+                                                           constraint_count, info, drawer, dispatcher);
 }

@@ -14,11 +14,15 @@
 class ShvSolver : public btSequentialImpulseConstraintSolver
 {
   public:
-    ShvSolver();
-    // `bodies[i]` belongs to motions[i], `firsts[i]` and `seconds[i]` to contacts[i]: NULL without mass.
-    void solve(const std::vector<ShvBulletBody *> &bodies, ShvBulletMotion *motions,
-               const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
-               ShvBulletContact *contacts, int contact_count, const ShvBulletSolve &settings);
+    static btContactSolverInfo settings();
+    // A point of a manifold whose bodies stand at the origin.
+    static void set_point(btManifoldPoint *point, ShvBulletContact *contact);
+    double rest = 0; // m/s
+    bool settles = true;
+    // An island of ShvBulletBody by their numbers; its motions and contacts get the results.
+    btScalar solveGroup(btCollisionObject **objects, int count, btPersistentManifold **manifolds, int manifold_count,
+                        btTypedConstraint **constraints, int constraint_count, const btContactSolverInfo &info,
+                        btIDebugDraw *drawer, btDispatcher *dispatcher) override;
 
   protected:
     btScalar solveGroupCacheFriendlySetup(btCollisionObject **objects, int count, btPersistentManifold **manifolds,
@@ -36,15 +40,9 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
         btScalar mobility; // the largest velocity along the surface for a unit impulse
     };
     static ShvBulletContact &contact_of(const btSolverConstraint &row);
-    void fill(const std::vector<ShvBulletBody *> &firsts, const std::vector<ShvBulletBody *> &seconds,
-              ShvBulletContact *contacts, int count);
     btScalar mobility_of(const btSolverConstraint &row) const;
     btScalar rub(const btSolverConstraint &row, const Grip &grip);
 
-    btRigidBody ground;
-    std::vector<btPersistentManifold> manifolds;
-    std::vector<btPersistentManifold *> manifold_pointers;
-    std::vector<btCollisionObject *> objects;
     btScalar sweep();
     void read(std::vector<btScalar> *impulses) const;
     void apply(const std::vector<btScalar> &impulses);
@@ -54,7 +52,6 @@ class ShvSolver : public btSequentialImpulseConstraintSolver
     bool restful = false; // rest would do for every contact, so that they do not contradict each other
     ShvMixing mixing;
     std::vector<btScalar> before, after; // impulses times the roots of the rows' mobilities: their squares are energies
-    ShvBulletMotion *motion = nullptr;
 };
 
 #endif

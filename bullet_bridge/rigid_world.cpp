@@ -3,26 +3,67 @@
 #include <algorithm>
 #include <cmath>
 
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <LinearMath/btAabbUtil2.h>
+#include <btBulletDynamicsCommon.h>
 
 #include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/layers.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
+namespace
+{
+// Detection is asked for, not done by Bullet's algorithms.
+class Dispatcher final : public btCollisionDispatcher
+{
+  public:
+    Dispatcher(btCollisionConfiguration *configuration, ShvBulletWorld *world)
+        : btCollisionDispatcher(configuration), owner(world)
+    {
+    }
+    void dispatchAllCollisionPairs(btOverlappingPairCache *cache, const btDispatcherInfo &, btDispatcher *) override;
+
+  private:
+    ShvBulletWorld *const owner;
+};
+
+class World final : public btDiscreteDynamicsWorld
+{
+  public:
+    using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+    void updateAabbs() override {} // boxes are told
+    bool touching_islands = true;
+
+  protected:
+    void predictUnconstraintMotion(btScalar) override {}
+    void createPredictiveContacts(btScalar) override {}
+    void calculateSimulationIslands() override;
+    void integrateTransforms(btScalar) override {}
+    void updateActivationState(btScalar) override {}
+};
+} // namespace
+
 struct ShvBulletWorld {
-    explicit ShvBulletWorld(btScalar length_scale) : scale(length_scale), collider(length_scale) {}
+    ShvBulletWorld(btScalar length_scale, const ShvBulletOverrides &given);
+    ~ShvBulletWorld();
     btScalar scale;
-    btDbvtBroadphase broadphase; // of all bodies but planes
-    std::vector<const ShvBulletBody *> planes;
+    const ShvBulletOverrides overrides;
+    btDefaultCollisionConfiguration configuration;
+    Dispatcher dispatcher{&configuration, this};
+    btDbvtBroadphase broadphase;
+    ShvSolver solver;
+    World world{&dispatcher, &broadphase, &solver, &configuration};
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
     std::vector<ShvBulletPair> pairs;
     std::vector<int32_t> others;
     ShvCollider collider;
-    ShvSolver solver;
-    ~ShvBulletWorld();
-    std::vector<ShvBulletBody *> moved, firsts, seconds;
+    // one step
+    ShvBulletDetect detect = nullptr;
+    void *data = nullptr;
+    ShvBulletTask task = {};
+    ShvStatus status = SHV_OK;
+    ShvError *error = nullptr;
 };
 
 using shiver::guarded;
@@ -32,7 +73,8 @@ static btVector3 scaled(const ShvBulletWorld *world, const double *p)
     return btVector3(p[0], p[1], p[2]) * world->scale;
 }
 
-ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error)
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, const ShvBulletOverrides *overrides,
+                                  ShvError *error)
 {
     *world = nullptr;
     if (!(length > 0.0) || !std::isfinite(length))
@@ -40,67 +82,29 @@ ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvErro
     return guarded(error, [&] {
         // A power of two changes no digit. Bullet's own constants (margins of its tree, tolerances of GJK) then meet bodies
         // of some units.
-        *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))));
+        *world = new ShvBulletWorld(std::exp2(std::round(std::log2(4.0 / length))), *overrides);
         return SHV_OK;
     });
+}
+
+ShvBulletWorld::ShvBulletWorld(btScalar length_scale, const ShvBulletOverrides &given)
+    : scale(length_scale), overrides(given), collider(length_scale)
+{
+    world.touching_islands = overrides.touching_islands;
+    solver.settles = overrides.settled_impulses;
+    world.setGravity(btVector3(0, 0, 0)); // the caller's
+    world.getSolverInfo() = ShvSolver::settings();
 }
 
 ShvBulletWorld::~ShvBulletWorld()
 {
     for (const auto &body : bodies)
-        if (body && body->proxy) broadphase.destroyProxy(body->proxy, nullptr);
+        if (body) world.removeRigidBody(body->body.get());
 }
 
 void shv_bullet_world_destroy(ShvBulletWorld *world)
 {
     delete world;
-}
-
-static bool finite(const double *values, size_t count)
-{
-    return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
-}
-
-static ShvStatus make_hulls(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
-                            ShvError *error)
-{
-    if (shape->hull_count < 1 || !finite(shape->vertices, 3 * size_t(shape->hull_begin[shape->hull_count])))
-        return shv_fail(error, SHV_BAD_INPUT, "it has no hull, or one with coordinates that are not finite");
-    for (int32_t h = 0; h < shape->hull_count; h++) {
-        std::vector<btVector3> points;
-        for (int32_t i = shape->hull_begin[h]; i < shape->hull_begin[h + 1]; i++)
-            points.push_back(scaled(world, shape->vertices + 3 * size_t(i)));
-        ShvConvex part;
-        if (points.size() < 4 || !part.make_hull(points)) continue; // a sliver without volume meets nothing
-        body->parts.push_back(std::move(part));
-    }
-    if (body->parts.empty())
-        return shv_fail(error, SHV_BAD_INPUT, "it is flat: no convex hull of it has a volume; mend the mesh there");
-    return SHV_OK;
-}
-
-static ShvStatus make_triangles(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
-                                ShvError *error)
-{
-    if (!finite(shape->vertices, 3 * size_t(shape->vertex_count)))
-        return shv_fail(error, SHV_BAD_INPUT, "it has coordinates that are not finite");
-    for (int32_t t = 0; t < shape->triangle_count; t++) {
-        btVector3 corner[3];
-        for (int k = 0; k < 3; k++)
-            corner[k] = scaled(world, shape->vertices + 3 * size_t(shape->triangles[3 * t + k]));
-        ShvConvex part;
-        if (!part.make_triangle(corner[0], corner[1], corner[2])) continue;
-        btVector3 low = corner[0], high = corner[0];
-        for (int k = 1; k < 3; k++) {
-            low.setMin(corner[k]);
-            high.setMax(corner[k]);
-        }
-        btDbvtNode *leaf = body->tree.insert(btDbvtVolume::FromMM(low, high), nullptr);
-        leaf->dataAsInt = int(body->parts.size());
-        body->parts.push_back(std::move(part));
-    }
-    if (body->parts.empty()) return shv_fail(error, SHV_BAD_INPUT, "its surface has no area; mend the mesh");
-    return SHV_OK;
 }
 
 static void measure(ShvBulletBody *body)
@@ -110,8 +114,8 @@ static void measure(ShvBulletBody *body)
         body->low = -body->high;
         return;
     }
-    body->low = body->high = body->parts[0].vertices[0];
-    for (const ShvConvex &part : body->parts)
+    body->low = body->high = body->shapes.parts[0].vertices[0];
+    for (const ShvConvex &part : body->shapes.parts)
         for (const btVector3 &vertex : part.vertices) {
             body->low.setMin(vertex);
             body->high.setMax(vertex);
@@ -122,41 +126,28 @@ static void measure(ShvBulletBody *body)
 static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, const ShvBulletShape *shape,
                             ShvError *error)
 {
+    const ShvStatus status = shiver::make_shapes(&body->shapes, *shape, 1 / world->scale, 0, error);
+    if (status != SHV_OK) return status;
     body->kind = shape->kind;
     body->layer = shape->layer;
-    ShvStatus status = SHV_OK;
-    switch (shape->kind) {
-    case SHV_BULLET_PLANE:
-        body->normal = btVector3(shape->normal[0], shape->normal[1], shape->normal[2]);
-        body->offset = shape->offset * world->scale;
-        body->radius = BT_LARGE_FLOAT;
-        body->high = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-        body->low = -body->high;
-        return SHV_OK;
-    case SHV_BULLET_SPHERE:
-        body->radius = shape->radius * world->scale;
-        if (!(body->radius > 0)) return shv_fail(error, SHV_BAD_INPUT, "its radius is %g m", shape->radius);
-        break;
-    case SHV_BULLET_HULLS:
-        status = make_hulls(body, world, shape, error);
-        break;
-    case SHV_BULLET_TRIANGLES:
-        status = make_triangles(body, world, shape, error);
-        break;
-    }
-    if (status == SHV_OK) measure(body);
-    return status;
+    body->normal = btVector3(shape->normal[0], shape->normal[1], shape->normal[2]);
+    body->offset = shape->offset * world->scale;
+    body->radius = shape->kind == SHV_BULLET_SPHERE || shape->kind == SHV_BULLET_PLANE ? body->shapes.radius : 0;
+    if (shape->kind != SHV_BULLET_PLANE) measure(body);
+    return SHV_OK;
 }
 
 static void make_mass(ShvBulletBody *body, double inverse_mass, const double inverse_moment[3])
 {
-    if (!(inverse_mass > 0.0)) return;
-    body->mass = 1.0 / inverse_mass;
-    body->inverse_moment = btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]);
-    btRigidBody::btRigidBodyConstructionInfo info(body->mass, nullptr, nullptr);
+    body->mass = inverse_mass > 0 ? 1 / inverse_mass : 0;
+    btRigidBody::btRigidBodyConstructionInfo info(body->mass, nullptr, body->shapes.shape);
     body->body = std::make_unique<btRigidBody>(info);
+    body->body->setUserIndex(body->number);
     body->body->setFlags(0); // no gyroscopic term: free rotation is the caller's
+    if (!(body->mass > 0)) return;
+    body->inverse_moment = btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]);
     body->body->setInvInertiaDiagLocal(body->inverse_moment);
+    body->body->setActivationState(DISABLE_DEACTIVATION);
 }
 
 void ShvBulletBody::yield(btScalar share)
@@ -179,13 +170,14 @@ static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 
     ahead.setMax(none);
     body->box_low += back;
     body->box_high += ahead;
-    if (body->proxy) world->broadphase.setAabb(body->proxy, body->box_low, body->box_high, nullptr);
+    world->broadphase.setAabb(body->body->getBroadphaseProxy(), body->box_low, body->box_high, &world->dispatcher);
 }
 
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
                                const double inverse_moment[3], ShvError *error)
 {
-    if (!(inverse_mass >= 0.0) || !std::isfinite(inverse_mass) || !finite(inverse_moment, 3))
+    const bool good = std::isfinite(inverse_moment[0] + inverse_moment[1] + inverse_moment[2]);
+    if (!(inverse_mass >= 0.0) || !std::isfinite(inverse_mass) || !good)
         return shv_fail(error, SHV_BAD_INPUT, "its mass or inertia is not a positive number");
     return guarded(error, [&]() -> ShvStatus {
         auto body = std::make_unique<ShvBulletBody>();
@@ -194,14 +186,8 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
         if (status != SHV_OK) return status;
         make_mass(body.get(), inverse_mass, inverse_moment);
         if (size_t(number) >= world->bodies.size()) world->bodies.resize(size_t(number) + 1);
-        if (body->kind == SHV_BULLET_PLANE) {
-            world->planes.push_back(body.get());
-        } else {
-            set_box(world, body.get(), btVector3(0, 0, 0), 0, 0);
-            const shiver::Filter filter = shiver::filter_of(body->layer, body->body != nullptr);
-            body->proxy = world->broadphase.createProxy(body->box_low, body->box_high, 0, body.get(), filter.group,
-                                                        filter.mask, nullptr);
-        }
+        const shiver::Filter filter = shiver::filter_of(body->layer, inverse_mass > 0);
+        world->world.addRigidBody(body->body.get(), filter.group, filter.mask);
         world->bodies[size_t(number)] = std::move(body);
         return SHV_OK;
     });
@@ -214,9 +200,7 @@ static ShvBulletBody *body_of(const ShvBulletWorld *world, int32_t number)
 
 void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
-    const ShvBulletBody *body = body_of(world, number);
-    world->planes.erase(std::remove(world->planes.begin(), world->planes.end(), body), world->planes.end());
-    if (body->proxy) world->broadphase.destroyProxy(body->proxy, nullptr);
+    world->world.removeRigidBody(body_of(world, number)->body.get());
     world->bodies[size_t(number)].reset();
 }
 
@@ -257,62 +241,143 @@ static bool balls_meet(const ShvBulletBody &a, const ShvBulletBody &b, btScalar 
     return (apart + share * way).length2() <= reach * reach;
 }
 
-static bool boxes_meet(const ShvBulletBody &a, const ShvBulletBody &b)
-{
-    return TestAabbAgainstAabb2(a.box_low, a.box_high, b.box_low, b.box_high);
-}
-
-static void add_pair(ShvBulletWorld *world, const ShvBulletBody *a, const ShvBulletBody *b)
-{
-    world->pairs.push_back({std::min(a->number, b->number), std::max(a->number, b->number)});
-}
-
-// Of the pairs whose boxes in the tree meet, which are a little larger: those whose own boxes and balls do. Which they are, and
-// their order, does not depend on the tree's past.
-static void list_pairs(ShvBulletWorld *world)
-{
-    world->broadphase.calculateOverlappingPairs(nullptr);
-    const btBroadphasePairArray &found = world->broadphase.getOverlappingPairCache()->getOverlappingPairArray();
-    for (int i = 0; i < found.size(); i++) {
-        const auto *a = static_cast<const ShvBulletBody *>(found[i].m_pProxy0->m_clientObject);
-        const auto *b = static_cast<const ShvBulletBody *>(found[i].m_pProxy1->m_clientObject);
-        if (boxes_meet(*a, *b) && balls_meet(*a, *b, world->scale)) add_pair(world, a, b);
-    }
-}
-
 static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)
 {
     const btVector3 centre = (body.box_low + body.box_high) / 2, half = (body.box_high - body.box_low) / 2;
     return plane.normal.dot(centre) - plane.normal.absolute().dot(half) <= plane.offset;
 }
 
-ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error)
+static bool boxes_meet(const ShvBulletBody &a, const ShvBulletBody &b)
+{
+    if (a.kind == SHV_BULLET_PLANE) return reaches(b, a);
+    if (b.kind == SHV_BULLET_PLANE) return reaches(a, b);
+    return TestAabbAgainstAabb2(a.box_low, a.box_high, b.box_low, b.box_high);
+}
+
+static const ShvBulletBody &body_of(const ShvBulletWorld *world, const btBroadphaseProxy *proxy)
+{
+    const auto *object = static_cast<const btCollisionObject *>(proxy->m_clientObject);
+    return *world->bodies[size_t(object->getUserIndex())];
+}
+
+/* ---- step ---- */
+
+// Manifolds of up to four contacts of one pair. The world positions are arms, and the bodies' origins are zero: far from the
+// world's origin nothing is lost.
+static void make_manifolds(ShvBulletWorld *world)
+{
+    btPersistentManifold *manifold = nullptr;
+    for (int32_t i = 0; i < world->task.contact_count; i++) {
+        ShvBulletContact *contact = &world->task.contacts[i];
+        const bool same = i > 0 && contact[-1].first == contact->first && contact[-1].second == contact->second;
+        if (!same || manifold->getNumContacts() == MANIFOLD_CACHE_SIZE)
+            manifold = world->dispatcher.getNewManifold(body_of(world, contact->first)->body.get(),
+                                                        body_of(world, contact->second)->body.get());
+        manifold->setNumContacts(manifold->getNumContacts() + 1);
+        ShvSolver::set_point(&manifold->getContactPoint(manifold->getNumContacts() - 1), contact);
+    }
+}
+
+static void enter_bodies(ShvBulletWorld *world)
+{
+    for (int32_t i = 0; i < world->task.motion_count; i++) {
+        ShvBulletMotion *motion = &world->task.motions[i];
+        ShvBulletBody *body = body_of(world, motion->body);
+        body->body->setUserPointer(motion);
+        body->yield(motion->give);
+        body->body->setWorldTransform(btTransform(body->axes, btVector3(0, 0, 0)));
+        body->body->updateInertiaTensor();
+        body->body->setLinearVelocity(btVector3(motion->velocity[0], motion->velocity[1], motion->velocity[2]));
+        body->body->setAngularVelocity(btVector3(motion->spin[0], motion->spin[1], motion->spin[2]));
+    }
+}
+
+// Of the pairs whose boxes in the tree meet, which are a little larger: those whose own boxes and balls do. Which they are, and
+// their order, does not depend on the tree's past.
+void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *cache, const btDispatcherInfo &, btDispatcher *)
+{
+    const btBroadphasePairArray &found = cache->getOverlappingPairArray();
+    owner->pairs.clear();
+    for (int i = 0; i < found.size(); i++) {
+        const ShvBulletBody &a = body_of(owner, found[i].m_pProxy0), &b = body_of(owner, found[i].m_pProxy1);
+        const bool plane = a.kind == SHV_BULLET_PLANE || b.kind == SHV_BULLET_PLANE;
+        if (boxes_meet(a, b) && (plane || balls_meet(a, b, owner->scale)))
+            owner->pairs.push_back({std::min(a.number, b.number), std::max(a.number, b.number)});
+    }
+    std::sort(owner->pairs.begin(), owner->pairs.end(), before);
+    owner->status =
+        owner->detect(owner->data, owner->pairs.data(), int32_t(owner->pairs.size()), &owner->task, owner->error);
+    if (owner->status != SHV_OK) return;
+    enter_bodies(owner);
+    owner->solver.rest = owner->task.rest;
+    make_manifolds(owner);
+}
+
+// Bullet's union-find, over what touches instead of over boxes.
+void World::calculateSimulationIslands()
+{
+    if (!touching_islands) {
+        btDiscreteDynamicsWorld::calculateSimulationIslands();
+        return;
+    }
+    btUnionFind &sets = m_islandManager->getUnionFind();
+    int count = 0;
+    for (int i = 0; i < m_collisionObjects.size(); i++)
+        if (!m_collisionObjects[i]->isStaticObject()) m_collisionObjects[i]->setIslandTag(count++);
+    sets.reset(count);
+    for (int i = 0; i < m_dispatcher1->getNumManifolds(); i++) {
+        const btPersistentManifold *manifold = m_dispatcher1->getManifoldByIndexInternal(i);
+        const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
+        if (!a->isStaticObject() && !b->isStaticObject()) sets.unite(a->getIslandTag(), b->getIslandTag());
+    }
+    m_islandManager->storeIslandActivationState(this);
+}
+
+// What was found is the caller's; nothing stays here.
+static void leave(ShvBulletWorld *world)
+{
+    std::vector<int32_t> first(size_t(world->world.getNumCollisionObjects()), -1); // motions, by islands
+    for (int32_t i = 0; i < world->task.motion_count; i++) {
+        ShvBulletMotion *motion = &world->task.motions[i];
+        btRigidBody *body = body_of(world, motion->body)->body.get();
+        int32_t &island = first[size_t(body->getIslandTag())];
+        if (island < 0) island = i;
+        motion->island = island;
+        body->setUserPointer(nullptr);
+    }
+    world->task = {};
+    for (int i = world->dispatcher.getNumManifolds(); i-- > 0;)
+        world->dispatcher.releaseManifold(world->dispatcher.getManifoldByIndexInternal(i));
+}
+
+ShvStatus shv_bullet_world_step(ShvBulletWorld *world, double step, ShvBulletDetect detect, void *data, ShvError *error)
 {
     return guarded(error, [&] {
-        world->pairs.clear();
-        list_pairs(world);
-        for (const auto &body : world->bodies) {
-            if (!body || !body->body) continue;
-            for (const ShvBulletBody *plane : world->planes)
-                if (reaches(*body, *plane)) add_pair(world, body.get(), plane);
-        }
-        std::sort(world->pairs.begin(), world->pairs.end(), before);
-        *pairs = world->pairs.data();
-        *count = int32_t(world->pairs.size());
-        return SHV_OK;
+        world->detect = detect;
+        world->data = data;
+        world->error = error;
+        world->world.stepSimulation(step, 0); // one step of this length
+        leave(world);
+        return world->status;
     });
 }
+
+/* ---- single bodies ---- */
 
 namespace
 {
 struct Neighbours final : btBroadphaseAabbCallback {
-    Neighbours(const ShvBulletBody &body, std::vector<int32_t> &list) : own(body), others(list) {}
+    Neighbours(const ShvBulletWorld *owner, const ShvBulletBody &body, std::vector<int32_t> &list)
+        : world(owner), own(body), others(list)
+    {
+    }
     bool process(const btBroadphaseProxy *proxy) override
     {
-        const auto *other = static_cast<const ShvBulletBody *>(proxy->m_clientObject);
-        if (other != &own && boxes_meet(own, *other)) others.push_back(other->number);
+        const ShvBulletBody &other = body_of(world, proxy);
+        if (&other != &own && boxes_meet(own, other)) others.push_back(other.number);
         return true;
     }
+    const ShvBulletWorld *world;
     const ShvBulletBody &own;
     std::vector<int32_t> &others;
 };
@@ -324,10 +389,8 @@ ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int
     return guarded(error, [&] {
         const ShvBulletBody *body = body_of(world, number);
         world->others.clear();
-        Neighbours neighbours(*body, world->others);
+        Neighbours neighbours(world, *body, world->others);
         world->broadphase.aabbTest(body->box_low, body->box_high, neighbours);
-        for (const ShvBulletBody *plane : world->planes)
-            if (reaches(*body, *plane)) world->others.push_back(plane->number);
         std::sort(world->others.begin(), world->others.end());
         *others = world->others.data();
         *count = int32_t(world->others.size());
@@ -335,35 +398,69 @@ ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int
     });
 }
 
+namespace
+{
+// By Bullet's algorithms: as many points as they give, about the first body's origin.
+struct Points final : btCollisionWorld::ContactResultCallback {
+    btScalar addSingleResult(btManifoldPoint &point, const btCollisionObjectWrapper *one, int, int,
+                             const btCollisionObjectWrapper *, int, int) override
+    {
+        const btScalar side = one->getCollisionObject()->getUserIndex() == pair->first ? 1 : -1;
+        ShvBulletContact contact = *pair;
+        for (int k = 0; k < 3; k++) {
+            const btScalar middle = (point.m_positionWorldOnA[k] + point.m_positionWorldOnB[k]) / 2;
+            contact.arm_first[k] = middle / scale;
+            contact.arm_second[k] = (middle - shift[k]) / scale;
+            contact.normal[k] = side * point.m_normalWorldOnB[k];
+        }
+        contact.gap = point.getDistance() / scale;
+        contacts->push_back(contact);
+        return 0;
+    }
+    const ShvBulletContact *pair;
+    btScalar scale;
+    btVector3 shift;
+    std::vector<ShvBulletContact> *contacts;
+};
+} // namespace
+
+static void collide_plainly(ShvBulletWorld *world, const ShvBulletBody &first, const ShvBulletBody &second,
+                            btScalar reach)
+{
+    ShvBulletContact pair = {};
+    pair.first = first.number;
+    pair.second = second.number;
+    Points points;
+    points.pair = &pair;
+    points.scale = world->scale;
+    points.shift = (second.position - first.position) * world->scale;
+    points.contacts = &world->collider.contacts;
+    points.m_closestDistanceThreshold = reach * world->scale;
+    world->collider.contacts.clear();
+    const auto place = [&](const ShvBulletBody &body) {
+        const bool plane = body.kind == SHV_BULLET_PLANE; // in the world's frame
+        const btVector3 origin = plane ? btVector3(0, 0, 0) : body.position;
+        body.body->setWorldTransform(btTransform(plane ? btMatrix3x3::getIdentity() : body.axes,
+                                                 (origin - first.position) * world->scale));
+    };
+    place(first);
+    place(second);
+    world->world.contactPairTest(first.body.get(), second.body.get(), points);
+    for (const ShvBulletBody *body : {&first, &second})
+        body->body->setWorldTransform(btTransform(body->axes, btVector3(0, 0, 0)));
+}
+
 ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
                                    ShvBulletContact **contacts, int32_t *count, ShvError *error)
 {
     return guarded(error, [&] {
-        world->collider.collide(*body_of(world, first), *body_of(world, second), reach);
+        const ShvBulletBody &one = *body_of(world, first), &other = *body_of(world, second);
+        if (world->overrides.exact_contacts)
+            world->collider.collide(one, other, reach);
+        else
+            collide_plainly(world, one, other, reach);
         *contacts = world->collider.contacts.data();
         *count = int32_t(world->collider.contacts.size());
-        return SHV_OK;
-    });
-}
-
-ShvStatus shv_bullet_world_solve(ShvBulletWorld *world, ShvBulletMotion *motions, int32_t motion_count,
-                                 ShvBulletContact *contacts, int32_t contact_count, const ShvBulletSolve *settings,
-                                 ShvError *error)
-{
-    return guarded(error, [&] {
-        const auto massive = [&](int32_t number) {
-            ShvBulletBody *body = body_of(world, number);
-            return body->body ? body : nullptr;
-        };
-        world->moved.clear();
-        world->firsts.clear();
-        world->seconds.clear();
-        for (int32_t i = 0; i < motion_count; i++) world->moved.push_back(body_of(world, motions[i].body));
-        for (int32_t i = 0; i < contact_count; i++) {
-            world->firsts.push_back(massive(contacts[i].first));
-            world->seconds.push_back(massive(contacts[i].second));
-        }
-        world->solver.solve(world->moved, motions, world->firsts, world->seconds, contacts, contact_count, *settings);
         return SHV_OK;
     });
 }

@@ -1,11 +1,18 @@
-/* Bullet as a kit for rigid flight: its hulls and its sequential impulses, without its integrator.
-   The caller owns the motion (positions, free rotation, what a contact is worth); the world answers which pairs may meet,
-   where two bodies touch in the poses given, and which impulses keep them apart. Nothing here depends on the order in which
-   bodies came, nor on earlier steps: pairs are sorted by the caller's numbers, contacts are found afresh, impulses to start
-   from are the caller's. All lengths are metres; inside, lengths are scaled by a power of two. */
+/* The world of `rigid.engine: bullet`: a btDiscreteDynamicsWorld with these overrides.
+     free flight      poses and velocities between contacts are the caller's: parabolas, free rotation in closed form
+     swept boxes      bodies' boxes in Bullet's broadphase hold their ways in the step, as told
+     exact contacts   the dispatcher asks for contacts on exact hulls, at moments that the caller chooses, and gets its manifolds
+                      made of those; here impacts are judged, between detection and islands
+     touching islands joined by contacts, not by boxes
+     settled impulses Bullet's rows with the caller's target velocities, friction on the cone, mixed sweeps to a tolerance
+     rest             what sleeps is the caller's
+   Nothing here depends on the order in which bodies came, nor on earlier steps: pairs are sorted by the caller's numbers,
+   contacts are found afresh, impulses to start from are the caller's. All lengths are metres; inside, lengths are scaled by a
+   power of two. */
 #ifndef BULLET_BRIDGE_RIGID_WORLD_H
 #define BULLET_BRIDGE_RIGID_WORLD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "shiver/status.h"
@@ -65,19 +72,36 @@ typedef struct ShvBulletContact {
 
 typedef struct ShvBulletMotion {
     int32_t body;       /* with mass */
+    int32_t island;     /* out: the first motion of all that hang together */
     double give;        /* in (0, 1]: share of its mass's and inertia's answer to impulses; less than 1: it is held */
     double velocity[3]; /* m/s; in: without the contacts, out: with them */
     double spin[3];     /* rad/s, world; likewise */
     double push[3], turn[3]; /* m/s, rad/s, out: undo overlaps over the step, leave no velocity */
 } ShvBulletMotion;
 
-typedef struct ShvBulletSolve {
-    int32_t iterations; /* at most */
-    double tolerance;   /* m/s: an iteration that changes no velocity by more is the last */
-} ShvBulletSolve;
+/* What contacts a step has, and which bodies they move. */
+typedef struct ShvBulletTask {
+    ShvBulletMotion *motions;
+    int32_t motion_count;
+    ShvBulletContact
+        *contacts; /* with bodies that are not among the motions these are fixed, moving with the support velocity */
+    int32_t contact_count;
+    double rest; /* m/s: sweeps that change no velocity by a small share of it are enough */
+} ShvBulletTask;
+
+/* Between Bullet's broadphase and its islands. The pairs may touch on their ways (by their boxes, and by the balls around them at
+   each moment, as all go evenly), in increasing order. */
+typedef ShvStatus (*ShvBulletDetect)(void *data, const ShvBulletPair *pairs, int32_t count, ShvBulletTask *task,
+                                     ShvError *error);
+
+/* Of those above, what can be left out. */
+typedef struct ShvBulletOverrides {
+    bool exact_contacts, settled_impulses, touching_islands;
+} ShvBulletOverrides;
 
 /* An empty world. `length`: of a typical large body, m, > 0. On failure *world is NULL. */
-ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, ShvError *error);
+ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, const ShvBulletOverrides *overrides,
+                                  ShvError *error);
 void shv_bullet_world_destroy(ShvBulletWorld *world);
 
 /* A new body under a number ≥ 0 that is free; axes of the body's frame are its principal axes. inverse_mass 0: moved by
@@ -91,25 +115,20 @@ void shv_bullet_world_remove(ShvBulletWorld *world, int32_t body);
 void shv_bullet_world_place(ShvBulletWorld *world, int32_t body, const double position[3], const double axes[9]);
 /* Radius of the body about its origin, m; infinite for a plane. */
 double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t body);
-/* What the pairs are to reckon with before the next call, m: the body's origin goes a straight `way`, is off it by at most
+/* What the pairs of a step are to reckon with, m: the body's origin goes a straight `way`, is off it by at most
    `drift`, and turning carries no point farther than `turn`. */
 ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, const double way[3], double drift, double turn,
                                  ShvError *error);
-/* Pairs that may touch on their ways (by their boxes, and by the balls around them at each moment, as all go evenly), in
-   increasing order; valid until the next call. */
-ShvStatus shv_bullet_world_pairs(ShvBulletWorld *world, const ShvBulletPair **pairs, int32_t *count, ShvError *error);
-/* What a body that has been told a new way since the last call for pairs may meet on it, by boxes alone, in increasing order;
+/* What a body that has been told a new way since the last step may meet on it, by boxes alone, in increasing order;
    valid until the next call. */
 ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t body, const int32_t **others, int32_t *count,
                                 ShvError *error);
 /* Contacts of a pair whose gap is at most `reach` (at most four of each two convex parts), valid until the next call. */
 ShvStatus shv_bullet_world_collide(ShvBulletWorld *world, int32_t first, int32_t second, double reach,
                                    ShvBulletContact **contacts, int32_t *count, ShvError *error);
-/* Sequential impulses on bodies that hang together; contacts with bodies that are not among the motions see them
-   as fixed, moving with the contact's support velocity. */
-ShvStatus shv_bullet_world_solve(ShvBulletWorld *world, ShvBulletMotion *motions, int32_t motion_count,
-                                 ShvBulletContact *contacts, int32_t contact_count, const ShvBulletSolve *settings,
-                                 ShvError *error);
+/* One step: broadphase, detection, islands, impulses. What `detect` has put into its task has been answered when this returns. */
+ShvStatus shv_bullet_world_step(ShvBulletWorld *world, double step, ShvBulletDetect detect, void *data,
+                                ShvError *error);
 
 #ifdef __cplusplus
 }

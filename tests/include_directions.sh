@@ -16,7 +16,7 @@ allowed()
     contact) echo base mesh model solid cohesive shape bullet_bridge contact ;;
     rigid) echo base mesh model solid cohesive shape bullet_bridge rigid ;;
     hybrid) echo base mesh model solid cohesive shape pbd contact rigid hybrid ;;
-    sim) echo base mesh model solid cohesive shape pbd contact rigid hybrid sim ;;
+    sim) echo base mesh model solid cohesive shape bullet_bridge pbd contact rigid hybrid sim ;;
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;

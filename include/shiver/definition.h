@@ -258,6 +258,16 @@ typedef struct ShvPbdDefinition {
     bool exact_rotation; /* rigid mode: nodes turn on circles instead of tangents, so that radii do not drift */
 } ShvPbdDefinition;
 
+/* What departs from Bullet's own ways with rigid.engine bullet: all true unless changed. */
+typedef struct ShvBulletDefinition {
+    bool exact_flight;     /* parabola and free rotation in closed form between contacts */
+    bool times_of_impact;  /* what closes fast meets at its own moment within a step, and rebounds there */
+    bool exact_contacts;   /* on the hulls themselves, whole faces at once */
+    bool settled_impulses; /* sweeps to a tolerance, mixed; friction on the cone */
+    bool touching_islands; /* bodies that touch are solved together, not those whose boxes meet */
+    bool keep_overlaps;    /* that a body comes with are let be */
+} ShvBulletDefinition;
+
 /* What departs from Bullet's defaults with rigid.engine bullet_plain. */
 typedef struct ShvBulletPlainDefinition {
     double unit;        /* m: what Bullet takes for 1 */
@@ -289,6 +299,7 @@ typedef struct ShvRigidDefinition {
     double restitution;   /* between fragments in flight, 0…1; 0 */
     ShvDust dust;         /* of fragments that would go to rest and are smaller than */
     double dust_size; /* m: diameter of the sphere about the centre of mass that holds the fragment; 0: none is dust */
+    ShvBulletDefinition bullet;
 } ShvRigidDefinition;
 
 typedef enum ShvStabiliser {

@@ -74,7 +74,8 @@ static ShvRigidDefinition rigid_default(void)
                                 .wake = SHV_WAKE_STRESS,
                                 .wake_fraction = 0.5,
                                 .wake_factor = 6.0,
-                                .friction = 0.5};
+                                .friction = 0.5,
+                                .bullet = {true, true, true, true, true, true}};
 }
 
 static ShvFractureDefinition fracture_default(void)

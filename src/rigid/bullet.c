@@ -128,8 +128,7 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
                              : shv_norm(flyer->spin);
         flyer->impact_time = -1.0;
         flyer->until = bullet->step;
-        flyer->leaves = flyer->meets = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = flyer->bumped =
-            false;
+        flyer->leaves = flyer->meets = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = false;
         flyer->restless = flyer->supported = false;
         flyer->push = flyer->turn = shv_vec3(0.0, 0.0, 0.0);
         flyer->impulse = 0.0;
@@ -138,13 +137,6 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
         flyer->new_spin = flyer->spin;
         SHV_TRY(check_motion(bullet, flyer, error));
     }
-    return SHV_OK;
-}
-
-static ShvStatus reserve_traces(ShvBullet *bullet, ShvError *error)
-{
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
-                        "contacts of bodies", error);
     return SHV_OK;
 }
 
@@ -172,6 +164,27 @@ static bool all_at_rest(ShvBullet *bullet)
     return true;
 }
 
+typedef struct Detection {
+    ShvBullet *bullet;
+    ShvWakeJudge judge;
+    void *judge_data;
+    ShvRigidContact *wakes;
+    int32_t *wake_count;
+} Detection;
+
+/* Between Bullet's broadphase and its islands. */
+static ShvStatus detect(void *data, const ShvBulletPair *pairs, int32_t count, ShvBulletTask *task, ShvError *error)
+{
+    const Detection *detection = data;
+    ShvBullet *bullet = detection->bullet;
+    SHV_TRY(shv_bullet_find(bullet, pairs, count, error));
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
+                        "contacts of bodies", error);
+    SHV_TRY(shv_bullet_judge(bullet, detection->judge, detection->judge_data, detection->wakes, detection->wake_count,
+                             error));
+    return shv_bullet_gather(bullet, task, error);
+}
+
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error)
@@ -185,10 +198,10 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     tidy(bullet);
     SHV_TRY(begin(bullet, error));
     if (all_at_rest(bullet)) return SHV_OK;
-    SHV_TRY(shv_bullet_find(bullet, error));
-    SHV_TRY(reserve_traces(bullet, error));
-    shv_bullet_judge(bullet, judge, judge_data, wakes, wake_count);
-    SHV_TRY(shv_bullet_solve(bullet, error));
+    SHV_TRY(shv_bullet_place_all(bullet, error));
+    Detection detection = {bullet, judge, judge_data, wakes, wake_count};
+    SHV_TRY(shv_bullet_world_step(bullet->bullet, step, detect, &detection, error));
+    shv_bullet_take_motions(bullet);
     SHV_TRY(shv_bullet_guard(bullet, error));
     shv_bullet_companions_take(bullet);
     shv_bullet_move(bullet);
@@ -214,8 +227,8 @@ static void destroy(ShvRigidBackend *backend)
     shv_release(bullet->last_traces);
     shv_release(bullet->order);
     shv_release(bullet->motions);
-    shv_release(bullet->island_contacts);
-    shv_release(bullet->lists);
+    shv_release(bullet->gathered);
+    shv_release(bullet->heaps);
     shv_release(bullet);
 }
 
@@ -260,7 +273,11 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.whole_steps = true;
     bullet->backend.fragment_friction = world->settings->friction;
     bullet->backend.fragment_restitution = world->settings->restitution;
-    ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), error);
+    const ShvBulletDefinition *settings = &world->settings->bullet;
+    const ShvBulletOverrides overrides = {.exact_contacts = settings->exact_contacts,
+                                          .settled_impulses = settings->settled_impulses,
+                                          .touching_islands = settings->touching_islands};
+    ShvStatus status = shv_bullet_world_create(&bullet->bullet, typical_length(world), &overrides, error);
     if (status == SHV_OK) status = add_obstacles(bullet, error);
     if (status == SHV_OK)
         *backend = &bullet->backend;

@@ -51,7 +51,7 @@ bool shv_bullet_is_active(const ShvBulletFlyer *flyer)
     return flyer->moves ? !flyer->asleep : shv_norm(flyer->velocity) > 0.0 || shv_norm(flyer->spin) > 0.0;
 }
 
-static ShvStatus place_all(ShvBullet *bullet, ShvError *error)
+ShvStatus shv_bullet_place_all(ShvBullet *bullet, ShvError *error)
 {
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
@@ -76,11 +76,8 @@ static ShvBulletMeeting meeting_of(const ShvBullet *bullet, const ShvBulletPair 
 }
 
 /* This step's pairs with what is remembered of them. */
-static ShvStatus list_meetings(ShvBullet *bullet, ShvError *error)
+static ShvStatus list_meetings(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error)
 {
-    const ShvBulletPair *pairs;
-    int32_t count;
-    SHV_TRY(shv_bullet_world_pairs(bullet->bullet, &pairs, &count, error));
     ShvBulletMeeting *meetings = bullet->last_meetings;
     const int32_t room = bullet->last_room;
     bullet->last_meetings = bullet->meetings;
@@ -142,6 +139,7 @@ static double slide_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
 static void allow_overlaps(const ShvBullet *bullet, ShvBulletMeeting *meeting)
 {
     const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    if (!bullet->backend.world.settings->bullet.keep_overlaps) return;
     double deepest = 0.0;
     for (int32_t i = 0; i < meeting->contact_count; i++)
         deepest = fmin(deepest, bullet->contacts[meeting->contact_begin + i].gap);
@@ -175,9 +173,11 @@ static bool closes_fast(const ShvBullet *bullet, const ShvBulletMeeting *meeting
 
 static void find_slow_impact(const ShvBullet *bullet, ShvBulletMeeting *meeting)
 {
+    const double latest = bullet->backend.world.settings->bullet.times_of_impact ? bullet->step : 0.0;
     for (int32_t i = 0; i < meeting->contact_count; i++) {
         double moment;
         if (!closes_fast(bullet, meeting, &bullet->contacts[meeting->contact_begin + i], &moment)) continue;
+        if (moment > latest) continue;
         if (meeting->impact < 0.0 || moment < meeting->impact) meeting->impact = moment;
     }
 }
@@ -223,7 +223,7 @@ static ShvStatus find_meeting(ShvBullet *bullet, ShvBulletMeeting *meeting, ShvE
         meeting->touching |= bullet->contacts[meeting->contact_begin + i].gap + meeting->allowance <= meeting->slop;
     if (a->born || b->born) meeting->touched = meeting->touching;
     const double told = meeting->touching ? touching_motion_of_radius * fmin(a->radius, b->radius) : small;
-    if (meeting->reach > told)
+    if (meeting->reach > told && bullet->backend.world.settings->bullet.times_of_impact)
         SHV_TRY(find_fast_impact(bullet, meeting, error));
     else
         find_slow_impact(bullet, meeting);
@@ -358,10 +358,9 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error)
+ShvStatus shv_bullet_find(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error)
 {
-    SHV_TRY(place_all(bullet, error));
-    SHV_TRY(list_meetings(bullet, error));
+    SHV_TRY(list_meetings(bullet, pairs, count, error));
     SHV_TRY(find_contacts(bullet, error));
     return choose_impacts(bullet, error);
 }

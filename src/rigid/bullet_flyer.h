@@ -52,7 +52,6 @@ typedef struct ShvBulletFlyer {
     bool meets;                 /* closes on something that it touches, faster than bodies at rest do */
     bool held;                  /* pushed by contacts other than its impact */
     bool solved;                /* has contacts in the solver */
-    bool bumped;                /* its island's velocities do not change evenly over the step */
     bool restless, supported;   /* its island, where this stands for it: something moves; something holds it */
     int32_t island;             /* place of the flyer that stands for all that hangs together */
     double heap_mass;           /* kg of that */

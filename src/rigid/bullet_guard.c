@@ -107,6 +107,7 @@ static ShvStatus guard_flyer(ShvBullet *bullet, ShvBulletFlyer *flyer, ShvError 
 
 ShvStatus shv_bullet_guard(ShvBullet *bullet, ShvError *error)
 {
+    if (!bullet->backend.world.settings->bullet.times_of_impact) return SHV_OK;
     double smallest = (double)INFINITY;
     for (int32_t i = 0; i < bullet->flyer_count; i++) smallest = fmin(smallest, bullet->flyers[i].radius);
     bool any = false;

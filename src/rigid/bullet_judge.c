@@ -1,47 +1,38 @@
 #include "rigid/bullet_step.h"
+#include "rigid/disjoint_sets.h"
 
 /* ---- what the other side weighs ---- */
 
-/* Representative of all that hangs together; islands of this step, of bodies that touch now. */
-static int32_t root_of(ShvBullet *bullet, int32_t flyer)
-{
-    ShvBulletFlyer *flyers = bullet->flyers;
-    while (flyers[flyer].island != flyer) {
-        flyers[flyer].island = flyers[flyers[flyer].island].island;
-        flyer = flyers[flyer].island;
-    }
-    return flyer;
-}
-
 /* Islands of what touched before this step; the lowest place stands for all. */
-static void find_heaps(ShvBullet *bullet)
+static ShvStatus find_heaps(ShvBullet *bullet, ShvError *error)
 {
     ShvBulletFlyer *flyers = bullet->flyers;
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->heaps, bullet->heap_room, bullet->flyer_count, "heaps", error);
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        flyers[i].island = i;
+        bullet->heaps[i] = i;
         flyers[i].heap_mass = shv_bullet_flyer_holds(&flyers[i]) ? (double)INFINITY : flyers[i].mass;
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
         if (!meeting->touched) continue;
-        const int32_t a = root_of(bullet, meeting->a), b = root_of(bullet, meeting->b);
-        const int32_t low = a < b ? a : b, high = a < b ? b : a;
+        const int32_t a = shv_set_root(bullet->heaps, meeting->a), b = shv_set_root(bullet->heaps, meeting->b);
         if (!flyers[meeting->a].moves || !flyers[meeting->b].moves) { /* a support holds a heap, it does not join two */
             flyers[flyers[meeting->a].moves ? a : b].heap_mass = (double)INFINITY;
             continue;
         }
-        if (low == high) continue;
-        flyers[high].island = low;
-        flyers[low].heap_mass += flyers[high].heap_mass;
+        if (a == b) continue;
+        flyers[a < b ? a : b].heap_mass += flyers[a < b ? b : a].heap_mass;
+        shv_set_join(bullet->heaps, a, b);
     }
+    return SHV_OK;
 }
 
 static double other_mass(ShvBullet *bullet, int32_t own, int32_t other)
 {
     if (!bullet->flyers[other].moves) return (double)INFINITY;
-    const int32_t heap = root_of(bullet, other);
+    const int32_t heap = shv_set_root(bullet->heaps, other);
     const double mass = bullet->flyers[heap].heap_mass;
-    return heap == root_of(bullet, own) && isfinite(mass) ? mass - bullet->flyers[own].mass : mass;
+    return heap == shv_set_root(bullet->heaps, own) && isfinite(mass) ? mass - bullet->flyers[own].mass : mass;
 }
 
 /* ---- contacts of one side ---- */
@@ -128,11 +119,11 @@ static void judge_meeting(ShvBullet *bullet, const ShvBulletMeeting *meeting, Sh
     }
 }
 
-void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
-                      int32_t *wake_count)
+ShvStatus shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
+                           int32_t *wake_count, ShvError *error)
 {
-    if (!judge) return;
-    find_heaps(bullet);
+    if (!judge) return SHV_OK;
+    SHV_TRY(find_heaps(bullet, error));
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
         if (meeting->found && meeting->touching && !meeting->struck)
@@ -142,4 +133,5 @@ void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, S
         const ShvBulletMeeting *meeting = &bullet->meetings[bullet->order[k].meeting];
         if (meeting->struck) judge_meeting(bullet, meeting, judge, judge_data, wakes, wake_count);
     }
+    return SHV_OK;
 }

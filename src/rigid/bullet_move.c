@@ -13,40 +13,12 @@ static const ShvBulletFlyer *mover_of(const ShvBullet *bullet, const ShvBulletMe
     return a->moves ? a : &bullet->flyers[meeting->b];
 }
 
-static bool was_solved(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
-{
-    return meeting->contact_count > 0 && !bullet->flyers[meeting->a].leaves && !bullet->flyers[meeting->b].leaves;
-}
-
-/* On supports velocities change evenly over the step, under forces that last, so bodies move by their mean. Where that would
-   lead into an overlap a contact has closed in the step: then its island moves with the velocities of the end, which do not. */
-static void find_bumps(ShvBullet *bullet)
-{
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
-        const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-        for (int32_t k = 0; k < meeting->contact_count; k++) {
-            const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            const double before = shv_dot(shv_load3(contact->normal),
-                                          shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin));
-            const double after =
-                shv_dot(shv_load3(contact->normal),
-                        shv_bullet_relative(contact, a->new_velocity, a->new_spin, b->new_velocity, b->new_spin));
-            const double gap = contact->gap + meeting->allowance;
-            const double then = gap + 0.5 * (before + after) * bullet->step;
-            if (then < fmin(gap, 0.0) - 0.1 * meeting->slop)
-                bullet->flyers[mover_of(bullet, meeting)->island].bumped = true;
-        }
-    }
-}
-
 /* What pushes a body beside its impact. */
 static void find_holds(ShvBullet *bullet)
 {
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         double sum = 0.0;
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
@@ -86,13 +58,23 @@ static void move_evenly(const ShvBullet *bullet, ShvBulletFlyer *flyer, ShvVec3 
     ShvVec3 velocity = flyer->new_velocity, turning = momentum;
     if (!island->supported) {
         velocity = shv_madd(velocity, -0.5 * bullet->step, bullet->gravity);
-    } else if (!island->bumped) {
+    } else { /* what holds it lasts: velocities change evenly over the step */
         velocity = shv_scale(shv_add(flyer->velocity, flyer->new_velocity), 0.5);
         turning = shv_scale(shv_add(flyer->angular_momentum, momentum), 0.5);
     }
     const double left = fmin(bullet->step, flyer->until);
     flyer->position = shv_madd(flyer->position, left, velocity);
     flyer->orientation = shv_free_rotation_advance(&flyer->rotation, flyer->orientation, turning, left);
+}
+
+/* As Bullet's integrator does: with the velocities of the end, the spin unchanged. */
+static ShvVec3 move_plainly(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+{
+    const double left = fmin(bullet->step, flyer->until);
+    flyer->position = shv_madd(flyer->position, left, flyer->new_velocity);
+    flyer->orientation =
+        shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(flyer->new_spin, left)), flyer->orientation));
+    return shv_free_rotation_momentum(&flyer->rotation, flyer->orientation, flyer->new_spin);
 }
 
 static void undo_overlaps(const ShvBullet *bullet, ShvBulletFlyer *flyer)
@@ -120,9 +102,11 @@ static void move_body(const ShvBullet *bullet, ShvBulletFlyer *flyer)
         return;
     }
     const ShvVec3 change = shv_sub(flyer->new_spin, flyer->solver_spin);
-    const ShvVec3 momentum = shv_add(flyer->angular_momentum,
-                                     shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
-    if (flyer->impact_time >= 0.0 && flyer->solved)
+    ShvVec3 momentum = shv_add(flyer->angular_momentum,
+                               shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
+    if (!bullet->backend.world.settings->bullet.exact_flight)
+        momentum = move_plainly(bullet, flyer);
+    else if (flyer->impact_time >= 0.0 && flyer->solved)
         move_struck(bullet, flyer, momentum);
     else
         move_evenly(bullet, flyer, momentum);
@@ -153,7 +137,7 @@ static double friction_work(const ShvBullet *bullet)
     double work = 0.0;
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
         const bool own_a = a->moves && !a->companion, own_b = b->moves && !b->companion;
@@ -197,7 +181,7 @@ static void count_still_steps(ShvBullet *bullet)
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!was_solved(bullet, meeting)) continue;
+        if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvBulletFlyer *support = a->moves ? b : a;
         ShvBulletFlyer *island = &bullet->flyers[mover_of(bullet, meeting)->island];
@@ -238,7 +222,6 @@ static void keep_traces(ShvBullet *bullet)
 
 void shv_bullet_move(ShvBullet *bullet)
 {
-    find_bumps(bullet);
     find_holds(bullet);
     keep_traces(bullet);
     const double friction = friction_work(bullet);
@@ -257,7 +240,8 @@ void shv_bullet_move(ShvBullet *bullet)
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->companion || (flyer->asleep && !flyer->solved)) continue;
-        if (flyer->solved) change += energy(bullet, flyer) - flyer->energy;
+        if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight)
+            change += energy(bullet, flyer) - flyer->energy;
         shv_bullet_flyer_write(flyer, &bullet->backend.world);
     }
     bullet->backend.friction_work += friction;

@@ -7,47 +7,6 @@ static const double undone_share = 0.2, largest_shift = 0.05;
 static const double impact_band = 1e-4, same_place = 0.05;
 /* Of the mass's own answer to impulses, that of a companion which is held. */
 static const double least_give = 1e-6;
-/* At most: small islands are solved to the tolerance, of large ones each step goes on from the last one's impulses. */
-enum { ROW_BUDGET = 10000, FEWEST_ITERATIONS = 30, MOST_ITERATIONS = 1000 };
-
-/* ---- islands ---- */
-
-static int32_t root_of(ShvBullet *bullet, int32_t flyer)
-{
-    ShvBulletFlyer *flyers = bullet->flyers;
-    while (flyers[flyer].island != flyer) {
-        flyers[flyer].island = flyers[flyers[flyer].island].island;
-        flyer = flyers[flyer].island;
-    }
-    return flyer;
-}
-
-static bool takes_part(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
-{
-    return meeting->contact_count > 0 && !bullet->flyers[meeting->a].leaves && !bullet->flyers[meeting->b].leaves;
-}
-
-static void find_islands(ShvBullet *bullet)
-{
-    ShvBulletFlyer *flyers = bullet->flyers;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) flyers[i].island = i;
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (!takes_part(bullet, meeting)) continue;
-        flyers[meeting->a].solved = flyers[meeting->b].solved = true;
-        if (!flyers[meeting->a].moves || !flyers[meeting->b].moves) continue;
-        const int32_t a = root_of(bullet, meeting->a), b = root_of(bullet, meeting->b);
-        flyers[a < b ? b : a].island = a < b ? a : b;
-    }
-    for (int32_t i = 0; i < bullet->flyer_count; i++) flyers[i].island = root_of(bullet, i);
-}
-
-static int32_t island_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
-{
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a];
-    return a->moves ? a->island : bullet->flyers[meeting->b].island;
-}
-
 /* ---- what a contact leaves ---- */
 
 static void pair_laws(const ShvBullet *bullet, const ShvBulletMeeting *meeting, double *friction, double *restitution)
@@ -193,129 +152,84 @@ static double give_of(const ShvBulletFlyer *flyer)
     return held ? fmax(least_give, flyer->fall) : 1.0;
 }
 
-static void gather_motions(ShvBullet *bullet, const int32_t *members, int32_t count)
+/* Contacts that take part, in one list, by meetings; whom they move. */
+static ShvStatus gather_contacts(ShvBullet *bullet, ShvError *error)
 {
-    for (int32_t i = 0; i < count; i++) {
-        const ShvBulletFlyer *flyer = &bullet->flyers[members[i]];
-        ShvBulletMotion *motion = &bullet->motions[i];
-        motion->body = flyer->number;
-        motion->give = give_of(flyer);
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->gathered, bullet->gathered_room, bullet->contact_count,
+                        "contacts of bodies", error);
+    int32_t count = 0;
+    for (int32_t i = 0; i < bullet->meeting_count; i++) {
+        ShvBulletMeeting *meeting = &bullet->meetings[i];
+        ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+        if (a->leaves || b->leaves) meeting->contact_count = 0;
+        const ShvBulletContact *found = bullet->contacts + meeting->contact_begin;
+        meeting->contact_begin = count;
+        for (int32_t k = 0; k < meeting->contact_count; k++) bullet->gathered[count++] = found[k];
+        if (meeting->contact_count > 0) a->solved = b->solved = true;
+    }
+    ShvBulletContact *contacts = bullet->gathered;
+    const int32_t room = bullet->gathered_room;
+    bullet->gathered = bullet->contacts;
+    bullet->gathered_room = bullet->contact_room;
+    bullet->contacts = contacts;
+    bullet->contact_room = room;
+    bullet->contact_count = count;
+    return SHV_OK;
+}
+
+static bool is_moved(const ShvBulletFlyer *flyer)
+{
+    return flyer->moves && !flyer->leaves && !flyer->asleep;
+}
+
+static ShvStatus gather_motions(ShvBullet *bullet, ShvError *error)
+{
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->motions, bullet->motion_room, bullet->flyer_count,
+                        "bodies with contacts", error);
+    bullet->motion_count = 0;
+    for (int32_t i = 0; i < bullet->flyer_count; i++) {
+        ShvBulletFlyer *flyer = &bullet->flyers[i];
+        if (!is_moved(flyer)) continue;
+        enter(bullet, flyer);
+        if (!flyer->solved) continue;
+        ShvBulletMotion *motion = &bullet->motions[bullet->motion_count++];
+        *motion = (ShvBulletMotion){.body = flyer->number};
         shv_store3(motion->velocity, flyer->new_velocity);
         shv_store3(motion->spin, flyer->new_spin);
     }
+    return SHV_OK;
 }
 
-static void take_motions(ShvBullet *bullet, const int32_t *members, int32_t count)
+ShvStatus shv_bullet_gather(ShvBullet *bullet, ShvBulletTask *task, ShvError *error)
 {
-    for (int32_t i = 0; i < count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[members[i]];
+    SHV_TRY(gather_contacts(bullet, error));
+    SHV_TRY(gather_motions(bullet, error));
+    for (int32_t i = 0; i < bullet->meeting_count; i++) {
+        const ShvBulletMeeting *meeting = &bullet->meetings[i];
+        const ShvBulletMeeting *last = meeting->contact_count > 0 ? last_of(bullet, meeting) : NULL;
+        for (int32_t k = 0; k < meeting->contact_count; k++)
+            set_contact(bullet, meeting, last, &bullet->contacts[meeting->contact_begin + k]);
+    }
+    for (int32_t i = 0; i < bullet->motion_count; i++)
+        bullet->motions[i].give = give_of(&bullet->flyers[shv_bullet_place(bullet, bullet->motions[i].body)]);
+    *task = (ShvBulletTask){.motions = bullet->motions,
+                            .motion_count = bullet->motion_count,
+                            .contacts = bullet->contacts,
+                            .contact_count = bullet->contact_count,
+                            .rest = bullet->rest};
+    return SHV_OK;
+}
+
+/* Islands go by their first flyer. */
+void shv_bullet_take_motions(ShvBullet *bullet)
+{
+    for (int32_t i = 0; i < bullet->motion_count; i++) {
         const ShvBulletMotion *motion = &bullet->motions[i];
+        ShvBulletFlyer *flyer = &bullet->flyers[shv_bullet_place(bullet, motion->body)];
+        flyer->island = shv_bullet_place(bullet, bullet->motions[motion->island].body);
         flyer->new_velocity = shv_load3(motion->velocity);
         flyer->new_spin = shv_load3(motion->spin);
         flyer->push = shv_load3(motion->push);
         flyer->turn = shv_load3(motion->turn);
     }
-}
-
-/* What every contact of the island's meetings leaves, in one list. */
-static ShvStatus gather_contacts(ShvBullet *bullet, const int32_t *meetings, int32_t count, int32_t *contacts,
-                                 ShvError *error)
-{
-    *contacts = 0;
-    for (int32_t k = 0; k < count; k++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[meetings[k]];
-        const ShvBulletMeeting *last = last_of(bullet, meeting);
-        SHV_BACKEND_RESERVE(&bullet->backend, bullet->island_contacts, bullet->island_room,
-                            (int64_t)*contacts + meeting->contact_count, "contacts of bodies", error);
-        for (int32_t i = 0; i < meeting->contact_count; i++) {
-            ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + i];
-            set_contact(bullet, meeting, last, contact);
-            bullet->island_contacts[(*contacts)++] = *contact;
-        }
-    }
-    return SHV_OK;
-}
-
-static void return_contacts(ShvBullet *bullet, const int32_t *meetings, int32_t count)
-{
-    const ShvBulletContact *solved = bullet->island_contacts;
-    for (int32_t k = 0; k < count; k++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[meetings[k]];
-        for (int32_t i = 0; i < meeting->contact_count; i++) bullet->contacts[meeting->contact_begin + i] = *solved++;
-    }
-}
-
-static int32_t most_iterations(int32_t contacts)
-{
-    const int32_t affordable = ROW_BUDGET / (contacts > 0 ? contacts : 1);
-    if (affordable > MOST_ITERATIONS) return MOST_ITERATIONS;
-    return affordable > FEWEST_ITERATIONS ? affordable : FEWEST_ITERATIONS;
-}
-
-static ShvStatus solve_island(ShvBullet *bullet, const int32_t *meetings, int32_t count, const int32_t *members,
-                              int32_t member_count, ShvError *error)
-{
-    int32_t contacts;
-    SHV_TRY(gather_contacts(bullet, meetings, count, &contacts, error));
-    gather_motions(bullet, members, member_count);
-    double fastest = 0.0;
-    for (int32_t i = 0; i < member_count; i++)
-        fastest = fmax(fastest, shv_norm(bullet->flyers[members[i]].new_velocity));
-    const ShvBulletSolve settings = {.iterations = most_iterations(contacts),
-                                     .tolerance = fmax(1e-5 * bullet->rest, 1e-10 * fastest)};
-    SHV_TRY(shv_bullet_world_solve(bullet->bullet, bullet->motions, member_count, bullet->island_contacts, contacts,
-                                   &settings, error));
-    take_motions(bullet, members, member_count);
-    return_contacts(bullet, meetings, count);
-    return SHV_OK;
-}
-
-/* Items by island, each island's together and in order: begin[i] … begin[i + 1] − 1 of `list` are those of island i. `keys`
-   are the islands of the items, −1: of none. */
-static void sort_by_island(const int32_t *keys, int32_t count, int32_t *begin, int32_t islands, int32_t *list)
-{
-    for (int32_t i = 0; i <= islands; i++) begin[i] = 0;
-    for (int32_t k = 0; k < count; k++)
-        if (keys[k] >= 0) begin[keys[k] + 1]++;
-    for (int32_t i = 0; i < islands; i++) begin[i + 1] += begin[i];
-    for (int32_t k = 0; k < count; k++)
-        if (keys[k] >= 0) list[begin[keys[k]]++] = k;
-    for (int32_t i = islands; i > 0; i--) begin[i] = begin[i - 1];
-    begin[0] = 0;
-}
-
-static ShvStatus reserve_lists(ShvBullet *bullet, ShvError *error)
-{
-    const int64_t flyers = bullet->flyer_count, meetings = bullet->meeting_count;
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->motions, bullet->motion_room, flyers, "bodies of an island", error);
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->lists, bullet->list_room,
-                        2 * (flyers + 1) + 2 * flyers + 2 * meetings, "lists of islands", error);
-    return SHV_OK;
-}
-
-ShvStatus shv_bullet_solve(ShvBullet *bullet, ShvError *error)
-{
-    const int32_t flyers = bullet->flyer_count, meetings = bullet->meeting_count;
-    SHV_TRY(reserve_lists(bullet, error));
-    find_islands(bullet);
-    int32_t *member_begin = bullet->lists, *meeting_begin = member_begin + flyers + 1;
-    int32_t *members = meeting_begin + flyers + 1, *keys = members + flyers,
-            *own = keys + (flyers > meetings ? flyers : meetings);
-    for (int32_t i = 0; i < flyers; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        const bool in = flyer->moves && !flyer->leaves && !flyer->asleep;
-        if (in) enter(bullet, flyer);
-        keys[i] = in && flyer->solved ? flyer->island : -1;
-    }
-    sort_by_island(keys, flyers, member_begin, flyers, members);
-    for (int32_t i = 0; i < meetings; i++)
-        keys[i] = takes_part(bullet, &bullet->meetings[i]) ? island_of(bullet, &bullet->meetings[i]) : -1;
-    sort_by_island(keys, meetings, meeting_begin, flyers, own);
-    for (int32_t i = 0; i < flyers; i++) {
-        const int32_t count = meeting_begin[i + 1] - meeting_begin[i];
-        if (count == 0) continue;
-        SHV_TRY(solve_island(bullet, own + meeting_begin[i], count, members + member_begin[i],
-                             member_begin[i + 1] - member_begin[i], error));
-    }
-    return SHV_OK;
 }

@@ -1,8 +1,10 @@
 /* The Bullet backend's step, a file a part:
 
-     find    pairs and contacts where everything stands at the start; when pairs that close fast meet  (bullet_find.c)
+     pairs   Bullet's broadphase
+     find    contacts where everything stands at the start; when pairs that close fast meet             (bullet_find.c)
      judge   contacts that wake a fragment take it out                                                 (bullet_judge.c)
-     solve   what every contact leaves at least; Bullet's impulses, island by island                    (bullet_solve.c)
+     gather  what every contact leaves at least, and whom it moves                                     (bullet_solve.c)
+     solve   Bullet's islands and impulses
      guard   what has been struck and meets something fast again in the same step waits there          (bullet_guard.c)
      move    poses at the end, works, rest                                                              (bullet_move.c)
 
@@ -58,11 +60,10 @@ typedef struct ShvBullet {
     int32_t contact_count, contact_room, trace_room, last_trace_room;
     ShvBulletMoment *order; /* meetings with impacts, by time */
     int32_t order_count, order_room;
-    /* one island */
-    ShvBulletMotion *motions;
-    ShvBulletContact *island_contacts;
-    int32_t *lists; /* bodies and meetings by island */
-    int32_t motion_room, island_room, list_room;
+    ShvBulletMotion *motions;   /* of flyers that contacts move, in their order */
+    ShvBulletContact *gathered; /* takes the place of `contacts`, without those that take no part */
+    int32_t *heaps;             /* of flyers: disjoint sets of what touched before the step */
+    int32_t motion_count, motion_room, gathered_room, heap_room;
     /* the step */
     ShvVec3 gravity;
     double time, step, last_step;
@@ -102,10 +103,12 @@ bool shv_bullet_is_active(const ShvBulletFlyer *flyer);
 /* Tells Bullet where a flyer gets in a time from its present state. */
 ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletFlyer *flyer, double time, ShvError *error);
 
-ShvStatus shv_bullet_find(ShvBullet *bullet, ShvError *error);
-void shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
-                      int32_t *wake_count);
-ShvStatus shv_bullet_solve(ShvBullet *bullet, ShvError *error);
+ShvStatus shv_bullet_place_all(ShvBullet *bullet, ShvError *error);
+ShvStatus shv_bullet_find(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error);
+ShvStatus shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
+                           int32_t *wake_count, ShvError *error);
+ShvStatus shv_bullet_gather(ShvBullet *bullet, ShvBulletTask *task, ShvError *error);
+void shv_bullet_take_motions(ShvBullet *bullet);
 ShvStatus shv_bullet_guard(ShvBullet *bullet, ShvError *error);
 void shv_bullet_move(ShvBullet *bullet);
 

@@ -810,6 +810,31 @@ static const ShvTable pbd_table = {.name = "pbd",
                                        "rigid motion. Serves `rigid.engine: pbd` and `fracture.stabiliser: bars`.",
                                    .keys = pbd_keys,
                                    .key_count = LENGTH_OF(pbd_keys)};
+static const ShvKey bullet_keys[] = {
+    {"exact_flight", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.exact_flight),
+     .sentence = "Between contacts a parabola, and free rotation that keeps angular momentum and energy; otherwise "
+                 "steps of first order, as Bullet takes them."},
+    {"times_of_impact", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.times_of_impact),
+     .sentence = "What closes fast meets at its own moment within a step and rebounds there; otherwise it is braked "
+                 "before the touch, and only what touches at the start of a step rebounds."},
+    {"exact_contacts", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.exact_contacts),
+     .sentence = "Contacts are found on the hulls themselves, whole faces at once; otherwise by Bullet's algorithms."},
+    {"settled_impulses", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.settled_impulses),
+     .sentence = "Impulses are swept to a tolerance, with mixed sweeps where masses differ much, and friction keeps "
+                 "to the cone; otherwise Bullet's ten sweeps, friction in two directions by themselves."},
+    {"touching_islands", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.touching_islands),
+     .sentence = "Bodies that touch are solved together; otherwise those whose boxes meet, as Bullet has it."},
+    {"keep_overlaps", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.keep_overlaps),
+     .sentence = "Overlaps that a body comes with are let be, and shrink as the pair parts or slides; otherwise they "
+                 "are undone at once."},
+};
+static const ShvTable bullet_table = {
+    .name = "bullet",
+    .sentence =
+        "What departs from a Bullet world as it comes with `rigid.engine: bullet`. Each can be left out, to see "
+        "what it is good for.",
+    .keys = bullet_keys,
+    .key_count = LENGTH_OF(bullet_keys)};
 static const ShvKey bullet_plain_keys[] = {
     {"unit", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &positive, .offset = SCENE(bullet_plain.unit),
      .sentence =
@@ -957,6 +982,7 @@ static const ShvKey scene_keys[] = {
     {"probes", SHV_KEY_NAMED, .table = &probe_table, .offset = ITEMS(probes), .sentence = "Probes by name."},
     {"rigid", SHV_KEY_MAPPING, .table = &rigid_table, .sentence = "Flight between impacts."},
     {"pbd", SHV_KEY_MAPPING, .table = &pbd_table, .sentence = "Bars and damping of position based dynamics."},
+    {"bullet", SHV_KEY_MAPPING, .table = &bullet_table, .sentence = "Overrides of Bullet."},
     {"bullet_plain", SHV_KEY_MAPPING, .table = &bullet_plain_table, .sentence = "Overrides of plain Bullet."},
     {"fracture", SHV_KEY_MAPPING, .table = &fracture_table, .sentence = "Deformation and fracture."},
     {"audit", SHV_KEY_MAPPING, .table = &audit_table, .sentence = "Bounds on mode switches."},

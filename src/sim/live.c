@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "bullet_bridge/convex_overlap.h"
 #include "contact/box.h"
 #include "shiver/run_file.h"
 #include "sim/internal.h"
@@ -116,13 +117,6 @@ static ShvVec3 corner(const Tets *tets, int32_t tet, int k)
     return shv_load3(tets->corners + 12 * (int64_t)tet + 3 * k);
 }
 
-static ShvVec3 middle(const Tets *tets, int32_t tet)
-{
-    ShvVec3 sum = {0.0, 0.0, 0.0};
-    for (int k = 0; k < 4; k++) sum = shv_madd(sum, 0.25, corner(tets, tet, k));
-    return sum;
-}
-
 /* By the four signed volumes; what lies in a face is outside. */
 static bool holds(const Tets *tets, int32_t tet, ShvVec3 point)
 {
@@ -145,14 +139,6 @@ static ShvBox box_of(const Tets *tets, int32_t tet)
     return box;
 }
 
-static bool meet(const Tets *a, int32_t i, const Tets *b, int32_t k)
-{
-    if (holds(a, i, middle(b, k)) || holds(b, k, middle(a, i))) return true;
-    for (int n = 0; n < 4; n++)
-        if (holds(a, i, corner(b, k, n)) || holds(b, k, corner(a, i, n))) return true;
-    return false;
-}
-
 /* Which object's tets some tet of the newcomer stands in; −1: none. */
 static int32_t find_object_in_the_way(const ShvHybrid *hybrid, const Tets *all, const Tets *newcomer)
 {
@@ -162,7 +148,9 @@ static int32_t find_object_in_the_way(const ShvHybrid *hybrid, const Tets *all, 
         if (owner->mode == SHV_MODE_BINNED || !shv_box_meets(&box, &newcomer->box)) continue;
         for (int32_t k = 0; k < newcomer->count; k++) {
             const ShvBox other = box_of(newcomer, k);
-            if (shv_box_meets(&box, &other) && meet(all, e, newcomer, k)) return owner->object;
+            if (!shv_box_meets(&box, &other)) continue;
+            if (shv_convex_overlap(all->corners + 12 * (int64_t)e, 4, newcomer->corners + 12 * (int64_t)k, 4))
+                return owner->object;
         }
     }
     return -1;

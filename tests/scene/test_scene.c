@@ -306,6 +306,9 @@ static void check_rest(const ShvSceneDefinition *scene)
     assert_int_equal(scene->pbd.form, SHV_BARS_ELEMENT);
     same(scene->pbd.damping, 0.5);
     assert_true(scene->pbd.exact_rotation);
+    const ShvBulletDefinition *bullet = &scene->rigid.bullet;
+    assert_false(bullet->exact_flight || bullet->times_of_impact || bullet->exact_contacts);
+    assert_false(bullet->settled_impulses || bullet->touching_islands || bullet->keep_overlaps);
     same(scene->bullet_plain.unit, 0.05);
     same(scene->bullet_plain.margin, 0.001);
     assert_true(scene->bullet_plain.exact_flight && scene->bullet_plain.sharp_impacts);
