@@ -1,6 +1,6 @@
 #include "fuzz.h"
 
-#include "verify/formula.h"
+#include "evaluate/formula.h"
 
 static bool find(void *data, const char *name, ShvFormulaValue *value)
 {
