@@ -12,6 +12,8 @@ typedef struct ShvBodyState {
     ShvVec3 velocity, angular_velocity; /* world */
 } ShvBodyState;
 
+enum { SHV_BODY_NUMBERS = sizeof(ShvBodyState) / sizeof(double) };
+
 typedef struct ShvBody {
     const char *name;
     double mass;      /* kg */

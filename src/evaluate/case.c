@@ -13,7 +13,11 @@ static const ShvRange version = {1.0, 1.0, false, false}, not_negative = {0.0, (
 
 #define RUN(member) offsetof(ShvCaseRun, member)
 static const ShvKey run_keys[] = {
+    {"title", SHV_KEY_TEXT, .offset = RUN(title), .sentence = "What the tables call it; its name unless given."},
+    {"scene", SHV_KEY_TEXT, .offset = RUN(scene), .sentence = "Another scene file than the case's."},
     {"set", SHV_KEY_TEXT, .offset = RUN(set), .sentence = "Overrides of the scene, one a line."},
+    {"expect", SHV_KEY_TEXT, .offset = RUN(expect), .sentence = "What must hold of this run, one a line."},
+    {"explained", SHV_KEY_TEXT, .offset = RUN(explained), .sentence = "Why it does not."},
     {"let", SHV_KEY_TEXT, .offset = RUN(let), .sentence = "Variables of this run, one a line."},
     {"full", SHV_KEY_BOOLEAN, .offset = RUN(full), .sentence = "Left out of the short set."},
 };
@@ -83,8 +87,7 @@ static const ShvKey case_keys[] = {
     {"short", SHV_KEY_BOOLEAN, .offset = CASE(in_short), .sentence = "Part of the short set."},
     {"let", SHV_KEY_TEXT, .offset = CASE(let), .sentence = "Variables, one a line."},
     {"runs", SHV_KEY_NAMED, .table = &run_table, .offset = CASE(runs), .sentence = "Runs by name."},
-    {"quantities", SHV_KEY_LIST, .flags = SHV_KEY_REQUIRED, .table = &quantity_table, .offset = CASE(quantities),
-     .sentence = "What is compared."},
+    {"quantities", SHV_KEY_LIST, .table = &quantity_table, .offset = CASE(quantities), .sentence = "What is compared."},
 };
 static void start_case(void *item)
 {
@@ -123,5 +126,9 @@ ShvCaseItem *shv_case_read(const char *text, size_t length, ShvPool *work, ShvPo
     if (work->failed || texts->failed) return NULL;
     const ShvCaseQuantity *quantities = item->quantities.data;
     for (int32_t i = 0; i < item->quantities.count; i++) check_quantity(&quantities[i], diagnostics);
+    const ShvCaseRun *runs = item->runs.data;
+    bool any = item->quantities.count > 0;
+    for (int32_t i = 0; i < item->runs.count; i++) any |= runs[i].expect != NULL;
+    if (!any) shv_error(diagnostics, root->place, "the case compares nothing; give it 'quantities', or runs 'expect'");
     return shv_diagnostics_errors(diagnostics) > 0 ? NULL : item;
 }

@@ -7,7 +7,8 @@
 
 typedef struct ShvCaseRun {
     ShvItemHead head;
-    const char *set, *let;
+    const char *title, *scene, *set, *let; /* NULL: not given */
+    const char *expect, *explained;
     bool full; /* only with the full set */
 } ShvCaseRun;
 

@@ -11,6 +11,8 @@ typedef struct ShvCrackFacet {
     ShvVec3 corners[3];
 } ShvCrackFacet;
 
+enum { SHV_FACET_NUMBERS = 12 }; /* nodes, then corners */
+
 typedef struct ShvCrackSurface {
     uint64_t mesh; /* hash of positions and elements of the reference mesh; 0: nothing is known of the cracks */
     ShvCrackFacet *facets;

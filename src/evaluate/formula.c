@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/measure.h"
+#include "evaluate/reduction.h"
 
 enum { LONGEST_NAME = 128, DEEPEST = 64 };
 
@@ -83,6 +83,27 @@ static const struct {
 } functions[] = {{"sqrt", sqrt}, {"abs", fabs},  {"exp", exp},   {"log", log},     {"sin", sin},  {"cos", cos},
                  {"tan", tan},   {"sinh", sinh}, {"cosh", cosh}, {"asinh", asinh}, {"atan", atan}};
 
+/* Part of a whole that may be nothing: 0 of nothing is 0. */
+static double over(double part, double whole)
+{
+    return part == 0.0 ? 0.0 : whole != 0.0 ? part / whole : (double)NAN;
+}
+
+static double share(double value, double reference)
+{
+    return over(fabs(value - reference), fabs(reference));
+}
+
+static double nonzero(double value, double otherwise)
+{
+    return fabs(value) > 0.0 ? value : otherwise;
+}
+
+static const struct {
+    const char *name;
+    double (*of)(double, double);
+} pairs[] = {{"min", fmin}, {"max", fmax}, {"over", over}, {"share", share}, {"nonzero", nonzero}};
+
 static ShvStatus apply(Parser *parser, double (*of)(double), ShvFormulaValue *value)
 {
     if (!value->series) {
@@ -108,7 +129,7 @@ static ShvStatus parse_arguments(Parser *parser, ShvFormulaValue *arguments, int
     return take(parser, ')') ? SHV_OK : fail(parser, "expected ',' or ')'");
 }
 
-static ShvStatus measure(Parser *parser, const ShvMeasure *found, const ShvFormulaValue *arguments, int count,
+static ShvStatus measure(Parser *parser, const ShvReduction *found, const ShvFormulaValue *arguments, int count,
                          ShvFormulaValue *value)
 {
     double numbers[SHV_MOST_ARGUMENTS];
@@ -144,14 +165,13 @@ static ShvStatus parse_call(Parser *parser, const char *name, ShvFormulaValue *v
     ShvFormulaValue arguments[SHV_MOST_ARGUMENTS];
     int count;
     SHV_TRY(parse_arguments(parser, arguments, &count));
-    const bool most = strcmp(name, "max") == 0, two = count == 2 && (most || strcmp(name, "min") == 0);
-    if (two && !arguments[0].series && !arguments[1].series) {
-        const double a = arguments[0].number, b = arguments[1].number;
-        *value = (ShvFormulaValue){.number = most ? fmax(a, b) : fmin(a, b)};
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        if (count != 2 || arguments[0].series || arguments[1].series || strcmp(pairs[i].name, name) != 0) continue;
+        *value = (ShvFormulaValue){.number = pairs[i].of(arguments[0].number, arguments[1].number)};
         return SHV_OK;
     }
     if (strcmp(name, "window") == 0) return cut(parser, arguments, count, value);
-    const ShvMeasure *found = shv_measure_find(name);
+    const ShvReduction *found = shv_reduction_find(name);
     if (found) return measure(parser, found, arguments, count, value);
     for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
         if (strcmp(functions[i].name, name) != 0) continue;
@@ -164,6 +184,21 @@ static ShvStatus parse_call(Parser *parser, const char *name, ShvFormulaValue *v
 
 /* ---- grammar ---- */
 
+/* A function of a run, whose name is all that stands in the parentheses. */
+static bool of_run(Parser *parser, const char *function, ShvFormulaValue *value)
+{
+    char name[LONGEST_NAME];
+    const char *start = parser->at + strspn(parser->at, " ");
+    size_t length = 0;
+    while (isalnum((unsigned char)start[length]) || start[length] == '_') length++;
+    if (!parser->names->call || length == 0 || length >= sizeof name || start[length] != ')') return false;
+    memcpy(name, start, length);
+    name[length] = '\0';
+    if (!parser->names->call(parser->names->data, function, name, value)) return false;
+    parser->at = start + length + 1;
+    return true;
+}
+
 static ShvStatus parse_name(Parser *parser, ShvFormulaValue *value)
 {
     char name[LONGEST_NAME];
@@ -173,7 +208,7 @@ static ShvStatus parse_name(Parser *parser, ShvFormulaValue *value)
         name[length++] = *parser->at++;
     }
     name[length] = '\0';
-    if (take(parser, '(')) return parse_call(parser, name, value);
+    if (take(parser, '(')) return of_run(parser, name, value) ? SHV_OK : parse_call(parser, name, value);
     if (strcmp(name, "pi") == 0) {
         *value = (ShvFormulaValue){.number = 3.14159265358979323846};
         return SHV_OK;

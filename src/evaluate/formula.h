@@ -4,7 +4,10 @@
    value; two series in one operation must have the same times. Values that are NaN count as not recorded.
      sqrt abs exp log sin cos tan sinh cosh asinh atan
      min(a, b) max(a, b)            of two numbers
-     min max mean rms slope integral (s [, from, to])   slope: least squares, 1/s; integral: trapezia
+     over(a, b) share(a, b)         a / b and |a − b| / |b|, where 0 of 0 is 0
+     nonzero(a, b)                  a, or b where a is 0 or not a number
+     min max mean rms slope integral sum rise fall (s [, from, to])
+                                    slope: least squares, 1/s; integral: trapezia; rise, fall: Σ of changes up, down
      window(s, from, to)            the series, as if nothing else had been recorded
      first last (s)  at(s, time)
      arrival departure duration (s, level)   first and last time on the other side of `level` than the first value or, where that
@@ -26,6 +29,8 @@ typedef struct ShvFormulaValue {
 typedef struct ShvFormulaNames {
     /* False when there is no such name. */
     bool (*find)(void *data, const char *name, ShvFormulaValue *value);
+    /* A function of a run by name, as in crack_distance(fine); false when there is no such function or run. May be NULL. */
+    bool (*call)(void *data, const char *function, const char *run, ShvFormulaValue *value);
     void *data;
     ShvPool *pool; /* of intermediate series */
 } ShvFormulaNames;

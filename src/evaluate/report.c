@@ -38,9 +38,9 @@ static void put_share(char *cell, double value, bool absolute, bool sign)
 
 static Cells cells_of(const ShvVerifyRow *row)
 {
-    static const char *const relations[] = {"", "≤ ", "≥ ", ""};
+    static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
     Cells cells;
-    put_number(cells.reference, relations[row->compare], row->reference, "");
+    put_number(cells.reference, (row->strict ? strict : relations)[row->compare], row->reference, "");
     put_number(cells.value, "", row->value, "");
     put_share(cells.error, row->error, row->absolute, true);
     put_share(cells.tolerance, row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : row->tolerance, row->absolute, false);

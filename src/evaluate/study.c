@@ -10,6 +10,8 @@
 #include "base/random.h"
 #include "base/text.h"
 #include "evaluate/inputs.h"
+#include "evaluate/run.h"
+#include "evaluate/way.h"
 #include "record/checkpoint.h"
 #include "scene/source.h"
 #include "shiver/version.h"
@@ -29,7 +31,7 @@ const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index)
 bool shv_study_tracks(const ShvStudy *study)
 {
     for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (shv_study_measure_of(study->plan.measures[i])->track) return true;
+        if (shv_measure_tracks(&study->plan.measures[i])) return true;
     return false;
 }
 
@@ -136,15 +138,17 @@ static ShvStatus make_folders(const ShvStudy *study, ShvError *error)
     return status;
 }
 
-ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvDigest *digest, ShvError *error)
+ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error)
 {
     char *path;
-    *digest = (ShvDigest){.memory = study->memory};
+    *outcome = (ShvOutcome){.memory = study->memory};
     SHV_TRY(shv_study_path(study, run, NULL, &path, error));
-    ShvStatus status = shv_digest_load(digest, path, study->memory, error);
-    if (status == SHV_OK && (digest->key != study->keys[run] || (shv_study_tracks(study) && !digest->tracked))) {
+    ShvStatus status = shv_outcome_load(outcome, path, study->memory, error);
+    if (status == SHV_OK &&
+        (outcome->key != study->keys[run] ||
+         (outcome->status == SHV_OK && shv_study_tracks(study) && !shv_outcome_find(outcome, "track")))) {
         status = shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
-        shv_digest_release(digest);
+        shv_outcome_release(outcome);
     }
     shv_release(path);
     return status;
@@ -153,11 +157,11 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvDigest *digest, 
 /* A run that was timed beside others does not count where times matter. */
 static bool is_done(const ShvStudy *study, int32_t run)
 {
-    ShvDigest digest;
+    ShvOutcome outcome;
     ShvError ignored;
-    if (shv_study_load(study, run, &digest, &ignored) != SHV_OK) return false;
-    const bool done = study->options.shared || !digest.shared;
-    shv_digest_release(&digest);
+    if (shv_study_load(study, run, &outcome, &ignored) != SHV_OK) return false;
+    const bool done = study->options.shared || !outcome.shared;
+    shv_outcome_release(&outcome);
     return done;
 }
 
@@ -180,23 +184,65 @@ static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file
 {
     size_t length;
     const ShvStudyOptions *options = &study->options;
-    SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, scene, SHV_SCENE_LARGEST_BYTES, &study->text, &study->length,
-                          error));
+    if (options->scene_text) {
+        study->length = strlen(options->scene_text);
+        study->text = shv_copy_text(study->memory, SHV_PART_SCENE, options->scene_text);
+        if (!study->text) return shv_fail_memory(error, "a scene", study->length);
+    } else {
+        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, scene, SHV_SCENE_LARGEST_BYTES, &study->text,
+                              &study->length, error));
+    }
     SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->folder, error));
-    SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, file, &study->study_folder, error));
-    SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, &study->study_text, &length,
-                          error));
+    if (!file) {
+        file = "the comparison";
+        length = strlen(options->plan);
+        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->study_folder, error));
+        study->study_text = shv_copy_text(study->memory, SHV_PART_SCENE, options->plan);
+        if (!study->study_text) return shv_fail_memory(error, "a study", length);
+    } else {
+        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, file, &study->study_folder, error));
+        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, &study->study_text, &length,
+                              error));
+    }
     SHV_TRY(shv_study_plan_read(&study->plan, study->study_text, length, file, options->overrides,
                                 options->override_count, study->memory, error));
     study->setting_count = study->plan.setting_count + (study->plan.reference == SHV_STUDY_SETTING ? 1 : 0);
     return make_keys(study, file, error);
 }
 
+/* A reference that is one of the settings is not run besides. */
+static int32_t same_setting(const ShvStudy *study)
+{
+    const int32_t members = study->plan.members, own = study->plan.setting_count;
+    for (int32_t i = 0; i < own; i++)
+        if (study->keys[i * members] == study->keys[own * members]) return i;
+    return -1;
+}
+
 static ShvStatus find_reference(ShvStudy *study, ShvError *error)
 {
     study->reference = study->plan.reference == SHV_STUDY_SETTING ? study->plan.setting_count : -1;
+    const int32_t same = study->reference < 0 ? -1 : same_setting(study);
+    if (same >= 0) {
+        study->reference = same;
+        study->setting_count = study->plan.setting_count;
+    }
     if (study->plan.reference == SHV_STUDY_FINEST) return shv_study_finest(study, &study->reference, error);
     return SHV_OK;
+}
+
+/* What bodies are compared with must fit the scene before anything is run. */
+static ShvStatus check_way(const ShvStudy *study, ShvError *error)
+{
+    ShvScene *scene;
+    ShvWay way;
+    if (!shv_study_tracks(study)) return SHV_OK;
+    SHV_TRY(shv_study_scene(study, 0, &scene, error));
+    const ShvStatus status = shv_way_open(&way, shv_scene_definition(scene), shv_scene_folder(scene),
+                                          study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    shv_way_close(&way);
+    shv_scene_destroy(scene);
+    return status;
 }
 
 ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, const ShvStudyOptions *options,
@@ -211,6 +257,7 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) status = find_reference(made, error);
+    if (status == SHV_OK) status = check_way(made, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;
@@ -260,7 +307,7 @@ static void tell(const ShvStudy *study, int32_t run)
 }
 
 static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
-                           ShvDigest *digest, ShvError *error)
+                           ShvOutcome *outcome, ShvError *error)
 {
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
     const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
@@ -268,18 +315,19 @@ static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *s
     ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
     if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
     const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
-    const ShvDigestOrder order = {.scene = &member,
-                                  .folder = shv_scene_folder(scene),
-                                  .memory = study->memory,
-                                  .multiple = setting->multiple,
-                                  .repeats = study->plan.repeats,
-                                  .audit_wakes = study->plan.audit_wakes,
-                                  .tracked = shv_study_tracks(study),
-                                  .checkpoint = path,
-                                  .key = study->keys[run],
-                                  .stop = study->options.stop,
-                                  .stop_data = study->options.stop_data};
-    const ShvStatus status = shv_digest_run(digest, &order, error);
+    const ShvRunOrder order = {.scene = &member,
+                               .folder = shv_scene_folder(scene),
+                               .memory = study->memory,
+                               .multiple = setting->multiple,
+                               .repeats = study->plan.repeats,
+                               .repeat_below = study->options.repeat_below,
+                               .audit_wakes = study->plan.audit_wakes,
+                               .tracked = shv_study_tracks(study),
+                               .checkpoint = path,
+                               .key = study->keys[run],
+                               .stop = study->options.stop,
+                               .stop_data = study->options.stop_data};
+    const ShvStatus status = shv_run_scene(outcome, &order, error);
     shv_release(objects);
     return status;
 }
@@ -287,18 +335,18 @@ static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *s
 static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
 {
     ShvScene *scene;
-    ShvDigest digest = {.memory = study->memory};
+    ShvOutcome outcome = {.memory = study->memory};
     char *path = NULL;
     tell(study, run);
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
     ShvStatus status = shv_study_path(study, run, NULL, &path, error);
-    if (status == SHV_OK) status = run_scene(study, run, scene, path, &digest, error);
-    digest.key = study->keys[run];
-    digest.shared = study->options.shared;
-    if (status == SHV_OK) status = shv_digest_save(&digest, path, error);
+    if (status == SHV_OK) status = run_scene(study, run, scene, path, &outcome, error);
+    outcome.key = study->keys[run];
+    outcome.shared = study->options.shared;
+    if (status == SHV_OK) status = shv_outcome_save(&outcome, path, error);
     if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
     shv_release(path);
-    shv_digest_release(&digest);
+    shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;
 }

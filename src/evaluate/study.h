@@ -2,6 +2,8 @@
 #ifndef SHV_EVALUATE_STUDY_H
 #define SHV_EVALUATE_STUDY_H
 
+#include "base/timer.h"
+#include "evaluate/outcome.h"
 #include "evaluate/plot.h"
 #include "evaluate/study_plan.h"
 #include "shiver/scene.h"
@@ -9,10 +11,11 @@
 
 typedef struct ShvStudyResult {
     ShvStudyRow row;
-    double values[SHV_MEASURE_COUNT], errors[SHV_MEASURE_COUNT]; /* by measure of the study, as in its list */
-    double errors_low[SHV_MEASURE_COUNT], errors_high[SHV_MEASURE_COUNT];
+    double values[SHV_STUDY_MOST_MEASURES],
+        errors[SHV_STUDY_MOST_MEASURES]; /* by measure of the study, as in its list */
+    double errors_low[SHV_STUDY_MOST_MEASURES], errors_high[SHV_STUDY_MOST_MEASURES];
     double costs[SHV_COST_COUNT];
-    bool on_front[SHV_MEASURE_COUNT];
+    bool on_front[SHV_STUDY_MOST_MEASURES];
 } ShvStudyResult;
 
 /* Room for one figure, taken with the results, so that drawing cannot fail. */
@@ -36,7 +39,7 @@ struct ShvStudy {
     /* after measuring */
     ShvStudyResult *results;
     ShvStudyFigure figure;
-    double scatter[SHV_MEASURE_COUNT];
+    double scatter[SHV_STUDY_MOST_MEASURES];
     char reference_name[256], processor[128];
     bool timings_valid, same_processor;
 };
@@ -50,8 +53,8 @@ ShvStatus shv_study_scene(const ShvStudy *study, int32_t setting, ShvScene **sce
 /* The definition of a member: seed or places changed. `objects` has room for the scene's objects. */
 ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinition *scene, int32_t member,
                                     ShvObjectDefinition *objects);
-/* The digest of a run, of which key and needs must fit; else SHV_BAD_INPUT or SHV_FILE_ERROR. */
-ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvDigest *digest, ShvError *error);
+/* What is kept of a run, of which key and needs must fit; else SHV_BAD_INPUT or SHV_FILE_ERROR. */
+ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error);
 /* "runs" folder and file of a run, or a file of the report with run −1; the caller releases *path. */
 ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error);
 

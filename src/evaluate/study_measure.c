@@ -3,130 +3,134 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "evaluate/gather.h"
+#include "evaluate/names.h"
 #include "evaluate/study.h"
 
 /* What one measuring works with. */
 typedef struct Judge {
     ShvStudy *study;
-    ShvDigest *references; /* one a member; a run file stands for all; none with a closed form */
+    ShvOutcome *references; /* one a member; a run file stands for all; none with a closed form */
     int32_t reference_count;
     double *samples; /* measures × members: errors, then values, then run times */
 } Judge;
 
-/* Bodies and closed forms of one setting, for measures that follow bodies. */
-typedef struct Way {
+/* What one judging works with. */
+typedef struct Bench {
     ShvScene *scene;
-    ShvComparison comparison;
-} Way;
+    ShvWay way;
+    ShvPool series;
+} Bench;
 
-/* ---- the way of bodies ---- */
-
-static ShvStatus look_at_start(const ShvStudy *study, Way *way, ShvError *error)
+static void close_bench(Bench *bench)
 {
-    ShvSimulation *simulation;
-    ShvSimulationOptions options = shv_simulation_options_default();
-    ShvComparison *comparison = &way->comparison;
-    options.folder = shv_scene_folder(way->scene);
-    options.memory = study->memory;
-    SHV_TRY(shv_simulation_create(&simulation, comparison->scene, &options, error));
-    ShvStatus status = shv_simulation_advance(simulation, error);
-    if (status == SHV_OK)
-        status = shv_bodies_create(&comparison->bodies, comparison->scene, shv_simulation_frame(simulation),
-                                   study->memory, error);
-    if (status == SHV_OK && study->plan.reference == SHV_STUDY_CLOSED)
-        status = shv_compare_with_closed_form(comparison, simulation, error);
-    for (int32_t i = 0; i < comparison->bodies.count && study->plan.reference != SHV_STUDY_CLOSED; i++)
-        comparison->bodies.items[i].chosen = true;
-    shv_simulation_destroy(simulation);
+    shv_way_close(&bench->way);
+    shv_scene_destroy(bench->scene);
+    shv_pool_release(&bench->series);
+}
+
+static ShvStatus open_bench(const ShvStudy *study, int32_t setting, Bench *bench, ShvError *error)
+{
+    *bench = (Bench){.series = {.memory = study->memory}};
+    if (!shv_study_tracks(study)) return SHV_OK;
+    SHV_TRY(shv_study_scene(study, setting, &bench->scene, error));
+    const ShvStatus status =
+        shv_way_open(&bench->way, shv_scene_definition(bench->scene), shv_scene_folder(bench->scene),
+                     study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    if (status != SHV_OK) close_bench(bench);
     return status;
 }
 
-static void close_way(Way *way)
+/* What a run lacks of a measure of ours is no number; a formula of the study's own must be right. */
+static ShvStatus take(ShvNames *names, const ShvMeasure *measure, const char *formula, double *number, ShvError *error)
 {
-    shv_bodies_release(&way->comparison.bodies);
-    shv_release(way->comparison.forms);
-    shv_scene_destroy(way->scene);
+    const ShvFormulaNames lookup = shv_names(names);
+    *number = (double)NAN;
+    if (!formula) return SHV_OK;
+    ShvError why;
+    const ShvStatus status = shv_formula_number(formula, &lookup, number, &why);
+    if (names->status != SHV_OK) return shv_fail(error, names->status, "%s", names->error.message);
+    if (status == SHV_OK || (status == SHV_BAD_INPUT && measure->sentence)) return SHV_OK;
+    return shv_fail(error, status, "measure %.60s: %.900s", measure->name, why.message);
 }
 
-static ShvStatus open_way(const ShvStudy *study, int32_t setting, Way *way, ShvError *error)
+/* By measure of the study. `values` may be NULL. */
+static ShvStatus judge_run(const ShvStudy *study, Bench *bench, const ShvOutcome *outcome, const ShvOutcome *reference,
+                           double *errors, double *values, ShvError *error)
 {
-    *way = (Way){.comparison = {.memory = study->memory, .finest_run = -1}};
-    SHV_TRY(shv_study_scene(study, setting, &way->scene, error));
-    way->comparison.scene = shv_scene_definition(way->scene);
-    ShvStatus status = SHV_OK;
-    if (study->plan.reference == SHV_STUDY_CLOSED && way->comparison.scene->reference.law == SHV_REFERENCE_NONE)
-        status = shv_fail(error, SHV_BAD_INPUT,
-                          "the study's reference is the closed form, but the scene has no 'reference'; give it one");
-    if (status == SHV_OK) status = look_at_start(study, way, error);
-    if (status != SHV_OK) close_way(way);
-    return status;
-}
-
-static ShvStatus follow(Way *way, const ShvDigest *digest, const ShvDigest *reference, double errors[], ShvError *error)
-{
-    ShvComparison *comparison = &way->comparison;
-    if (reference) {
-        comparison->finest = reference->states;
-        comparison->finest_frames = reference->frame_count;
-    }
-    for (int32_t i = 0; reference && i < digest->frame_count && i < reference->frame_count; i++)
-        if (fabs(digest->times[i] - reference->times[i]) > 1e-9 * comparison->scene->duration)
-            return shv_fail(error, SHV_BAD_INPUT,
-                            "the frames of the runs are not at the same times; give all one output.rate and no "
-                            "output.fracture_every");
-    return shv_study_measure_way(errors, comparison, digest, error);
-}
-
-/* ---- one run ---- */
-
-/* By measure of the study. `way` may be NULL. */
-static ShvStatus judge_run(const ShvStudy *study, Way *way, const ShvDigest *digest, const ShvDigest *reference,
-                           double *errors, ShvError *error)
-{
-    double by_kind[SHV_MEASURE_COUNT];
-    for (int i = 0; i < SHV_MEASURE_COUNT; i++) by_kind[i] = (double)NAN;
-    if (way && digest->frame_count > 0) SHV_TRY(follow(way, digest, reference, by_kind, error));
+    const ShvNamedRun own = {.name = "", .outcome = outcome}, other = {.name = "reference", .outcome = reference};
+    ShvNames names = {.pool = &bench->series, .run = &own, .others = &other, .other_count = 1};
+    if (bench->scene) names.way = &bench->way;
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasureKind kind = study->plan.measures[i];
-        errors[i] =
-            shv_study_measure_of(kind)->track ? by_kind[kind] : shv_study_measure_error(kind, digest, reference);
-        if (digest->status != SHV_OK) errors[i] = (double)NAN;
+        const ShvMeasure *measure = &study->plan.measures[i];
+        errors[i] = (double)NAN;
+        if (values) values[i] = (double)NAN;
+        if (outcome->status != SHV_OK) continue;
+        SHV_TRY(take(&names, measure, measure->error, &errors[i], error));
+        if (values) SHV_TRY(take(&names, measure, measure->value, &values[i], error));
     }
-    return SHV_OK;
+    return bench->series.failed ? shv_fail_memory(error, "the series of a run", 0) : SHV_OK;
 }
 
-static const ShvDigest *reference_of(const Judge *judge, int32_t member)
+/* ---- one run, in a row ---- */
+
+static const ShvOutcome *reference_of(const Judge *judge, int32_t member)
 {
     if (judge->reference_count == 0) return NULL;
     return &judge->references[judge->reference_count > 1 ? member : 0];
 }
 
-/* The first member stands for step and cost; the first failure for the setting. */
-static void note_run(ShvStudyResult *result, const ShvDigest *digest, int32_t member)
+/* Median of `count` numbers, those that are not finite left out; sorts them. NaN of none. */
+static double median(double *values, int32_t count)
 {
-    ShvStudyRow *row = &result->row;
-    if (member == 0) {
-        row->stable_step = digest->numbers[SHV_DIGEST_STABLE_STEP];
-        row->step = digest->numbers[SHV_DIGEST_STEP];
-        row->courant = digest->numbers[SHV_DIGEST_COURANT];
-        memcpy(result->costs, digest->costs, sizeof result->costs);
-    }
-    for (int32_t i = 0; i < digest->repeats; i++) {
-        row->seconds_low = fmin(row->seconds_low, digest->seconds[i]);
-        row->seconds_high = fmax(row->seconds_high, digest->seconds[i]);
-    }
-    if (digest->status == SHV_OK || row->status != SHV_OK) return;
-    row->status = digest->status;
-    shv_format(row->message, sizeof row->message, "%s", digest->message);
+    int32_t finite = 0;
+    for (int32_t i = 0; i < count; i++)
+        if (isfinite(values[i])) values[finite++] = values[i];
+    if (finite == 0) return (double)NAN;
+    shv_sort_numbers(values, finite);
+    return finite % 2 ? values[finite / 2] : 0.5 * (values[finite / 2 - 1] + values[finite / 2]);
 }
 
-static void note_machine(ShvStudy *study, const ShvDigest *digest)
+/* Median of the run times; NaN without any. */
+static double seconds_of(const ShvOutcome *outcome)
+{
+    enum { MOST = 64 };
+    double copy[MOST];
+    const ShvOutcomeList *list = shv_outcome_find(outcome, "run.seconds");
+    const int64_t count = !list ? 0 : list->count < MOST ? list->count : MOST;
+    for (int64_t i = 0; i < count; i++) copy[i] = list->values[i];
+    return median(copy, (int32_t)count);
+}
+
+/* The first member stands for step and cost; the first failure for the setting. */
+static void note_run(ShvStudyResult *result, const ShvOutcome *outcome, int32_t member)
+{
+    ShvStudyRow *row = &result->row;
+    const ShvOutcomeList *seconds = shv_outcome_find(outcome, "run.seconds"),
+                         *costs = shv_outcome_find(outcome, "run.costs");
+    const ShvOutcomeList *courant = shv_outcome_find(outcome, "frame.courant");
+    if (member == 0) {
+        row->stable_step = shv_outcome_number(outcome, "run.stable_step");
+        row->step = shv_outcome_number(outcome, "frame.step");
+        for (int64_t i = 0; courant && i < courant->count; i++) row->courant = fmax(row->courant, courant->values[i]);
+        for (int64_t i = 0; costs && i < costs->count && i < SHV_COST_COUNT; i++) result->costs[i] = costs->values[i];
+    }
+    for (int64_t i = 0; seconds && i < seconds->count; i++) {
+        row->seconds_low = fmin(row->seconds_low, seconds->values[i]);
+        row->seconds_high = fmax(row->seconds_high, seconds->values[i]);
+    }
+    if (outcome->status == SHV_OK || row->status != SHV_OK) return;
+    row->status = outcome->status;
+    shv_format(row->message, sizeof row->message, "%.255s", outcome->message);
+}
+
+static void note_machine(ShvStudy *study, const ShvOutcome *outcome)
 {
     if (study->processor[0] == '\0')
-        shv_format(study->processor, sizeof study->processor, "%s", digest->processor);
-    else if (strcmp(study->processor, digest->processor) != 0)
+        shv_format(study->processor, sizeof study->processor, "%s", outcome->processor);
+    else if (strcmp(study->processor, outcome->processor) != 0)
         study->same_processor = false;
-    if (digest->shared || !study->same_processor) study->timings_valid = false;
+    if (outcome->shared || !study->same_processor) study->timings_valid = false;
 }
 
 /* ---- one setting ---- */
@@ -136,24 +140,22 @@ static double *sample(const Judge *judge, int32_t line, int32_t member)
     return judge->samples + (int64_t)line * judge->study->plan.members + member;
 }
 
-static ShvStatus judge_member(Judge *judge, Way *way, int32_t setting, int32_t member, ShvError *error)
+static ShvStatus judge_member(Judge *judge, Bench *bench, int32_t setting, int32_t member, ShvError *error)
 {
     ShvStudy *study = judge->study;
     const int32_t measures = study->plan.measure_count;
-    double errors[SHV_MEASURE_COUNT];
-    ShvDigest digest;
-    SHV_TRY(shv_study_load(study, setting * study->plan.members + member, &digest, error));
-    note_run(&study->results[setting], &digest, member);
-    note_machine(study, &digest);
-    const ShvStatus status = judge_run(study, way, &digest, reference_of(judge, member), errors, error);
+    double errors[SHV_STUDY_MOST_MEASURES], values[SHV_STUDY_MOST_MEASURES];
+    ShvOutcome outcome;
+    SHV_TRY(shv_study_load(study, setting * study->plan.members + member, &outcome, error));
+    note_run(&study->results[setting], &outcome, member);
+    note_machine(study, &outcome);
+    const ShvStatus status = judge_run(study, bench, &outcome, reference_of(judge, member), errors, values, error);
     for (int32_t i = 0; i < measures && status == SHV_OK; i++) {
-        const bool good = digest.status == SHV_OK;
         *sample(judge, i, member) = errors[i];
-        *sample(judge, measures + i, member) =
-            good ? shv_study_measure_value(study->plan.measures[i], &digest) : (double)NAN;
+        *sample(judge, measures + i, member) = values[i];
     }
-    *sample(judge, 2 * measures, member) = shv_digest_seconds(&digest);
-    shv_digest_release(&digest);
+    *sample(judge, 2 * measures, member) = seconds_of(&outcome);
+    shv_outcome_release(&outcome);
     return status;
 }
 
@@ -202,23 +204,21 @@ static void finish_result(const Judge *judge, int32_t index)
         }
         result->errors_low[i] = low <= high ? low : (double)NAN;
         result->errors_high[i] = low <= high ? high : (double)NAN;
-        result->errors[i] = shv_median(sample(judge, i, 0), members);
-        result->values[i] = shv_median(sample(judge, measures + i, 0), members);
+        result->errors[i] = median(sample(judge, i, 0), members);
+        result->values[i] = median(sample(judge, measures + i, 0), members);
     }
-    result->row.seconds = shv_median(sample(judge, 2 * measures, 0), members);
+    result->row.seconds = median(sample(judge, 2 * measures, 0), members);
 }
 
 static ShvStatus judge_setting(Judge *judge, int32_t setting, ShvError *error)
 {
-    ShvStudy *study = judge->study;
-    const bool tracks = shv_study_tracks(study);
-    Way way;
-    start_result(study, setting);
-    if (tracks) SHV_TRY(open_way(study, setting, &way, error));
+    Bench bench;
+    start_result(judge->study, setting);
+    SHV_TRY(open_bench(judge->study, setting, &bench, error));
     ShvStatus status = SHV_OK;
-    for (int32_t m = 0; m < study->plan.members && status == SHV_OK; m++)
-        status = judge_member(judge, tracks ? &way : NULL, setting, m, error);
-    if (tracks) close_way(&way);
+    for (int32_t m = 0; m < judge->study->plan.members && status == SHV_OK; m++)
+        status = judge_member(judge, &bench, setting, m, error);
+    close_bench(&bench);
     if (status == SHV_OK) finish_result(judge, setting);
     return status;
 }
@@ -226,44 +226,43 @@ static ShvStatus judge_setting(Judge *judge, int32_t setting, ShvError *error)
 /* ---- scatter ---- */
 
 /* Of an error that needs no reference: how far two runs' are from each other. */
-static void differ(const ShvStudy *study, const ShvDigest *a, const ShvDigest *b, double *errors)
+static ShvStatus compare_pair(const ShvStudy *study, Bench *bench, const ShvOutcome *a, const ShvOutcome *b,
+                              double *errors, ShvError *error)
 {
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasureKind kind = study->plan.measures[i];
-        if (shv_study_measure_of(kind)->own)
-            errors[i] = fabs(shv_study_measure_error(kind, a, NULL) - shv_study_measure_error(kind, b, NULL));
-    }
+    double other[SHV_STUDY_MOST_MEASURES];
+    SHV_TRY(judge_run(study, bench, a, b, errors, NULL, error));
+    SHV_TRY(judge_run(study, bench, b, a, other, NULL, error));
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        if (shv_measure_is_own(&study->plan.measures[i])) errors[i] = fabs(errors[i] - other[i]);
+    return SHV_OK;
 }
 
-static ShvStatus scatter_of(ShvStudy *study, const ShvDigest *members, Way *way, double *pairs, ShvError *error)
+static ShvStatus scatter_of(ShvStudy *study, const ShvOutcome *members, Bench *bench, double *pairs, ShvError *error)
 {
     const int32_t count = study->plan.members, all = count * (count - 1) / 2;
     int32_t pair = 0;
     for (int32_t a = 0; a < count; a++)
         for (int32_t b = a + 1; b < count; b++, pair++) {
-            double errors[SHV_MEASURE_COUNT];
-            SHV_TRY(judge_run(study, way, &members[a], &members[b], errors, error));
-            differ(study, &members[a], &members[b], errors);
+            double errors[SHV_STUDY_MOST_MEASURES];
+            SHV_TRY(compare_pair(study, bench, &members[a], &members[b], errors, error));
             for (int32_t i = 0; i < study->plan.measure_count; i++) pairs[(int64_t)i * all + pair] = errors[i];
         }
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        study->scatter[i] = shv_median(pairs + (int64_t)i * all, all);
+    for (int32_t i = 0; i < study->plan.measure_count; i++) study->scatter[i] = median(pairs + (int64_t)i * all, all);
     return SHV_OK;
 }
 
-static ShvStatus find_scatter(ShvStudy *study, int32_t setting, const ShvDigest *members, ShvError *error)
+static ShvStatus find_scatter(ShvStudy *study, int32_t setting, const ShvOutcome *members, ShvError *error)
 {
     const int32_t count = study->plan.members;
     const size_t pairs = (size_t)count * (size_t)(count - 1) / 2 * (size_t)study->plan.measure_count;
-    const bool tracks = shv_study_tracks(study);
-    Way way;
+    Bench bench;
     if (count == 1) return SHV_OK;
     double *samples = shv_allocate(study->memory, SHV_PART_GENERAL, pairs, sizeof *samples);
     if (!samples) return shv_fail_memory(error, "the scatter of an ensemble", pairs * sizeof *samples);
-    ShvStatus status = tracks ? open_way(study, setting, &way, error) : SHV_OK;
+    ShvStatus status = open_bench(study, setting, &bench, error);
     if (status == SHV_OK) {
-        status = scatter_of(study, members, tracks ? &way : NULL, samples, error);
-        if (tracks) close_way(&way);
+        status = scatter_of(study, members, &bench, samples, error);
+        close_bench(&bench);
     }
     shv_release(samples);
     return status;
@@ -271,29 +270,29 @@ static ShvStatus find_scatter(ShvStudy *study, int32_t setting, const ShvDigest 
 
 /* ---- references ---- */
 
-static void release_digests(ShvDigest *digests, int32_t count)
+static void release_outcomes(ShvOutcome *outcomes, int32_t count)
 {
-    for (int32_t i = 0; i < count; i++) shv_digest_release(&digests[i]);
-    shv_release(digests);
+    for (int32_t i = 0; i < count; i++) shv_outcome_release(&outcomes[i]);
+    shv_release(outcomes);
 }
 
 /* All members of a setting. */
-static ShvStatus load_members(const ShvStudy *study, int32_t setting, ShvDigest **digests, ShvError *error)
+static ShvStatus load_members(const ShvStudy *study, int32_t setting, ShvOutcome **outcomes, ShvError *error)
 {
     const int32_t count = study->plan.members;
-    *digests = shv_allocate(study->memory, SHV_PART_GENERAL, (size_t)count, sizeof **digests);
-    if (!*digests) return shv_fail_memory(error, "reference runs", (size_t)count * sizeof **digests);
+    *outcomes = shv_allocate(study->memory, SHV_PART_GENERAL, (size_t)count, sizeof **outcomes);
+    if (!*outcomes) return shv_fail_memory(error, "reference runs", (size_t)count * sizeof **outcomes);
     ShvStatus status = SHV_OK;
     for (int32_t m = 0; m < count && status == SHV_OK; m++) {
-        ShvDigest *digest = &(*digests)[m];
-        status = shv_study_load(study, setting * count + m, digest, error);
-        if (status == SHV_OK && digest->status != SHV_OK)
-            status = shv_fail(error, digest->status, "the run that the others are to be compared with failed: %s",
-                              digest->message);
+        ShvOutcome *outcome = &(*outcomes)[m];
+        status = shv_study_load(study, setting * count + m, outcome, error);
+        if (status == SHV_OK && outcome->status != SHV_OK)
+            status = shv_fail(error, outcome->status, "the run that the others are to be compared with failed: %s",
+                              outcome->message);
     }
     if (status == SHV_OK) return SHV_OK;
-    release_digests(*digests, count);
-    *digests = NULL;
+    release_outcomes(*outcomes, count);
+    *outcomes = NULL;
     return status;
 }
 
@@ -306,14 +305,21 @@ static ShvStatus load_file(Judge *judge, ShvError *error)
     char *path;
     SHV_TRY(
         shv_path_join(study->memory, SHV_PART_GENERAL, study->study_folder, study->plan.reference_file, &path, error));
-    const ShvStatus status = shv_digest_of_run_file(judge->references, path, study->memory, error);
+    const ShvStatus status = shv_outcome_of_run_file(judge->references, path, study->memory, error);
     shv_release(path);
     return status;
 }
 
-static void name_reference(ShvStudy *study)
+static void name_closed_form(char *text, size_t size, const ShvReferenceDefinition *reference)
 {
     static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
+    shv_format(text, size, "closed form (%s of %.60s%s%.60s)", laws[reference->law],
+               reference->body ? reference->body : "every body", reference->on ? " on " : "",
+               reference->on ? reference->on : "");
+}
+
+static void name_reference(ShvStudy *study)
+{
     char *text = study->reference_name;
     const size_t size = sizeof study->reference_name;
     ShvScene *scene = NULL;
@@ -324,7 +330,7 @@ static void name_reference(ShvStudy *study)
         const ShvStudySetting *setting = shv_study_setting(study, study->reference);
         shv_format(text, size, "run of %.160s%s%.60s", setting->series, setting->label[0] ? ", " : "", setting->label);
     } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
-        shv_format(text, size, "closed form (%s)", laws[shv_scene_definition(scene)->reference.law]);
+        name_closed_form(text, size, &shv_scene_definition(scene)->reference);
     }
     shv_scene_destroy(scene);
 }
@@ -341,11 +347,11 @@ static ShvStatus find_references(Judge *judge, ShvError *error)
     }
     if (study->plan.members == 1) return SHV_OK;
     int32_t finest;
-    ShvDigest *members;
+    ShvOutcome *members;
     SHV_TRY(shv_study_finest(study, &finest, error));
     SHV_TRY(load_members(study, finest, &members, error));
     const ShvStatus status = find_scatter(study, finest, members, error);
-    release_digests(members, study->plan.members);
+    release_outcomes(members, study->plan.members);
     return status;
 }
 
@@ -377,11 +383,11 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
     Judge judge = {.study = study};
     int32_t missing = 0;
     for (int32_t i = 0; i < shv_study_run_count(study); i++) {
-        ShvDigest digest;
-        const ShvStatus loaded = shv_study_load(study, i, &digest, error);
+        ShvOutcome outcome;
+        const ShvStatus loaded = shv_study_load(study, i, &outcome, error);
         if (loaded == SHV_NO_MEMORY) return loaded;
         missing += loaded != SHV_OK;
-        shv_digest_release(&digest);
+        shv_outcome_release(&outcome);
     }
     if (missing > 0)
         return shv_fail(error, SHV_BAD_INPUT, "%d of %d runs are missing in '%s'; run the study, or its other tasks",
@@ -391,7 +397,7 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
     ShvStatus status = reserve(&judge, error);
     if (status == SHV_OK) status = judge_all(&judge, error);
     if (status == SHV_OK && study->plan.pool.failed) status = shv_fail_memory(error, "names of settings", 0);
-    release_digests(judge.references, judge.reference_count);
+    release_outcomes(judge.references, judge.reference_count);
     shv_release(judge.samples);
     if (status == SHV_OK) return SHV_OK;
     shv_release(study->results);
@@ -438,12 +444,12 @@ int32_t shv_study_measure_count(const ShvStudy *study)
 
 const char *shv_study_measure_name(const ShvStudy *study, int32_t measure)
 {
-    return shv_study_measure_of(study->plan.measures[measure])->name;
+    return study->plan.measures[measure].name;
 }
 
 const char *shv_study_error_unit(const ShvStudy *study, int32_t measure)
 {
-    return shv_study_measure_of(study->plan.measures[measure])->error_unit;
+    return study->plan.measures[measure].error_unit;
 }
 
 double shv_study_scatter(const ShvStudy *study, int32_t measure)

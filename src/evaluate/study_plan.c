@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/names.h"
 #include "base/text.h"
+#include "scene/schema.h"
 #include "scene/source.h"
 
 typedef struct Planner {
@@ -245,35 +246,69 @@ static void read_reference(Planner *planner, const ShvNode *root)
 
 static void report_measure(Planner *planner, const ShvNode *node)
 {
-    const char *names[SHV_MEASURE_COUNT];
-    for (int i = 0; i < SHV_MEASURE_COUNT; i++) names[i] = shv_study_measure_of((ShvMeasureKind)i)->name;
+    const char *names[SHV_STUDY_MOST_MEASURES];
+    const int32_t count = shv_measure_count();
+    for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
     const char *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
-    const char *near = shv_nearest_name(text, names, SHV_MEASURE_COUNT);
+    const char *near = shv_nearest_name(text, names, (size_t)count);
     shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
               shv_quoted(text).text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+static const char *text_of(const ShvNode *mapping, const char *key)
+{
+    const ShvEntry *entry = shv_tree_find(mapping, key);
+    return entry && entry->value->kind == SHV_NODE_SCALAR && !entry->value->null ? entry->value->text : NULL;
+}
+
+/* {name: …, error: formula, value: formula, unit: …} */
+static bool read_formula(Planner *planner, const ShvNode *node, ShvMeasure *measure)
+{
+    static const char *const names[] = {"name", "error", "value", "unit"};
+    if (!shv_study_check_keys(planner->diagnostics, node, "a measure", names, 4)) return false;
+    const char *unit = text_of(node, "unit");
+    *measure = (ShvMeasure){.name = text_of(node, "name"),
+                            .error_unit = unit ? unit : "",
+                            .value = text_of(node, "value"),
+                            .error = text_of(node, "error")};
+    if (measure->value) measure->unit = measure->error_unit;
+    if (measure->name && shv_is_name(measure->name) && measure->error) return true;
+    shv_error(planner->diagnostics, node->place,
+              "a measure of the study's own needs a 'name' of letters, digits and '_', and 'error', a formula");
+    return false;
+}
+
+static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *measure)
+{
+    const ShvMeasure *known = node->kind == SHV_NODE_SCALAR && node->text ? shv_measure_named(node->text) : NULL;
+    if (node->kind == SHV_NODE_MAPPING) return read_formula(planner, node, measure);
+    if (known)
+        *measure = *known;
+    else
+        report_measure(planner, node);
+    return known != NULL;
 }
 
 static void read_measures(Planner *planner, const ShvNode *root)
 {
     ShvStudyPlan *plan = planner->plan;
     const ShvEntry *entry = shv_tree_find(root, "measures");
-    if (!entry || entry->value->kind != SHV_NODE_LIST || entry->value->count == 0) {
+    if (!entry || entry->value->kind != SHV_NODE_LIST || entry->value->count == 0 ||
+        entry->value->count > SHV_STUDY_MOST_MEASURES) {
         shv_error(planner->diagnostics, entry ? entry->value->place : root->place,
-                  "the study needs 'measures', a list of names; docs/study.md lists them");
+                  "the study needs 'measures', a list of 1 to %d names; docs/study.md lists them",
+                  (int)SHV_STUDY_MOST_MEASURES);
         return;
     }
     for (const ShvEntry *item = entry->value->first; item; item = item->next) {
-        const bool word = item->value->kind == SHV_NODE_SCALAR && item->value->text;
-        const ShvMeasureKind kind = word ? shv_study_measure_find(item->value->text) : SHV_MEASURE_COUNT;
+        ShvMeasure *measure = &plan->measures[plan->measure_count];
+        if (!read_measure(planner, item->value, measure)) continue;
         bool twice = false;
-        for (int32_t i = 0; i < plan->measure_count; i++) twice |= plan->measures[i] == kind;
-        if (kind == SHV_MEASURE_COUNT)
-            report_measure(planner, item->value);
-        else if (twice)
+        for (int32_t i = 0; i < plan->measure_count; i++) twice |= strcmp(plan->measures[i].name, measure->name) == 0;
+        if (twice)
             shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
-                      shv_quoted(item->value->text).text);
-        else
-            plan->measures[plan->measure_count++] = kind;
+                      shv_quoted(measure->name).text);
+        plan->measure_count += !twice;
     }
 }
 
@@ -326,11 +361,11 @@ static void check_together(Planner *planner, const ShvNode *root)
         shv_error(planner->diagnostics, entry->value->place,
                   "an ensemble has no closed form; take another reference or leave out 'ensemble'");
     for (int32_t i = 0; i < plan->measure_count; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of(plan->measures[i]);
-        if (plan->reference == SHV_STUDY_CLOSED && !measure->track && !measure->own)
+        const ShvMeasure *measure = &plan->measures[i];
+        if (plan->reference == SHV_STUDY_CLOSED && !shv_measure_tracks(measure) && !shv_measure_is_own(measure))
             shv_error(planner->diagnostics, entry->value->place, "'%s' has no closed form; take another reference",
                       measure->name);
-        if (end_only && measure->track)
+        if (end_only && shv_measure_tracks(measure))
             shv_error(planner->diagnostics, entry->value->place,
                       "'%s' follows bodies, which a run file as reference does not serve", measure->name);
     }

@@ -2,8 +2,17 @@
 #ifndef SHV_EVALUATE_STUDY_PLAN_H
 #define SHV_EVALUATE_STUDY_PLAN_H
 
-#include "evaluate/measures.h"
+#include "evaluate/figures.h"
+#include <math.h>
+
 #include "scene/tree.h"
+
+enum {
+    SHV_STUDY_MOST_SETTINGS = 10000,
+    SHV_STUDY_MOST_KEYS = 16,
+    SHV_STUDY_LEAST_MEMBERS = 5,
+    SHV_STUDY_MOST_MEASURES = 32
+};
 
 typedef enum ShvStudyReference {
     SHV_STUDY_FINEST,  /* the finest of the settings */
@@ -32,7 +41,7 @@ typedef struct ShvStudyPlan {
     ShvStudyReference reference;
     ShvStudySetting reference_setting;
     const char *reference_file;
-    ShvMeasureKind measures[SHV_MEASURE_COUNT];
+    ShvMeasure measures[SHV_STUDY_MOST_MEASURES]; /* of our own, or formulas of the study, which have no sentence */
     int32_t measure_count;
     int32_t repeats; /* of each run, for its time */
     int32_t members; /* of an ensemble; 1: none */
@@ -40,8 +49,6 @@ typedef struct ShvStudyPlan {
     double shift;    /* m */
     int32_t audit_wakes;
 } ShvStudyPlan;
-
-enum { SHV_STUDY_MOST_SETTINGS = 10000, SHV_STUDY_MOST_KEYS = 16, SHV_STUDY_LEAST_MEMBERS = 5 };
 
 /* `name` stands for the file in messages. `more` ("a.b.c=value") come after the study's own `set` and before what varies.
    The caller releases the plan; on failure it is empty. */

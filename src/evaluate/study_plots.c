@@ -89,7 +89,7 @@ static void fill_figure(const ShvStudy *study, int32_t measure, Figure *figure)
 
 static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, FILE *stream, bool within)
 {
-    const ShvStudyMeasure *kind = shv_study_measure_of(study->plan.measures[measure]);
+    const ShvMeasure *kind = &study->plan.measures[measure];
     char title[200], label[96];
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);

@@ -42,8 +42,8 @@ static void put_head(const ShvStudy *study, FILE *stream)
 
 static void put_heads(const ShvStudy *study, FILE *stream)
 {
-    const char *heads[SHV_STUDY_MOST_KEYS + 4 + 2 * SHV_MEASURE_COUNT];
-    char errors[SHV_MEASURE_COUNT][64], values[SHV_MEASURE_COUNT][64];
+    const char *heads[SHV_STUDY_MOST_KEYS + 4 + 2 * SHV_STUDY_MOST_MEASURES];
+    char errors[SHV_STUDY_MOST_MEASURES][64], values[SHV_STUDY_MOST_MEASURES][64];
     int32_t count = 0;
     for (int32_t i = 0; i < study->plan.key_count; i++) heads[count++] = study->plan.keys[i];
     heads[count++] = "step, s";
@@ -51,7 +51,7 @@ static void put_heads(const ShvStudy *study, FILE *stream)
     heads[count++] = "run time, s";
     heads[count++] = "";
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of(study->plan.measures[i]);
+        const ShvMeasure *measure = &study->plan.measures[i];
         const char *comma = measure->unit && measure->unit[0] ? ", " : "";
         shv_format(values[i], sizeof values[i], "%s%s%s", measure->name, comma, measure->unit ? measure->unit : "");
         shv_format(errors[i], sizeof errors[i], "error of %s%s%s", measure->name, measure->error_unit[0] ? ", " : "",
@@ -89,7 +89,7 @@ static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
     else
         shv_html_cell(stream, row->is_reference ? "reference" : "", NULL);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        if (shv_study_measure_of(study->plan.measures[i])->unit) put_number(stream, row->values[i], "number");
+        if (study->plan.measures[i].unit) put_number(stream, row->values[i], "number");
         put_error(study, row, i, stream);
     }
     shv_html_row_end(stream);
@@ -123,7 +123,7 @@ static void put_scatter(const ShvStudy *study, FILE *stream)
     for (int32_t i = 0; i < study->plan.key_count; i++) shv_html_cell(stream, i == 0 ? "scatter" : "", NULL);
     for (int i = 0; i < 4; i++) shv_html_cell(stream, "", NULL);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        if (shv_study_measure_of(study->plan.measures[i])->unit) shv_html_cell(stream, "", NULL);
+        if (study->plan.measures[i].unit) shv_html_cell(stream, "", NULL);
         put_number(stream, study->scatter[i], "number");
     }
     shv_html_row_end(stream);
@@ -135,10 +135,10 @@ static void put_definitions(const ShvStudy *study, FILE *stream)
     shv_html_heading(stream, 2, "What the errors are");
     shv_html_table_begin(stream, heads, 2);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of(study->plan.measures[i]);
+        const ShvMeasure *measure = &study->plan.measures[i];
         shv_html_row_begin(stream, NULL);
         shv_html_cell(stream, measure->name, NULL);
-        shv_html_cell(stream, measure->sentence, NULL);
+        shv_html_cell(stream, measure->sentence ? measure->sentence : measure->error, NULL);
         shv_html_row_end(stream);
     }
     shv_html_table_end(stream);
@@ -210,7 +210,7 @@ ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
     if (!study->results) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         char name[96];
-        shv_format(name, sizeof name, "error_%s.svg", shv_study_measure_of(study->plan.measures[i])->name);
+        shv_format(name, sizeof name, "error_%s.svg", study->plan.measures[i].name);
         SHV_TRY(write_file(study, name, NULL, i, error));
     }
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)

@@ -39,7 +39,7 @@ static void put_setting(const ShvStudy *study, int32_t index, FILE *stream)
 static void put_measure_heads(const ShvStudy *study, FILE *stream)
 {
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of(study->plan.measures[i]);
+        const ShvMeasure *measure = &study->plan.measures[i];
         const bool unit = measure->error_unit[0] != '\0';
         if (measure->unit)
             shv_print(stream, ",%s%s%s%s", measure->name, measure->unit[0] ? " [" : "", measure->unit,
@@ -54,7 +54,7 @@ static void put_measure_heads(const ShvStudy *study, FILE *stream)
 static void put_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
 {
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        if (shv_study_measure_of(study->plan.measures[i])->unit) shv_output_number(stream, row->values[i]);
+        if (study->plan.measures[i].unit) shv_output_number(stream, row->values[i]);
         shv_output_number(stream, row->errors[i]);
         if (study->plan.members == 1) continue;
         shv_output_number(stream, row->errors_low[i]);
@@ -87,7 +87,7 @@ void shv_study_put_timings(const ShvStudy *study, FILE *stream)
     shv_print(stream, ",valid,median [s],least [s],most [s]");
     for (int c = 0; c < SHV_COST_COUNT; c++) shv_print(stream, ",%s [s]", shv_cost_name((ShvCost)c));
     for (int32_t i = 0; i < study->plan.measure_count; i++)
-        shv_print(stream, ",on front of %s", shv_study_measure_of(study->plan.measures[i])->name);
+        shv_print(stream, ",on front of %s", study->plan.measures[i].name);
     shv_print(stream, "\n");
     for (int32_t i = 0; i < study->setting_count; i++) {
         const ShvStudyRow *row = &study->results[i].row;
@@ -142,7 +142,7 @@ void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
 {
     shv_print(stream, "| setting | Courant | run time, s |");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of(study->plan.measures[i]);
+        const ShvMeasure *measure = &study->plan.measures[i];
         shv_print(stream, " %s%s%s |", measure->name, measure->error_unit[0] ? ", " : "", measure->error_unit);
     }
     shv_print(stream, "\n|---|---|---|");
@@ -182,7 +182,7 @@ static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE
 {
     shv_print(stream, "\"measures\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", shv_study_measure_of(study->plan.measures[i])->name);
+        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
         shv_output_member(stream, "value", row->values[i]);
         shv_print(stream, ", ");
         shv_output_member(stream, "error", row->errors[i]);
@@ -254,7 +254,7 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
               study->timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "%s", i > 0 ? ", " : "");
-        shv_output_member(stream, shv_study_measure_of(study->plan.measures[i])->name, study->scatter[i]);
+        shv_output_member(stream, study->plan.measures[i].name, study->scatter[i]);
     }
     shv_print(stream, "}, \"rows\": [");
     for (int32_t i = 0; i < study->setting_count; i++) {

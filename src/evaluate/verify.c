@@ -1,51 +1,13 @@
-#include "shiver/verify.h"
+#include "evaluate/verify.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "base/timer.h"
-#include "evaluate/case.h"
-#include "evaluate/recording.h"
+#include "base/text.h"
+#include "evaluate/run.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
-
-typedef struct Variable {
-    const char *name;
-    ShvFormulaValue value;
-} Variable;
-
-/* What is kept of a run when its series are gone. */
-typedef struct KeptRun {
-    const char *name;
-    Variable *variables;
-    int32_t variable_count;
-    double *values, *references, *steps; /* per quantity; NaN where it failed */
-    double seconds;
-} KeptRun;
-
-struct ShvVerification {
-    ShvMemory *memory;
-    ShvPool texts; /* what rows point to */
-    ShvVerifyCase view;
-    ShvVerifyRow *rows;
-    int32_t row_capacity;
-};
-
-typedef struct Verifier {
-    ShvVerification *made;
-    const ShvVerifyOptions *options;
-    ShvCaseItem *item;
-    ShvPool work; /* of the whole case */
-    char *folder, *scene_path;
-    KeptRun *runs;
-    int32_t run_count;
-    /* of the run under way */
-    ShvPool series;
-    ShvScene *scene;
-    ShvRecording recording;
-    KeptRun *now;
-} Verifier;
 
 ShvVerifyOptions shv_verify_default(void)
 {
@@ -58,54 +20,10 @@ const char *shv_verdict_name(ShvVerdict verdict)
     return names[verdict];
 }
 
-static const char *text_or_empty(const char *text)
-{
-    return text ? text : "";
-}
-
-/* ---- names ---- */
-
-static bool find_variable(const KeptRun *run, const char *name, ShvFormulaValue *value)
-{
-    for (int32_t i = run->variable_count - 1; i >= 0; i--) {
-        if (strcmp(run->variables[i].name, name) != 0) continue;
-        *value = run->variables[i].value;
-        return true;
-    }
-    return false;
-}
-
-/* "runs.coarse.x": x of an earlier run. */
-static bool find_earlier(const Verifier *verifier, const char *name, ShvFormulaValue *value)
-{
-    if (strncmp(name, "runs.", 5) != 0) return false;
-    name += 5;
-    for (int32_t i = 0; i < verifier->run_count; i++) {
-        const KeptRun *run = &verifier->runs[i];
-        const size_t length = strlen(run->name);
-        if (run == verifier->now || strncmp(name, run->name, length) != 0 || name[length] != '.') continue;
-        return find_variable(run, name + length + 1, value) && !value->series;
-    }
-    return false;
-}
-
-static bool find_name(void *data, const char *name, ShvFormulaValue *value)
-{
-    Verifier *verifier = data;
-    return find_variable(verifier->now, name, value) || find_earlier(verifier, name, value) ||
-           shv_recording_find(&verifier->recording, shv_scene_definition(verifier->scene), &verifier->series, name,
-                              value);
-}
-
-static ShvFormulaNames names_of(Verifier *verifier)
-{
-    return (ShvFormulaNames){find_name, verifier, &verifier->series};
-}
-
 /* ---- lines ---- */
 
 /* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
-static char *next_line(ShvPool *pool, const char **at)
+char *shv_next_line(ShvPool *pool, const char **at)
 {
     while (*at && **at) {
         const size_t length = strcspn(*at, "\n");
@@ -125,33 +43,56 @@ static int32_t count_lines(const char *text)
     return count;
 }
 
-/* "name = formula" */
-static ShvStatus define(Verifier *verifier, char *line, ShvError *error)
+/* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
+static ShvStatus fail_variable(Verifier *verifier, const char *name, const char *rest, ShvStatus status,
+                               ShvError *error)
+{
+    const char *at = rest;
+    bool later = false;
+    for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
+        const size_t length = strcspn(line, " \t=");
+        const char *quoted = strstr(error->message, "': '");
+        later |=
+            quoted && strncmp(quoted + 4, line, length) == 0 && strncmp(quoted + 4 + length, "' is unknown", 12) == 0;
+    }
+    if (!later) return shv_fail_within(error, status, "variable %.60s", name);
+    const ShvError why = *error;
+    return shv_fail(
+        error, status,
+        "variable %.60s: %.700s so far; definitions are taken from top to bottom, so that none can need itself", name,
+        why.message);
+}
+
+/* "name = formula", the first of these lines */
+static ShvStatus define(Verifier *verifier, char *line, const char *from, ShvError *error)
 {
     char *equals = strchr(line, '=');
     if (!equals) return shv_fail(error, SHV_BAD_INPUT, "'%.200s' in 'let' is not of the form name = formula", line);
     char *end = equals;
     while (end > line && (end[-1] == ' ' || end[-1] == '\t')) end--;
     *end = '\0';
-    Variable *variable = &verifier->now->variables[verifier->now->variable_count];
-    const ShvFormulaNames names = names_of(verifier);
+    ShvVariable *variable = &verifier->now->named.variables[verifier->now->named.variable_count];
+    const ShvFormulaNames names = shv_names(&verifier->names);
     const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
-    if (status != SHV_OK) return shv_fail_within(error, status, "variable %.60s", line);
+    if (status != SHV_OK) return fail_variable(verifier, line, from, status, error);
     variable->name = line;
-    verifier->now->variable_count++;
+    verifier->now->named.variable_count++;
     return SHV_OK;
 }
 
 static ShvStatus define_all(Verifier *verifier, const char *let, ShvError *error)
 {
-    for (char *line = next_line(&verifier->work, &let); line; line = next_line(&verifier->work, &let))
-        SHV_TRY(define(verifier, line, error));
+    const char *from = let;
+    for (char *line = shv_next_line(&verifier->work, &let); line; line = shv_next_line(&verifier->work, &let)) {
+        SHV_TRY(define(verifier, line, from, error));
+        from = let;
+    }
     return verifier->work.failed ? shv_fail_memory(error, "variables", 0) : SHV_OK;
 }
 
 /* ---- rows ---- */
 
-static ShvStatus append_row(Verifier *verifier, const ShvVerifyRow *row, ShvError *error)
+ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvError *error)
 {
     ShvVerification *made = verifier->made;
     ShvVerifyCase *view = &made->view;
@@ -169,14 +110,14 @@ static ShvStatus append_row(Verifier *verifier, const ShvVerifyRow *row, ShvErro
     return SHV_OK;
 }
 
-static ShvStatus append_failure(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error)
+ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error)
 {
     const char *note = shv_pool_text(&verifier->made->texts, why->message, strlen(why->message));
-    const ShvVerifyRow row = {.run = verifier->now->name,
+    const ShvVerifyRow row = {.run = verifier->now->title,
                               .quantity = quantity,
                               .unit = "",
                               .source = verifier->made->view.source,
-                              .note = text_or_empty(note),
+                              .note = note ? note : "",
                               .compare = SHV_VERIFY_SHOWN,
                               .verdict = SHV_VERDICT_FAILED,
                               .value = (double)NAN,
@@ -184,7 +125,7 @@ static ShvStatus append_failure(Verifier *verifier, const char *quantity, const 
                               .error = (double)NAN,
                               .tolerance = (double)NAN,
                               .seconds = verifier->now->seconds};
-    return append_row(verifier, &row, error);
+    return shv_verify_append(verifier, &row, error);
 }
 
 /* A value that is not a number passes nothing. */
@@ -194,16 +135,16 @@ static bool within(const ShvVerifyRow *row)
     case SHV_VERIFY_NEAR:
         return fabs(row->error) <= row->tolerance;
     case SHV_VERIFY_BELOW:
-        return row->error <= row->tolerance;
+        return row->strict ? row->error < row->tolerance : row->error <= row->tolerance;
     case SHV_VERIFY_ABOVE:
-        return row->error >= -row->tolerance;
+        return row->strict ? row->error > -row->tolerance : row->error >= -row->tolerance;
     case SHV_VERIFY_SHOWN:
         break;
     }
     return true;
 }
 
-static void judge(ShvVerifyRow *row, const char *explained)
+void shv_verify_judge(ShvVerifyRow *row, const char *explained)
 {
     if (row->compare == SHV_VERIFY_SHOWN) {
         row->verdict = SHV_VERDICT_SHOWN;
@@ -211,7 +152,7 @@ static void judge(ShvVerifyRow *row, const char *explained)
         row->verdict = SHV_VERDICT_PASS;
     } else {
         row->verdict = explained ? SHV_VERDICT_EXPLAINED : SHV_VERDICT_MISS;
-        row->note = text_or_empty(explained);
+        row->note = explained ? explained : "";
     }
 }
 
@@ -226,9 +167,9 @@ static void set_error(ShvVerifyRow *row, const ShvCaseQuantity *quantity)
 
 static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, const ShvCaseQuantity *quantity)
 {
-    return (ShvVerifyRow){.run = run->name,
+    return (ShvVerifyRow){.run = run->title,
                           .quantity = quantity->name,
-                          .unit = text_or_empty(quantity->unit),
+                          .unit = quantity->unit ? quantity->unit : "",
                           .source = quantity->source ? quantity->source : verifier->made->view.source,
                           .note = "",
                           .compare = quantity->compare,
@@ -239,7 +180,7 @@ static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, cons
 static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
 {
     const ShvCaseQuantity *quantity = (const ShvCaseQuantity *)verifier->item->quantities.data + index;
-    const ShvFormulaNames names = names_of(verifier);
+    const ShvFormulaNames names = shv_names(&verifier->names);
     KeptRun *run = verifier->now;
     *row = start_row(verifier, run, quantity);
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
@@ -247,7 +188,7 @@ static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerify
     if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &run->steps[index], error));
     set_error(row, quantity);
     if (quantity->judge == SHV_JUDGE_LAST && !last) row->compare = SHV_VERIFY_SHOWN;
-    judge(row, quantity->explained);
+    shv_verify_judge(row, quantity->explained);
     run->values[index] = row->value;
     run->references[index] = row->reference;
     return SHV_OK;
@@ -261,10 +202,10 @@ static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
         const ShvStatus status = measure(verifier, i, last, &row, &why);
         if (verifier->series.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
         if (status == SHV_OK)
-            SHV_TRY(append_row(verifier, &row, error));
+            SHV_TRY(shv_verify_append(verifier, &row, error));
         else
-            SHV_TRY(append_failure(verifier, ((const ShvCaseQuantity *)verifier->item->quantities.data)[i].name, &why,
-                                   error));
+            SHV_TRY(shv_verify_fail(verifier, ((const ShvCaseQuantity *)verifier->item->quantities.data)[i].name, &why,
+                                    error));
     }
     return SHV_OK;
 }
@@ -297,7 +238,7 @@ static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *erro
     for (int32_t i = 0; i < verifier->item->quantities.count; i++) {
         const ShvCaseQuantity *quantity = &quantities[i];
         if (isnan(quantity->order) || verifier->run_count < 2) continue;
-        const KeptRun all = {.name = "all runs", .seconds = (double)NAN};
+        const KeptRun all = {.title = "all runs", .seconds = (double)NAN};
         ShvVerifyRow row = start_row(verifier, &all, quantity);
         static const char what[] = ": observed order";
         char *name = shv_pool_take(&verifier->made->texts, strlen(quantity->name) + sizeof what, 1);
@@ -311,82 +252,85 @@ static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *erro
         row.absolute = true;
         row.error = row.value - row.reference;
         row.tolerance = quantity->order_tolerance;
-        judge(&row, quantity->explained);
-        SHV_TRY(append_row(verifier, &row, error));
+        shv_verify_judge(&row, quantity->explained);
+        SHV_TRY(shv_verify_append(verifier, &row, error));
     }
     return SHV_OK;
 }
 
 /* ---- runs ---- */
 
-static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
+/* All faults of a scene in one message. */
+static void join_faults(const ShvDiagnostics *diagnostics, ShvError *error)
+{
+    char text[sizeof error->message] = "";
+    size_t length = 0;
+    const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
+    for (int32_t i = 0; i < count && length + 1 < sizeof text; i++)
+        length += (size_t)shv_format(text + length, sizeof text - length, "%s%s", i ? " " : "",
+                                     shv_diagnostics_get(diagnostics, i)->message);
+    if (count > 0) memcpy(error->message, text, sizeof text);
+}
+
+static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
 {
     const char *overrides[MOST_OVERRIDES], *at = run ? run->set : NULL;
+    char *path = verifier->scene_path;
     int32_t count = 0;
-    for (char *line = next_line(&verifier->work, &at); line; line = next_line(&verifier->work, &at)) {
+    for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
         if (count == MOST_OVERRIDES)
             return shv_fail(error, SHV_BAD_INPUT, "'set' has more than %d lines", (int)MOST_OVERRIDES);
         overrides[count++] = line;
     }
     if (verifier->work.failed) return shv_fail_memory(error, "overrides", 0);
-    return shv_scene_load(&verifier->scene, verifier->scene_path, overrides, count, verifier->options->memory, NULL,
-                          error);
+    ShvMemory *memory = verifier->options->memory;
+    if (run && run->scene) SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene, &path, error));
+    ShvDiagnostics *diagnostics = NULL;
+    const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, &diagnostics, error);
+    if (status == SHV_BAD_INPUT && run && run->expect) join_faults(diagnostics, error);
+    shv_diagnostics_destroy(diagnostics);
+    if (path != verifier->scene_path) shv_release(path);
+    return status;
 }
 
-static ShvStatus pull(Verifier *verifier, ShvSimulation *simulation, ShvError *error)
-{
-    SHV_TRY(shv_recording_start(&verifier->recording, verifier->options->memory, simulation, error));
-    do {
-        SHV_TRY(shv_simulation_advance(simulation, error));
-        SHV_TRY(shv_recording_add(&verifier->recording, simulation, error));
-    } while (!shv_simulation_finished(simulation));
-    return shv_recording_finish(&verifier->recording, simulation, error);
-}
-
-/* The views of a recording are the simulation's: formulas are evaluated while it lives. */
+/* Variables of the run, of the case; then what is expected and what is compared. */
 static ShvStatus evaluate(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
     ShvError why;
     ShvStatus status = define_all(verifier, run ? run->let : NULL, &why);
     if (status == SHV_OK) status = define_all(verifier, verifier->item->let, &why);
     if (status == SHV_NO_MEMORY || verifier->series.failed) return shv_fail_memory(error, "variables", 0);
-    if (status != SHV_OK) return append_failure(verifier, "variables", &why, error);
+    if (status != SHV_OK) return shv_verify_fail(verifier, "variables", &why, error);
+    if (run && run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
     return measure_all(verifier, last, error);
 }
 
-static ShvStatus simulate(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
+static ShvStatus judge_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
-    ShvSimulation *simulation = NULL;
+    const ShvOutcome *outcome = &verifier->now->outcome;
+    if (outcome->status == SHV_OK) return evaluate(verifier, run, last, error);
+    if (run && run->expect) return shv_verify_expect(verifier, run, error);
     ShvError why;
-    const double start = shv_now();
-    ShvSimulationOptions options = shv_simulation_options_default();
-    options.folder = shv_scene_folder(verifier->scene);
-    options.memory = verifier->options->memory;
-    options.stop = verifier->options->stop;
-    options.stop_data = verifier->options->stop_data;
-    ShvStatus status = shv_simulation_create(&simulation, shv_scene_definition(verifier->scene), &options, &why);
-    if (status == SHV_OK) status = pull(verifier, simulation, &why);
-    verifier->now->seconds = verifier->recording.wall_seconds = shv_now() - start;
-    verifier->made->view.seconds += verifier->now->seconds;
-    if (status == SHV_INTERRUPTED || status == SHV_NO_MEMORY)
-        status = shv_fail(error, status, "%s", why.message);
-    else if (status != SHV_OK)
-        status = append_failure(verifier, "the run", &why, error);
-    else
-        status = evaluate(verifier, run, last, error);
-    shv_simulation_destroy(simulation);
-    return status;
+    shv_fail(&why, outcome->status, "%s", outcome->message);
+    return shv_verify_fail(verifier, "the run", &why, error);
 }
 
-/* Series go with the run; their variables must not be asked for afterwards. */
-static void forget_series(Verifier *verifier)
+static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *error)
 {
-    for (int32_t i = 0; i < verifier->now->variable_count; i++) {
-        ShvFormulaValue *value = &verifier->now->variables[i].value;
-        if (value->series) *value = (ShvFormulaValue){.series = true};
-    }
-    shv_pool_release(&verifier->series);
-    verifier->series = (ShvPool){.memory = verifier->options->memory};
+    const ShvVerifyOptions *options = verifier->options;
+    const ShvRunOrder order = {.scene = shv_scene_definition(scene),
+                               .folder = shv_scene_folder(scene),
+                               .memory = options->memory,
+                               .multiple = (double)NAN,
+                               .repeats = 1,
+                               .stop = options->stop,
+                               .stop_data = options->stop_data};
+    KeptRun *now = verifier->now;
+    const ShvStatus status = shv_run_scene(&now->outcome, &order, error);
+    const double seconds = shv_outcome_number(&now->outcome, "run.seconds");
+    now->seconds = shv_outcome_number(&now->outcome, "run.setup") + (isnan(seconds) ? 0.0 : seconds);
+    verifier->made->view.seconds += now->seconds;
+    return status;
 }
 
 static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
@@ -394,25 +338,38 @@ static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *
     const size_t quantities = (size_t)verifier->item->quantities.count;
     const size_t lines = (size_t)count_lines(run ? run->let : NULL) + (size_t)count_lines(verifier->item->let);
     KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
-    now->name = run ? run->head.name : "";
-    now->variables = shv_pool_take(&verifier->work, lines, sizeof *now->variables);
+    now->named.name = now->title = run ? run->head.name : "";
+    if (run && run->title) now->title = run->title;
+    now->outcome = (ShvOutcome){.memory = verifier->options->memory};
+    now->named.outcome = &now->outcome;
+    now->named.variables = shv_pool_take(&verifier->work, lines, sizeof *now->named.variables);
     now->values = shv_pool_take(&verifier->work, 3 * quantities, sizeof *now->values);
-    if (!now->variables || !now->values) return shv_fail_memory(error, "a run", quantities * 24);
+    if (!now->named.variables || !now->values) return shv_fail_memory(error, "a run", quantities * 24);
     now->references = now->values + quantities;
     now->steps = now->references + quantities;
     for (size_t i = 0; i < 3 * quantities; i++) now->values[i] = (double)NAN;
     return SHV_OK;
 }
 
+/* A scene that is refused is a finding where something is expected of the run, else a fault of the case. */
 static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
+    ShvScene *scene = NULL;
     SHV_TRY(start_run(verifier, run, error));
-    ShvStatus status = load_scene(verifier, run, error);
-    if (status == SHV_OK) status = simulate(verifier, run, last, error);
-    forget_series(verifier);
-    shv_recording_release(&verifier->recording);
-    shv_scene_destroy(verifier->scene);
-    verifier->scene = NULL;
+    ShvStatus status = load_scene(verifier, run, &scene, error);
+    if (status == SHV_BAD_INPUT && run && run->expect) {
+        verifier->now->outcome.status = status;
+        memcpy(verifier->now->outcome.message, error->message, sizeof error->message);
+        status = SHV_OK;
+    } else if (status == SHV_OK) {
+        status = simulate(verifier, scene, error);
+    }
+    verifier->names = (ShvNames){.pool = &verifier->series, .run = &verifier->now->named};
+    verifier->names.others = verifier->named;
+    verifier->names.other_count = verifier->run_count - 1;
+    if (status == SHV_OK) status = judge_run(verifier, run, last, error);
+    verifier->named[verifier->run_count - 1] = verifier->now->named;
+    shv_scene_destroy(scene);
     return status;
 }
 
@@ -424,7 +381,9 @@ static ShvStatus make_runs(Verifier *verifier, ShvError *error)
     for (int32_t i = 0; i < count; i++)
         if (verifier->options->full || !runs[i].full) last = i;
     verifier->runs = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->runs);
-    if (!verifier->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
+    verifier->named = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->named);
+    if (!verifier->runs || !verifier->named)
+        return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
     if (count == 0) return make_run(verifier, NULL, true, error);
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++) {
@@ -478,7 +437,7 @@ static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **d
     made->view.title = verifier->item->title;
     made->view.scene = verifier->item->scene;
     made->view.source = verifier->item->source;
-    made->view.remark = text_or_empty(verifier->item->remark);
+    made->view.remark = verifier->item->remark ? verifier->item->remark : "";
     if (!made->view.name) return shv_fail_memory(error, "a name", strlen(path));
     SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &verifier->folder, error));
     SHV_TRY(shv_path_join(made->memory, SHV_PART_SCENE, verifier->folder, verifier->item->scene, &verifier->scene_path,
@@ -503,6 +462,8 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
     Verifier verifier = {.made = made, .options = options, .work = {.memory = options->memory}};
     verifier.series.memory = options->memory;
     const ShvStatus status = verify(&verifier, path, &list, error);
+    for (int32_t i = 0; i < verifier.run_count; i++) shv_outcome_release(&verifier.runs[i].outcome);
+    shv_pool_release(&verifier.series);
     shv_pool_release(&verifier.work);
     shv_release(verifier.folder);
     shv_release(verifier.scene_path);

@@ -24,7 +24,7 @@ static bool find(void *data, const char *name, ShvFormulaValue *value)
 static ShvStatus evaluate(const char *text, double *number, ShvError *error)
 {
     ShvPool pool = {.memory = NULL};
-    const ShvFormulaNames names = {find, NULL, &pool};
+    const ShvFormulaNames names = {.find = find, .pool = &pool};
     const ShvStatus status = shv_formula_number(text, &names, number, error);
     shv_pool_release(&pool);
     return status;

@@ -1,21 +1,13 @@
-/* Measures against values worked out by hand, and digests that come back as they were written. */
+/* Measures against values worked out by hand, and outcomes that come back as they were written. */
 #include "check.h"
 
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "evaluate/measures.h"
-
-static void test_median(void **state)
-{
-    (void)state;
-    double three[] = {3.0, 1.0, 2.0}, four[] = {4.0, (double)NAN, 1.0, 2.0, 10.0}, none[] = {(double)NAN};
-    check_near(shv_median(three, 3), 2.0, 0.0);
-    check_near(shv_median(four, 5), 3.0, 0.0);
-    assert_true(isnan(shv_median(none, 1)));
-    assert_true(isnan(shv_median(none, 0)));
-}
+#include "evaluate/crack_surface.h"
+#include "evaluate/figures.h"
+#include "evaluate/names.h"
 
 static void test_masses(void **state)
 {
@@ -120,158 +112,160 @@ static void test_surface_of_bonds(void **state)
 
 /* ---- figures of the end ---- */
 
-static ShvDigest digest_of(double dissipated, double fragments, ShvVec3 momentum, ShvVec3 impulse)
+static ShvOutcome outcome_of(double dissipated, double fragments, const double momentum[3], const double impulse[3])
 {
-    ShvDigest digest = {.memory = NULL};
-    digest.numbers[SHV_DIGEST_DISSIPATED] = dissipated;
-    digest.numbers[SHV_DIGEST_FRAGMENTS] = fragments;
-    digest.numbers[SHV_DIGEST_MASS] = 2.0;
-    digest.numbers[SHV_DIGEST_LARGEST] = 10.0;
-    digest.numbers[SHV_DIGEST_BAR_SHARE] = (double)NAN;
-    shv_store3(digest.numbers + SHV_DIGEST_MOMENTUM_X, momentum);
-    shv_store3(digest.numbers + SHV_DIGEST_IMPULSE_X, impulse);
-    return digest;
+    ShvOutcome outcome = {.memory = NULL};
+    for (int i = 0; i < 2; i++) {
+        shv_outcome_add(&outcome, "frame.time", SHV_CLOCK_FRAME, i);
+        shv_outcome_add(&outcome, "ledger.fracture_dissipation", SHV_CLOCK_FRAME, i * dissipated);
+        shv_outcome_add(&outcome, "ledger.largest", SHV_CLOCK_FRAME, 5.0 * (i + 1));
+        shv_outcome_add(&outcome, "frame.bar_share", SHV_CLOCK_FRAME, (double)NAN);
+    }
+    shv_outcome_set(&outcome, "end.fragments", fragments);
+    shv_outcome_set(&outcome, "end.mass", 2.0);
+    shv_outcome_add_vector(&outcome, "end.momentum", SHV_CLOCK_NONE, momentum);
+    shv_outcome_add_vector(&outcome, "run.impulse", SHV_CLOCK_NONE, impulse);
+    return outcome;
+}
+
+static double error_of(const char *measure, const ShvOutcome *a, const ShvOutcome *b, bool value)
+{
+    ShvPool pool = {.memory = NULL};
+    const ShvNamedRun run = {.name = "", .outcome = a}, other = {.name = "reference", .outcome = b};
+    ShvNames names = {.pool = &pool, .run = &run, .others = &other, .other_count = 1};
+    const ShvFormulaNames lookup = shv_names(&names);
+    double number = (double)NAN;
+    ShvError error;
+    const ShvMeasure *found = shv_measure_named(measure);
+    assert_non_null(found);
+    (void)shv_formula_number(value ? found->value : found->error, &lookup, &number, &error);
+    shv_pool_release(&pool);
+    return number;
 }
 
 static void test_errors(void **state)
 {
     (void)state;
-    ShvDigest a = digest_of(3.0, 5.0, shv_vec3(0.0, 3.0, 4.0), shv_vec3(0.0, 0.0, 12.0));
-    ShvDigest b = digest_of(4.0, 4.0, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 5.0, 0.0));
-    a.numbers[SHV_DIGEST_LARGEST_MASS] = 0.75;
-    b.numbers[SHV_DIGEST_LARGEST_MASS] = 0.5;
-    a.numbers[SHV_DIGEST_FIRST_CONTACT] = 0.25;
-    b.numbers[SHV_DIGEST_FIRST_CONTACT] = 0.5;
-    a.numbers[SHV_DIGEST_CONTACT_TIME] = 3.0;
-    b.numbers[SHV_DIGEST_CONTACT_TIME] = 2.0;
-    a.numbers[SHV_DIGEST_BARS_GIVEN] = 1.0;
-    a.numbers[SHV_DIGEST_BARS_TAKEN] = 2.0;
-    a.numbers[SHV_DIGEST_RESIDUAL] = 0.5;
-    a.numbers[SHV_DIGEST_AUDITED] = 4.0;
-    a.numbers[SHV_DIGEST_MISSED] = 1.0;
+    ShvOutcome a = outcome_of(3.0, 5.0, (const double[]){0.0, 3.0, 4.0}, (const double[]){0.0, 0.0, 12.0});
+    ShvOutcome b = outcome_of(4.0, 4.0, (const double[]){0.0, 0.0, 0.0}, (const double[]){0.0, 5.0, 0.0});
     static const struct {
-        ShvMeasureKind kind;
+        const char *name;
+        double a, b;
+    } numbers[] = {{"end.largest_mass", 1.5, 1.0},
+                   {"run.first_contact", 0.25, 0.5},
+                   {"run.contact_time", 3.0, 2.0},
+                   {"run.audited", 4.0, 0.0},
+                   {"run.missed", 1.0, 0.0}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        shv_outcome_set(&a, numbers[i].name, numbers[i].a);
+        shv_outcome_set(&b, numbers[i].name, numbers[i].b);
+    }
+    static const double bars[] = {0.0, -1.0, 0.0, -1.0}, residual[] = {0.1, -0.5, 0.2, (double)NAN}, none[4] = {0.0};
+    shv_outcome_add_all(&a, "ledger.bars", SHV_CLOCK_FRAME, bars, 4);
+    shv_outcome_add_all(&a, "ledger.residual", SHV_CLOCK_FRAME, residual, 4);
+    static const struct {
+        const char *measure;
         double value, error;
-    } cases[] = {{SHV_MEASURE_DISSIPATED, 3.0, 0.25},     {SHV_MEASURE_FRAGMENTS, 5.0, 0.25},
-                 {SHV_MEASURE_LARGEST_MASS, 0.75, 0.25},  {SHV_MEASURE_MOMENTUM, 5.0, 1.0}, /* |(0, 3, 4)| / 5 */
-                 {SHV_MEASURE_CENTRE_VELOCITY, 2.5, 2.5},                                   /* of 2 kg */
-                 {SHV_MEASURE_IMPULSE, 12.0, 13.0 / 5.0},                                   /* |(0, −5, 12)| / 5 */
-                 {SHV_MEASURE_CONTACT_TIME, 3.0, 0.5},    {SHV_MEASURE_IMPACT_TIME, 0.25, 0.25},
-                 {SHV_MEASURE_BARS_GIVEN, 1.0, 0.1},      {SHV_MEASURE_BARS_TAKEN, 2.0, 0.2},
-                 {SHV_MEASURE_RESIDUAL, 0.5, 0.05},       {SHV_MEASURE_MISSED_FRACTURE, 1.0, 0.25}};
+    } cases[] = {{"dissipated", 3.0, 0.25},     {"fragments", 5.0, 0.25},    {"largest_mass", 0.75, 0.25},
+                 {"momentum", 5.0, 1.0},        /* |(0, 3, 4)| / 5 */
+                 {"centre_velocity", 2.5, 2.5}, /* of 2 kg */
+                 {"impulse", 12.0, 13.0 / 5.0}, /* |(0, −5, 12)| / 5 */
+                 {"contact_time", 3.0, 0.5},    {"impact_time", 0.25, 0.25}, {"bars_given", 1.0, 0.1},
+                 {"bars_taken", 2.0, 0.2},      {"residual", 0.5, 0.05},     {"missed_fracture", 1.0, 0.25}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        check_near(shv_study_measure_value(cases[i].kind, &a), cases[i].value, 1e-15);
-        check_near(shv_study_measure_error(cases[i].kind, &a, &b), cases[i].error, 1e-15);
+        check_near(error_of(cases[i].measure, &a, &b, true), cases[i].value, 1e-15);
+        check_near(error_of(cases[i].measure, &a, &b, false), cases[i].error, 1e-15);
     }
     /* Where the reference is zero and the run is not, nothing can be said; where both are, there is no error. */
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &b, NULL)));
-    check_near(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &a, &b), 0.0, 0.0);
-    a.numbers[SHV_DIGEST_FAILED_AREA] = 1.0;
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_FAILED_AREA, &a, &b)));
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_POSITION, &a, &b)));
-    check_near(shv_study_measure_error(SHV_MEASURE_BAR_SHARE, &a, NULL), 0.0, 0.0);
-    assert_true(isnan(shv_study_measure_error(SHV_MEASURE_MISSED_FRACTURE, &b, NULL)));
+    assert_true(isnan(error_of("failed_area", &b, NULL, false)));
+    shv_outcome_add_all(&a, "ledger.failed_area", SHV_CLOCK_FRAME, none, 2);
+    shv_outcome_add_all(&b, "ledger.failed_area", SHV_CLOCK_FRAME, none, 2);
+    check_near(error_of("failed_area", &a, &b, false), 0.0, 0.0);
+    shv_outcome_add(&a, "ledger.failed_area", SHV_CLOCK_FRAME, 1.0);
+    assert_true(isnan(error_of("failed_area", &a, &b, false)));
+    assert_true(isnan(error_of("position", &a, &b, false)) && isnan(error_of("crack_distance", &a, &b, false)));
+    check_near(error_of("bar_share", &a, NULL, false), 0.0, 0.0);
+    assert_true(isnan(error_of("missed_fracture", &b, NULL, false)));
+    shv_outcome_release(&a);
+    shv_outcome_release(&b);
 }
 
 static void test_names(void **state)
 {
     (void)state;
-    for (int i = 0; i < SHV_MEASURE_COUNT; i++) {
-        const ShvStudyMeasure *measure = shv_study_measure_of((ShvMeasureKind)i);
-        assert_true(measure->name && measure->error_unit && measure->sentence);
-        assert_int_equal(shv_study_measure_find(measure->name), i);
-        assert_true(!measure->track || !measure->unit);
+    for (int32_t i = 0; i < shv_measure_count(); i++) {
+        const ShvMeasure *measure = shv_measure_at(i);
+        assert_true(measure->name && measure->error_unit && measure->sentence && measure->error);
+        assert_ptr_equal(shv_measure_named(measure->name), measure);
+        assert_true(!measure->unit == !measure->value);
+        assert_true(!shv_measure_tracks(measure) || (!measure->unit && !shv_measure_is_own(measure)));
     }
-    assert_int_equal(shv_study_measure_find("fragment"), SHV_MEASURE_COUNT);
+    assert_null(shv_measure_named("fragment"));
 }
 
 /* ---- files ---- */
 
-static const char path[] = "/tmp/shiver_test_digest.run";
+static const char path[] = "/tmp/shiver_test_outcome.run";
 
-static void check_same(const ShvDigest *a, const ShvDigest *b)
+static void check_same(const ShvOutcome *a, const ShvOutcome *b)
 {
-    assert_true(a->key == b->key && a->status == b->status && a->shared == b->shared && a->threads == b->threads);
+    assert_true(a->key == b->key && a->status == b->status && a->shared == b->shared);
     assert_string_equal(a->message, b->message);
     assert_string_equal(a->processor, b->processor);
-    assert_memory_equal(a->numbers, b->numbers, sizeof a->numbers);
-    assert_memory_equal(a->costs, b->costs, sizeof a->costs);
-    assert_int_equal(a->repeats, b->repeats);
-    assert_memory_equal(a->seconds, b->seconds, (size_t)a->repeats * sizeof(double));
-    assert_int_equal(a->mass_count, b->mass_count);
-    assert_memory_equal(a->masses, b->masses, (size_t)a->mass_count * sizeof(double));
-    assert_int_equal(a->crack.count, b->crack.count);
-    assert_true(a->crack.mesh == b->crack.mesh);
-    for (int32_t i = 0; i < a->crack.count; i++) {
-        assert_memory_equal(a->crack.facets[i].nodes, b->crack.facets[i].nodes, 12);
-        assert_memory_equal(a->crack.facets[i].corners, b->crack.facets[i].corners, 72);
+    assert_int_equal(a->list_count, b->list_count);
+    for (int32_t i = 0; i < a->list_count; i++) {
+        assert_string_equal(a->lists[i].name, b->lists[i].name);
+        assert_int_equal(a->lists[i].clock, b->lists[i].clock);
+        assert_int_equal(a->lists[i].count, b->lists[i].count);
+        if (a->lists[i].count > 0)
+            assert_memory_equal(a->lists[i].values, b->lists[i].values, (size_t)a->lists[i].count * sizeof(double));
     }
-    assert_true(a->tracked == b->tracked && a->frame_count == b->frame_count && a->body_count == b->body_count);
-    assert_memory_equal(a->times, b->times, (size_t)a->frame_count * sizeof(double));
-    assert_memory_equal(a->states, b->states, (size_t)(a->frame_count * a->body_count) * sizeof(ShvBodyState));
 }
 
 static void test_files(void **state)
 {
     (void)state;
-    double seconds[] = {0.1, 1e-300, 3.0}, masses[] = {1.0 / 3.0}, times[] = {0.0, 0.1};
-    ShvCrackFacet facets[] = {facet_at(2, 1.0 / 7.0, -1e-9, 0.1)};
-    ShvBodyState states[2] = {{.position = {1.0 / 3.0, -0.0, 1e308}, .orientation = {1.0, 0.0, 0.0, 0.0}},
-                              {.velocity = {5e-324, 2.0, 3.0}, .angular_velocity = {4.0, 5.0, 6.0}}};
-    ShvDigest digest = {.key = UINT64_C(0xfedcba9876543210),
-                        .status = SHV_DIVERGED,
-                        .message = "a text\nof two lines",
-                        .processor = "some processor",
-                        .shared = true,
-                        .threads = 3,
-                        .seconds = seconds,
-                        .repeats = 3,
-                        .masses = masses,
-                        .mass_count = 1,
-                        .crack = {UINT64_C(0x8000000000000001), facets, 1},
-                        .tracked = true,
-                        .times = times,
-                        .states = states,
-                        .frame_count = 2,
-                        .body_count = 1};
-    ShvDigest back;
+    static const double values[] = {0.1, 1e-300, 1.0 / 3.0, -0.0, 1e308, 5e-324, (double)INFINITY};
+    ShvOutcome outcome = {.key = UINT64_C(0xfedcba9876543210),
+                          .status = SHV_DIVERGED,
+                          .message = "a text\nof two lines",
+                          .processor = "some processor",
+                          .shared = true};
+    ShvOutcome back;
     ShvError error;
-    for (int i = 0; i < SHV_DIGEST_NUMBERS; i++) digest.numbers[i] = 1.0 / (i + 3);
-    digest.numbers[3] = (double)INFINITY;
-    check_ok(shv_digest_save(&digest, path, &error), error);
-    check_ok(shv_digest_load(&back, path, NULL, &error), error);
-    strcpy(digest.message, "a text of two lines");
-    check_same(&digest, &back);
-    shv_digest_release(&back);
-    check_near(shv_digest_seconds(&digest), 0.1, 0.0);
+    shv_outcome_add_all(&outcome, "frame.time", SHV_CLOCK_FRAME, values, 7);
+    shv_outcome_add_all(&outcome, "empty", SHV_CLOCK_PROBE, NULL, 0);
+    shv_outcome_add_all(&outcome, "pieces.mass", SHV_CLOCK_NONE, values, 3);
+    check_ok(shv_outcome_save(&outcome, path, &error), error);
+    check_ok(shv_outcome_load(&back, path, NULL, &error), error);
+    strcpy(outcome.message, "a text of two lines");
+    check_same(&outcome, &back);
+    shv_outcome_release(&back);
     /* Cut anywhere, it is not whole. */
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     static char text[1 << 14];
     const size_t length = fread(text, 1, sizeof text, file);
     fclose(file);
-    for (size_t cut = 0; cut + 1 < length; cut += 1 + length / 200) {
+    for (size_t cut = 0; cut + 1 < length; cut++) {
         file = fopen(path, "w");
         assert_non_null(file);
         assert_int_equal(fwrite(text, 1, cut, file), cut);
         fclose(file);
-        check_fails(shv_digest_load(&back, path, NULL, &error), SHV_BAD_INPUT, error, "not a whole run");
+        check_fails(shv_outcome_load(&back, path, NULL, &error), SHV_BAD_INPUT, error, "not a whole run");
     }
     unlink(path);
-    check_fails(shv_digest_load(&back, path, NULL, &error), SHV_FILE_ERROR, error, "cannot read");
-    check_fails(shv_digest_save(&digest, "/nowhere/at/all.run", &error), SHV_FILE_ERROR, error, "/nowhere");
+    check_fails(shv_outcome_load(&back, path, NULL, &error), SHV_FILE_ERROR, error, "cannot read");
+    check_fails(shv_outcome_save(&outcome, "/nowhere/at/all.run", &error), SHV_FILE_ERROR, error, "/nowhere");
+    shv_outcome_release(&outcome);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_median),
-        cmocka_unit_test(test_masses),
-        cmocka_unit_test(test_distance_to_facet),
-        cmocka_unit_test(test_cracks),
-        cmocka_unit_test(test_surface_of_bonds),
-        cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_masses), cmocka_unit_test(test_distance_to_facet),
+        cmocka_unit_test(test_cracks), cmocka_unit_test(test_surface_of_bonds),
+        cmocka_unit_test(test_errors), cmocka_unit_test(test_names),
         cmocka_unit_test(test_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -113,6 +113,86 @@ static void test_verdicts(void **state)
     shv_verify_destroy(made);
 }
 
+/* Every kind of expectation, held and missed. */
+static void test_expectations(void **state)
+{
+    static const struct {
+        const char *set, *expect, *explained;
+        ShvVerdict verdict;
+    } cases[] = {
+        {"", "finishes", "", SHV_VERDICT_PASS},
+        {"", "told", "", SHV_VERDICT_PASS},
+        {"", "refused anything", "", SHV_VERDICT_MISS},
+        {"", "stops anything", "", SHV_VERDICT_MISS},
+        {"duration=-1", "refused duration", "", SHV_VERDICT_PASS},
+        {"duration=-1", "refused another thing", "", SHV_VERDICT_MISS},
+        {"duration=-1", "finishes", "", SHV_VERDICT_MISS},
+        {"duration=-1", "run.steps = 0", "", SHV_VERDICT_MISS},
+        {"fracture.time_step=0.05", "refused stable step", "", SHV_VERDICT_PASS},
+        {"", "end.position.z = -0.04905 within 1e-9", "", SHV_VERDICT_PASS},
+        {"", "end.position.z = -0.04905 within 1e-9 absolute", "", SHV_VERDICT_PASS},
+        {"", "end.position.z = -0.04904 within 1e-9", "", SHV_VERDICT_MISS},
+        {"", "end.position.z = -0.04904 within 0.001", "", SHV_VERDICT_PASS},
+        {"gravity=[0, 0, -19.62]", "end.position.z = 2 * runs.r0.end.position.z within 1e-9", "", SHV_VERDICT_PASS},
+        {"", "end.position.z = 2 * runs.r0.end.position.z within 1e-9", "", SHV_VERDICT_MISS},
+        {"", "end.fragments <= 1", "", SHV_VERDICT_PASS},
+        {"", "end.fragments < 1", "", SHV_VERDICT_MISS},
+        {"", "end.fragments >= 1", "", SHV_VERDICT_PASS},
+        {"", "end.fragments > 1", "", SHV_VERDICT_MISS},
+        {"", "run.first_wake > 0", "", SHV_VERDICT_MISS}, /* not a number */
+        {"", "end.hash = runs.r0.end.hash", "", SHV_VERDICT_PASS},
+        {"duration=0.2", "end.hash = runs.r0.end.hash", "", SHV_VERDICT_MISS},
+        {"", "end.position.z < -0.05", "it has not had the time", SHV_VERDICT_EXPLAINED},
+        {"", "finishes", "needs none", SHV_VERDICT_PASS},
+        {"", "nothing < 1", "", SHV_VERDICT_FAILED},
+        {"", "no relation at all", "", SHV_VERDICT_FAILED},
+    };
+    enum { COUNT = sizeof cases / sizeof cases[0] };
+    char text[8192] = "runs:\n";
+    for (int i = 0; i < COUNT; i++) {
+        const size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length,
+                 "  r%d: {title: run %d, set: '%s', expect: '%s', explained: '%s'}\n", i, i, cases[i].set,
+                 cases[i].expect, cases[i].explained);
+        if (!cases[i].explained[0]) strcpy(strstr(text + length, ", explained"), "}\n");
+        char *set = strstr(text + length, "set: '', ");
+        if (set) memmove(set, set + 9, strlen(set + 9) + 1);
+    }
+    ShvVerification *made = run_case(state, text, true);
+    const ShvVerifyCase *verified = shv_verification_case(made);
+    assert_int_equal(verified->row_count, COUNT);
+    for (int i = 0; i < COUNT; i++) {
+        char title[32];
+        snprintf(title, sizeof title, "run %d", i);
+        if (verified->rows[i].verdict != cases[i].verdict)
+            fail_msg("%s gave %s: %s", cases[i].expect, shv_verdict_name(verified->rows[i].verdict),
+                     verified->rows[i].note);
+        assert_string_equal(verified->rows[i].run, title);
+    }
+    shv_verify_destroy(made);
+}
+
+/* Definitions that need each other are told apart from names that nobody defines. */
+static void test_circle(void **state)
+{
+    static const struct {
+        const char *let, *part;
+    } cases[] = {
+        {"a = b\n  b = a", "top to bottom"}, {"a = a + 1", "top to bottom"}, {"a = nobody", "'nobody' is unknown"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "let: |\n  %s\nquantities:\n  - {name: x, measure: '1', compare: shown}\n",
+                 cases[i].let);
+        ShvVerification *made = run_case(state, text, false);
+        const ShvVerifyCase *verified = shv_verification_case(made);
+        assert_int_equal(verified->row_count, 1);
+        assert_int_equal(verified->rows[0].verdict, SHV_VERDICT_FAILED);
+        if (!strstr(verified->rows[0].note, cases[i].part)) fail_msg("%s", verified->rows[0].note);
+        assert_true(i < 2 || !strstr(verified->rows[0].note, "top to bottom"));
+        shv_verify_destroy(made);
+    }
+}
+
 /* Every name that the README tells, with its value where the scene says it. */
 static void test_names(void **state)
 {
@@ -231,7 +311,7 @@ static void test_faults(void **state)
     static const struct {
         const char *rest, *part;
     } cases[] = {
-        {"", "lacks what it must have: quantities"},
+        {"", "compares nothing"},
         {"quantities: [{name: x}]\n", "lacks what it must have: measure"},
         {"quantities: [{name: x, measure: '1'}]\n", "needs 'reference'"},
         {"quantities: [{name: x, measure: '1', reference: '1'}]\n", "needs 'tolerance' or 'tolerance_absolute'"},
@@ -337,6 +417,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_verdicts, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_expectations, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_circle, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_names, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_runs, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_short_runs, make_folder, remove_folder),
