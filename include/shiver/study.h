@@ -15,11 +15,11 @@ typedef struct ShvStudyOptions {
     const char *output;           /* folder of results; made if it is missing, its parent must be there */
     const char *const *overrides; /* "a.b.c=value", on top of the study's own `set` */
     int32_t override_count;
-    bool force;          /* run again what has been run */
-    bool shared;         /* other runs go on at the same time: run times are marked invalid */
-    int32_t task, tasks; /* run only share `task` (from 1) of `tasks`; 0 of 0: all */
+    bool force;             /* run again what has been run */
+    bool shared;            /* other runs go on at the same time: run times are marked invalid */
+    int32_t task, tasks;    /* run only share `task` (from 1) of `tasks`; 0 of 0: all */
     const char *scene_text; /* of the scene, where it has been read already; may be NULL */
-    const char *plan;    /* text of the study, where there is no file of it; may be NULL */
+    const char *plan;       /* text of the study, where there is no file of it; may be NULL */
     double
         repeat_below; /* s: a run is not repeated once its run times add up to this; 0: all repeats that the study asks for */
     const char *command; /* shown in the report; may be NULL */
