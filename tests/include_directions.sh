@@ -21,10 +21,9 @@ allowed()
     record) echo base record ;;
     export) echo base record export ;;
     view) echo base rigid export view ;;
-    study) echo base scene record export study ;;
-    stability) echo base mesh model solid hybrid export study stability ;;
-    verify) echo base scene export study verify ;;
-    survive) echo base scene export study survive ;;
+    evaluate) echo base scene record export evaluate ;;
+    stability) echo base mesh model solid hybrid export evaluate stability ;;
+    survive) echo base scene export evaluate survive ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
     esac
@@ -42,6 +41,6 @@ for folder in src/*/; do
     done
 done
 for file in include/shiver/*.h; do
-    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|view|study|stability|verify|survive|cli)/' "$file" && bad=1
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|view|evaluate|stability|survive|cli)/' "$file" && bad=1
 done
 exit $bad

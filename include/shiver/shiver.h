@@ -13,7 +13,6 @@
 #include "shiver/stability.h"
 #include "shiver/status.h"
 #include "shiver/study.h"
-#include "shiver/suite.h"
 #include "shiver/survive.h"
 #include "shiver/verify.h"
 #include "shiver/version.h"

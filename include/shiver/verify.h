@@ -32,6 +32,7 @@ typedef struct ShvVerifyRow {
     const char *note; /* why it misses, or the error */
     ShvVerifyCompare compare;
     ShvVerdict verdict;
+    bool strict;                               /* below or above: and not equal */
     bool absolute;                             /* error and tolerance: in the unit; else shares of |reference| */
     double value, reference, error, tolerance; /* error: value − reference; NaN: does not apply */
     double seconds;                            /* run time of the run; of an order of convergence: NaN */

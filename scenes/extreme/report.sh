@@ -128,7 +128,7 @@ points()
 run_suite()
 {
     echo "stability: the suite" >&2
-    (cd "$root" && "$program" stability --suite scenes/extreme --markdown) >"$results/suite.md" 2>"$results/suite.log" </dev/null ||
+    (cd "$root" && "$program" stability --suite scenes/extreme --markdown "$results/suite.md" --force) >"$results/suite.txt" </dev/null ||
         echo "stability: cases miss, see docs/stability.md" >&2
 }
 
@@ -266,16 +266,18 @@ Bars add a stiffness of about ½ ρ (h/Δt)² that belongs to no material. Each 
 
 ## Extreme scenes
 
-Each scene of `scenes/extreme` states its cases in its comments (`#! case`, `#! expect`). Measures: `residual` is what the energy
+Each scene of `scenes/extreme` has its cases in a file beside it (`NAME.case.yaml`, as in scenes/verification/README.md): what each
+run must do, a line each. Figures, all with `run.` in front: `residual` is what the energy
 ledger cannot account for, over its largest energy; `gain` the largest rise of kinetic, strain and potential energy above the start,
 likewise; `kept` kinetic and strain energy at the end over the start; `momentum` and `angular` the largest change, over the largest
 sums; `lowest` the least height of any corner, m; `swelling` and `edge_strain` changes of lengths; `told`: it ends with finite
 numbers or says that it diverged; `squeezes` events of a body between two obstacles that leave it no room. Cases 1 to 36 are a list
-of what engines of this kind are known to fail at. A case that is a fact about a function names its test.
+of what engines of this kind are known to fail at. Below the tables are the cases that are facts about functions, and their tests.
 
 END
-    cat "$results/suite.md"
-    printf '\n%s.\n' "$(sed -n 's/^shiver: \([0-9]* pass.*\)/\1/p' "$results/suite.log")"
+    sed 's/^##/###/' "$results/suite.md"
+    printf '\n| case | what | test |\n|---|---|---|\n'
+    sed '/^#/d; s/^/| /; s/ | \([^|]*\) | \([^|]*\)$/ | `tests\/\1.c`, `\2` |/' "$extreme/covered.txt"
     cat <<'END'
 
 ## What optional parts cost

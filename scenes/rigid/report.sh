@@ -46,18 +46,12 @@ run_all()
     done
 }
 
-# The program's table as one of Markdown; "-" marks what has no meaning there.
+# The program's own table.
 table()
 {
-    sed -n '1s/^errors from/Errors from/p' "$results/$1.txt" | sed 's/$/./'
+    sed -n 's/; \* on the Pareto front.*//; 1s/^errors from/Errors from/p' "$results/$1.txt" | sed 's/$/. Bold: nothing cheaper is as good./'
     echo
-    echo '| engine | step, s | position, m | turn, rad | velocity, m/s | energy | gain | angular momentum | moments | their time, s | apex | run time, s | per step, s |'
-    echo '|---|---|---|---|---|---|---|---|---|---|---|---|---|'
-    sed -n '4,$p' "$results/$1.txt" | awk '
-        /^wrote/ { next }
-        $3 == "failed:" { text = $0; sub(/.*failed: /, "", text); print "| " $1 " | " $2 " | failed: " text " |"; next }
-        { line = "|"; for (i = 1; i <= 13; i++) line = line " " ($i == "-" ? "–" : $i) " |"
-          print line (($14 != "") ? " (reference)" : "") }' | sed 's/| (reference)/(reference) |/'
+    cat "$results/$1/table.md"
     echo
 }
 
@@ -70,12 +64,15 @@ section()
     done
 }
 
-# figure NAME ENGINE STEP COLUMN: from a table; – where it has none.
+# figure NAME ENGINE STEP HEAD: from the column of results.csv or timings.csv with that head; – where it has none.
 figure()
 {
-    awk -v engine="$2" -v step="$3" -v column="$4" '
-        $1 == engine && $2 == step && $3 != "failed:" && $column != "-" { print $column; found = 1 }
-        END { if (!found) print "–" }' "$results/$1.txt" 2>/dev/null || printf '–\n'
+    for file in results timings; do
+        awk -F, -v engine="$2" -v step="$3" -v head="$4" '
+            NR == 1 { for (i = 1; i <= NF; i++) if ($i == head) column = i; next }
+            column && $1 == engine && $2 + 0 == step + 0 && $4 == "ok" && $column != "" { printf "%.3g\n", $column }' \
+            "$results/$1/$file.csv" 2>/dev/null
+    done | grep . || printf '–\n'
 }
 
 # claim TEXT CONDITION VALUE…: an awk condition on v[1], v[2], …, which are the values.
@@ -104,28 +101,28 @@ claims()
     for engine in bullet bullet_plain pbd analytic; do
         # shellcheck disable=SC2046 # lists of words on purpose
         {
-            claim "$engine: free fall keeps to −½gt² (energy within 1e-10)" "$(below 1e-10)" $(of free_fall $engine 6)
-            claim "$engine: the top loses less than 1e-6 of its energy at 1 ms" 'v[1] < 1e-6' "$(figure top $engine 0.001 6)"
-            claim "$engine: the top keeps its angular momentum within 1e-8 at 1 ms" 'v[1] < 1e-8' "$(figure top $engine 0.001 8)"
-            claim "$engine: the top flips within 1 ms of 10.917, 30.470 and 50.023 s (step 1 ms)" 'v[1] < 1e-3' "$(figure top $engine 0.001 10)"
-            claim "$engine: the bouncing ball's four impacts are found" 'v[1] == 4 && v[2] == 4 && v[3] == 4' $(of bounce $engine 9)
-            claim "$engine: and within 4.5 ms (1 % of the first)" "$(below 4.5e-3)" $(of bounce $engine 10)
-            claim "$engine: its apices are within 1 %" "$(below 0.01)" $(of bounce $engine 11)
-            claim "$engine: the block slides 1.178 m within 1 %" "$(below 0.01178)" $(of slide $engine 3)
-            claim "$engine: the block sticks (within 0.1 mm)" "$(below 1e-4)" $(of stick $engine 3)
-            claim "$engine: the ball rolls 1.752 m within 1 %" "$(below 0.01752)" $(of rolling $engine 3)
-            claim "$engine: the slipping ball is within 1 % of its 1.51 m" "$(below 0.0151)" $(of slip $engine 3)
+            claim "$engine: free fall keeps to −½gt² (energy within 1e-10)" "$(below 1e-10)" $(of free_fall $engine 'error of energy')
+            claim "$engine: the top loses less than 1e-6 of its energy at 1 ms" 'v[1] < 1e-6' "$(figure top $engine 0.001 'error of energy')"
+            claim "$engine: the top keeps its angular momentum within 1e-8 at 1 ms" 'v[1] < 1e-8' "$(figure top $engine 0.001 'error of angular_momentum')"
+            claim "$engine: the top flips within 1 ms of 10.917, 30.470 and 50.023 s (step 1 ms)" 'v[1] < 1e-3' "$(figure top $engine 0.001 'error of moment [s]')"
+            claim "$engine: the bouncing ball's four impacts are found (how many are missing)" 'v[1] == 0 && v[2] == 0 && v[3] == 0' $(of bounce $engine 'error of moments')
+            claim "$engine: and within 4.5 ms (1 % of the first)" "$(below 4.5e-3)" $(of bounce $engine 'error of moment [s]')
+            claim "$engine: its apices are within 1 %" "$(below 0.01)" $(of bounce $engine 'error of apex')
+            claim "$engine: the block slides 1.178 m within 1 %" "$(below 0.01178)" $(of slide $engine 'error of position [m]')
+            claim "$engine: the block sticks (within 0.1 mm)" "$(below 1e-4)" $(of stick $engine 'error of position [m]')
+            claim "$engine: the ball rolls 1.752 m within 1 %" "$(below 0.01752)" $(of rolling $engine 'error of position [m]')
+            claim "$engine: the slipping ball is within 1 % of its 1.51 m" "$(below 0.0151)" $(of slip $engine 'error of position [m]')
         }
     done
     # shellcheck disable=SC2046 # lists of words on purpose
     {
-        claim 'bullet: the stack stands (within 1 mm)' "$(below 1e-3)" $(of stack bullet 3)
-        claim 'bullet: a thousandfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio_thousand bullet 3)
-        claim 'bullet: a millionfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio bullet 3)
+        claim 'bullet: the stack stands (within 1 mm)' "$(below 1e-3)" $(of stack bullet 'error of position [m]')
+        claim 'bullet: a thousandfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio_thousand bullet 'error of position [m]')
+        claim 'bullet: a millionfold mass stands on a light block (within 1 mm)' "$(below 1e-3)" $(of ratio bullet 'error of position [m]')
         claim 'bullet: the energy of the pile never rises by more than 0.1 % (steps 10, 2, 1 ms)' "$(below 1e-3)" \
-            "$(figure pile bullet 0.01 7)" "$(figure pile bullet 0.002 7)" "$(figure pile bullet 0.001 7)"
+            "$(figure pile bullet 0.01 'error of energy_gain')" "$(figure pile bullet 0.002 'error of energy_gain')" "$(figure pile bullet 0.001 'error of energy_gain')"
         claim 'bullet: the pile takes at most 1.3 times the time of plain Bullet (steps 10, 2, 1 ms; ratios)' "$(below 1.3)" \
-            $(for step in 0.01 0.002 0.001; do echo "$(figure pile bullet $step 12) $(figure pile bullet_plain $step 12)" |
+            $(for step in 0.01 0.002 0.001; do echo "$(figure pile bullet $step 'median [s]') $(figure pile bullet_plain $step 'median [s]')" |
                 awk '{ if ($2 > 0) printf "%.2f ", $1 / $2; else printf "– " }'; done)
     }
 }
@@ -160,7 +157,7 @@ END
 }
 
 run_all
-[ ! -s "$results/top_compare.svg" ] || cp "$results/top_compare.svg" "$root/docs/rigid_top.svg"
+[ ! -s "$results/top/error_surface.svg" ] || cp "$results/top/error_surface.svg" "$root/docs/rigid_top.svg"
 write_page >"$page.part"
 mv "$page.part" "$page"
 echo "compare: wrote docs/rigid_comparison.md" >&2

@@ -1,184 +1,195 @@
-#include "cli/command.h"
-
+/* A comparison of rigid engines is a study that is made up here: all engines at all steps, tracked. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/names.h"
 #include "base/text.h"
+#include "cli/command.h"
+#include "cli/study.h"
 
 enum { STEPS, ENGINES, OUTPUT, FORCE, JSON };
 
+static const char *const engines[] = {"bullet", "bullet_plain", "pbd", "analytic"};
+enum { ENGINE_COUNT = sizeof engines / sizeof engines[0], MOST_STEPS = 16 };
+
+typedef struct Choice {
+    double steps[MOST_STEPS];
+    int32_t step_count;
+    bool engine[ENGINE_COUNT];
+} Choice;
+
 /* ---- lists ---- */
 
-/* One number after another, commas between; text moves on. */
-static ShvStatus read_steps(const char *text, ShvCompareOptions *options, ShvError *error)
+static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
 {
-    options->step_count = 0;
     for (const char *at = text;; at++) {
-        if (options->step_count == SHV_MOST_COMPARED_STEPS)
-            return shv_fail(error, SHV_BAD_INPUT, "--steps takes at most %d time steps", SHV_MOST_COMPARED_STEPS);
+        if (choice->step_count == MOST_STEPS)
+            return shv_fail(error, SHV_BAD_INPUT, "--steps takes at most %d time steps", (int)MOST_STEPS);
         char *end = NULL;
         double step = 0.0;
         if (strspn(at, "0123456789.") > 0) step = shv_text_to_double(at, &end);
         if (!end || (*end && *end != ',') || !(step > 0.0) || !isfinite(step))
             return shv_fail(error, SHV_BAD_INPUT, "--steps needs times in seconds, as in 1e-2,1e-3, not '%s'", text);
-        options->steps[options->step_count++] = step;
+        for (int32_t i = 0; i < choice->step_count; i++)
+            if (choice->steps[i] == step)
+                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);
+        choice->steps[choice->step_count++] = step;
         at = end;
         if (!*at) return SHV_OK;
     }
 }
 
-static ShvStatus read_engine(const char *word, ShvCompareOptions *options, ShvError *error)
+static ShvStatus read_engine(const char *word, Choice *choice, ShvError *error)
 {
-    static const ShvRigidEngine engines[SHV_MOST_COMPARED_ENGINES] = {SHV_RIGID_BULLET, SHV_RIGID_BULLET_PLAIN,
-                                                                      SHV_RIGID_PBD, SHV_RIGID_ANALYTIC};
-    const char *names[SHV_MOST_COMPARED_ENGINES];
-    for (int i = 0; i < SHV_MOST_COMPARED_ENGINES; i++) {
-        names[i] = shv_rigid_engine_name(engines[i]);
-        if (strcmp(word, names[i]) != 0) continue;
-        options->engines[options->engine_count++] = engines[i];
+    for (int i = 0; i < ENGINE_COUNT; i++) {
+        if (strcmp(word, engines[i]) != 0) continue;
+        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
+        choice->engine[i] = true;
         return SHV_OK;
     }
-    const char *near = shv_nearest_name(word, names, SHV_MOST_COMPARED_ENGINES);
+    const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
     return shv_fail(error, SHV_BAD_INPUT,
                     "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
                     near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
 }
 
-static ShvStatus read_engines(const char *text, ShvCompareOptions *options, ShvError *error)
+static ShvStatus read_engines(const char *text, Choice *choice, ShvError *error)
 {
-    options->engine_count = 0;
     for (const char *at = text;; at++) {
         const size_t length = strcspn(at, ",");
         char word[64];
         snprintf(word, sizeof word, "%.*s", length < sizeof word ? (int)length : (int)sizeof word - 1, at);
-        if (options->engine_count == SHV_MOST_COMPARED_ENGINES)
-            return shv_fail(error, SHV_BAD_INPUT, "--engines takes at most %d engines", SHV_MOST_COMPARED_ENGINES);
-        const ShvStatus status = read_engine(word, options, error);
+        const ShvStatus status = read_engine(word, choice, error);
         if (status != SHV_OK) return status;
         at += length;
         if (!*at) return SHV_OK;
     }
 }
 
-/* ---- what is printed ---- */
-
-static void print_number(double value)
+static ShvStatus read_choice(const ShvArguments *arguments, Choice *choice, ShvError *error)
 {
-    if (isfinite(value))
-        printf(" %10.2e", value);
-    else
-        printf(" %10s", "-");
+    const char *steps = arguments->values[STEPS], *names = arguments->values[ENGINES];
+    const ShvStatus status = read_steps(steps ? steps : "1e-2,1e-3,1e-4", choice, error);
+    return status == SHV_OK ? read_engines(names ? names : "bullet,bullet_plain,pbd,analytic", choice, error) : status;
 }
 
-static void print_run(const ShvComparedRun *run)
+/* ---- what a comparison cannot be made of ---- */
+
+static const ShvMaterialDefinition *material_of(const ShvSceneDefinition *scene, const ShvObjectDefinition *object)
 {
-    const double numbers[] = {run->position, run->orientation, run->velocity,
-                              run->energy,   run->energy_gain, run->angular_momentum};
-    printf("%-12s %-8g", shv_rigid_engine_name(run->engine), run->step);
-    if (run->status != SHV_OK) {
-        printf(" failed: %s\n", run->message);
-        return;
+    for (int32_t i = 0; i < scene->material_count; i++)
+        if (strcmp(scene->materials[i].name, object->material) == 0) return &scene->materials[i];
+    return NULL;
+}
+
+static ShvStatus check(const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
+{
+    for (int32_t i = 0; i < choice->step_count; i++)
+        if (choice->steps[i] > scene->duration)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "a time step must be above 0 and at most the duration of %g s, not %g", scene->duration,
+                            choice->steps[i]);
+    for (int32_t i = 0; i < scene->event_count; i++)
+        if (scene->events[i].kind == SHV_EVENT_GRAVITY)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "gravity changes during the run, and energies could not be compared; remove that event");
+    for (int32_t i = 0; i < scene->object_count && scene->fracture.enabled; i++) {
+        const ShvMaterialDefinition *material = material_of(scene, &scene->objects[i]);
+        if (material && material->breakable && !isinf(material->cohesive_strength))
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "'%s' can break, and a comparison is of rigid motion; set fracture.enabled to false or its "
+                            "material's breakable to false",
+                            scene->objects[i].name);
     }
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) print_number(numbers[i]);
-    char moments[32] = "-";
-    if (run->reference_moments > 0)
-        snprintf(moments, sizeof moments, "%d/%d", (int)run->moments, (int)run->reference_moments);
-    printf(" %7s", moments);
-    print_number(run->moment);
-    print_number(run->apex);
-    print_number(run->seconds);
-    print_number(run->seconds_per_step);
-    printf("%s\n", run->is_reference ? "  (reference)" : "");
+    return SHV_OK;
 }
 
-static void print_table(const ShvComparison *comparison)
-{
-    printf("errors from the %s\n", shv_comparison_reference(comparison));
-    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "engine", "step", "position", "turn",
-           "velocity", "energy", "gain", "|dL|/|L|", "moments", "moment", "apex", "run time", "per step");
-    printf("%-12s %-8s %10s %10s %10s %10s %10s %10s %7s %10s %10s %10s %10s\n", "", "s", "m", "rad", "m/s", "", "", "",
-           "", "s", "", "s", "s");
-    for (int32_t i = 0; i < shv_comparison_count(comparison); i++) print_run(shv_comparison_run(comparison, i));
-}
+/* ---- the study ---- */
 
-static void print_run_json(const ShvComparedRun *run)
+/* Without a closed form: the finest run of the engine that knows best; bodies that could meet need one in which they do. */
+static ShvStatus put_reference(FILE *stream, const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {{"step", run->step},
-                   {"position", run->position},
-                   {"orientation", run->orientation},
-                   {"velocity", run->velocity},
-                   {"surface", run->surface},
-                   {"energy", run->energy},
-                   {"energy_gain", run->energy_gain},
-                   {"angular_momentum", run->angular_momentum},
-                   {"moment", run->moment},
-                   {"apex", run->apex},
-                   {"seconds", run->seconds},
-                   {"seconds_per_step", run->seconds_per_step}};
-    printf("{\"engine\": \"%s\", \"status\": \"%s\", \"message\": ", shv_rigid_engine_name(run->engine),
-           run->status == SHV_OK ? "finished" : "failed");
-    shv_cli_print_json_text(run->message);
-    printf(", \"reference\": %s, \"moments\": %d, \"reference_moments\": %d", run->is_reference ? "true" : "false",
-           (int)run->moments, (int)run->reference_moments);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        printf(", \"%s\": ", numbers[i].name);
-        shv_cli_print_json_number(numbers[i].value);
+    enum { BULLET = 0, ANALYTIC = 3 };
+    int32_t bodies = scene->object_count;
+    double finest = choice->steps[0];
+    for (int32_t i = 0; i < scene->obstacle_count; i++) bodies += scene->obstacles[i].motion == SHV_OBSTACLE_FREE;
+    for (int32_t i = 1; i < choice->step_count; i++) finest = fmin(finest, choice->steps[i]);
+    int engine = bodies > 1 ? BULLET : ANALYTIC;
+    if (!choice->engine[engine]) engine = BULLET + ANALYTIC - engine;
+    if (scene->reference.law != SHV_REFERENCE_NONE) {
+        shv_print(stream, "reference: closed form\n");
+        return SHV_OK;
     }
-    printf("}");
+    if (!choice->engine[engine])
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "the scene names no `reference`, and none of the engines can stand for it; add bullet or "
+                        "analytic");
+    shv_print(stream, "reference: {rigid.engine: %s, rigid.time_step: %.17g}\n", engines[engine], finest);
+    return SHV_OK;
 }
 
-static void print_json(const ShvComparison *comparison)
+/* Nothing wakes, whatever the scene says: rigid motion alone. Frames are the same in all runs, and no step is cut by one. */
+static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    printf("{\"reference\": ");
-    shv_cli_print_json_text(shv_comparison_reference(comparison));
-    printf(", \"runs\": [");
-    for (int32_t i = 0; i < shv_comparison_count(comparison); i++) {
-        if (i > 0) printf(",\n ");
-        print_run_json(shv_comparison_run(comparison, i));
+    double coarsest = choice->steps[0];
+    for (int32_t i = 1; i < choice->step_count; i++) coarsest = fmax(coarsest, choice->steps[i]);
+    const char *between = "";
+    shv_print(stream, "shiver_study: 1\nname: \"");
+    for (const char *c = scene->name ? scene->name : "comparison"; *c; c++)
+        shv_print(stream, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
+    shv_print(stream, "\"\nset: {rigid.wake: stress, output.fracture_every: 0, output.rate: %.17g}\n",
+              fmin(scene->output.rate, 1.0 / coarsest));
+    shv_print(stream, "vary: {rigid.engine: [");
+    for (int i = 0; i < ENGINE_COUNT; i++) {
+        if (!choice->engine[i]) continue;
+        shv_print(stream, "%s%s", between, engines[i]);
+        between = ", ";
     }
-    printf("]}\n");
+    shv_print(stream, "], rigid.time_step: [");
+    for (int32_t i = 0; i < choice->step_count; i++) shv_print(stream, "%s%g", i ? ", " : "", choice->steps[i]);
+    shv_print(stream, "]}\nrepeats: 3\nmeasures: [position, orientation, velocity, surface, energy, energy_gain, "
+                      "angular_momentum, moments, moment, apex]\n");
+    return put_reference(stream, scene, choice, error);
 }
 
-/* ---- the command ---- */
-
-static void say_run(void *data, ShvRigidEngine engine, double step)
+static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, const Choice *choice, const char *folder,
+                         ShvError *error)
 {
-    (void)data;
-    fprintf(stderr, "shiver: running %s at %g s\n", shv_rigid_engine_name(engine), step);
-}
-
-static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, ShvCompareOptions *options,
-                         const char *prefix, ShvError *error)
-{
-    const bool force = arguments->values[FORCE] != NULL;
-    options->folder = shv_scene_folder(scene);
-    options->begins = arguments->quiet ? NULL : say_run;
-    ShvComparison *comparison = NULL;
-    ShvStatus status = shv_comparison_check_files(prefix, force, error);
-    if (status == SHV_OK) status = shv_compare(&comparison, shv_scene_definition(scene), options, error);
+    /* Of runs that take less than this the best of up to three counts, in s. */
+    static const double short_run = 0.1;
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    ShvStudyOptions options = shv_study_default();
+    char *text = NULL, command[SHV_CLI_PATH];
+    size_t length = 0;
+    ShvStatus status = check(definition, choice, error);
     if (status != SHV_OK) return status;
-    (arguments->values[JSON] ? print_json : print_table)(comparison);
-    status = shv_comparison_write(comparison, prefix, force, error);
-    if (status == SHV_OK && !arguments->values[JSON]) printf("wrote %s_compare.csv and .svg\n", prefix);
-    shv_comparison_destroy(comparison);
+    FILE *stream = open_memstream(&text, &length);
+    if (!stream) return shv_fail(error, SHV_NO_MEMORY, "out of memory for a study");
+    status = put_study(stream, definition, choice, error);
+    fclose(stream);
+    snprintf(command, sizeof command, "shiver compare %s", arguments->positional[0]);
+    options.output = folder;
+    options.plan = text;
+    options.scene_text = shv_scene_text(scene);
+    options.command = command;
+    options.repeat_below = short_run;
+    options.force = arguments->values[FORCE] != NULL;
+    options.overrides = arguments->overrides;
+    options.override_count = arguments->override_count;
+    if (status == SHV_OK) status = shv_cli_study(arguments, &options, arguments->values[JSON] != NULL, error);
+    free(text);
     return status;
 }
 
 static int run(const ShvArguments *arguments)
 {
-    char prefix[SHV_CLI_PATH];
+    char folder[SHV_CLI_PATH];
     ShvError error;
-    ShvCompareOptions options = shv_compare_default();
-    ShvStatus status = SHV_OK;
-    if (arguments->values[STEPS]) status = read_steps(arguments->values[STEPS], &options, &error);
-    if (status == SHV_OK && arguments->values[ENGINES])
-        status = read_engines(arguments->values[ENGINES], &options, &error);
-    if (status == SHV_OK) status = shv_cli_scene_output(prefix, arguments, arguments->values[OUTPUT], NULL, "", &error);
+    Choice choice = {.step_count = 0};
+    ShvStatus status = read_choice(arguments, &choice, &error);
+    if (status == SHV_OK) status = shv_cli_scene_output(folder, arguments, arguments->values[OUTPUT], NULL, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     /* The engine that the scene names is not used; keys of pbd count. */
     ShvArguments loading = *arguments;
@@ -186,7 +197,7 @@ static int run(const ShvArguments *arguments)
     ShvScene *scene;
     const int loaded = shv_cli_load_scene(&scene, &loading);
     if (!scene) return loaded;
-    status = compare(arguments, scene, &options, prefix, &error);
+    status = compare(arguments, scene, &choice, folder, &error);
     shv_scene_destroy(scene);
     return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
 }
@@ -197,19 +208,20 @@ const ShvCommand shv_command_compare = {
     .summary = "run a rigid scene under each engine and time step; errors beside run times",
     .details =
         "Runs a scene in which nothing can break with each rigid engine at each time step, and prints the largest\n"
-        "errors of position, orientation (turn) and velocity, of energy and angular momentum (relative), and of the\n"
-        "times of impacts or flips (moment) and the heights between impacts (apex, relative), beside the run time.\n"
-        "`gain` is the largest rise of the mechanical energy. Errors are taken from the motion that the scene's\n"
-        "`reference` names, else from the finest run. A free obstacle is moved by one and the same code under pbd\n"
-        "and analytic. Writes PREFIX_compare.csv, frame by frame, and PREFIX_compare.svg, error against run time.",
+        "errors of position, orientation and velocity, of energy and angular momentum (relative), and of the times of\n"
+        "impacts or flips (moment; moments: how many were missed) and the heights between impacts (apex), beside the\n"
+        "run time. `energy_gain` is the largest rise of the mechanical energy. Errors are taken from the motion that\n"
+        "the scene's `reference` names, else from the finest run. A free obstacle is moved by one and the same code\n"
+        "under pbd and analytic. It is a study of engines and steps: DIR has its report, figures, and the runs, which\n"
+        "are not made again unless they are asked for with --force.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,
     .takes_stream = true,
     .options = {{"--steps", "A,B,…", "time steps of rigid flight, s; 1e-2,1e-3,1e-4 unless given"},
                 {"--engines", "A,B,…", "among bullet, bullet_plain, pbd, analytic; all unless given"},
-                {"--output", "PREFIX", "beginning of the file names; the scene file's name unless given"},
-                {"--force", NULL, "replace existing files"},
+                {"--output", "DIR", "folder of results; the scene file's name unless given"},
+                {"--force", NULL, "run again what has been run"},
                 {"--json", NULL, "print as JSON"}},
     .run = run,
 };

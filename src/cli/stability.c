@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/verify.h"
 
 enum { STIFFNESS, ITERATIONS, MODULI, MULTIPLES, STEPS, CSV, SVG, FORCE, JSON, SUITE, QUICK, MARKDOWN };
 
@@ -187,107 +188,17 @@ static void print_json(const ShvStability *stability)
 
 /* ---- a suite ---- */
 
-static void say_case(void *data, const ShvSuiteRow *row)
-{
-    (void)data;
-    fprintf(stderr, "shiver: case %s, %s\n", row->number, row->title);
-}
-
-static void print_row(const ShvSuiteRow *row)
-{
-    printf("%-9s %4s  %s\n", shv_suite_verdict_name(row->verdict), row->number, row->title);
-    printf("%-9s %4s  %s%s%s\n", "", "", row->file, row->overrides[0] ? ", " : "", row->overrides);
-    if (row->verdict != SHV_SUITE_SKIPPED)
-        printf("%-9s %4s  expected: %s\n%-9s %4s  found:    %s (%.2f s)\n", "", "", row->expected, "", "", row->found,
-               row->seconds);
-    if (row->verdict == SHV_SUITE_EXPLAINED) printf("%-9s %4s  because:  %s\n", "", "", row->explained);
-}
-
-/* A bar would end a cell. */
-static void print_cell(const char *text)
-{
-    printf(" ");
-    for (; *text; text++)
-        if (*text == '|')
-            printf("\\|");
-        else
-            putchar(*text);
-    printf(" |");
-}
-
-static void print_row_markdown(const ShvSuiteRow *row)
-{
-    char seconds[32], file[SHV_SUITE_TEXT + 192];
-    shv_format(seconds, sizeof seconds, row->seconds > 0.0 ? "%.2f" : "–", row->seconds);
-    snprintf(file, sizeof file, "%s%s%s", row->file, row->overrides[0] ? ", " : "", row->overrides);
-    const char *const cells[] = {
-        row->number, row->title, file, row->expected, row->found, seconds, shv_suite_verdict_name(row->verdict)};
-    printf("|");
-    for (size_t i = 0; i < sizeof cells / sizeof cells[0]; i++) print_cell(cells[i]);
-    printf("\n");
-}
-
-static void print_markdown(const ShvSuite *suite)
-{
-    printf("| case | what | scene or test | expected | found | run time, s | |\n|---|---|---|---|---|---|---|\n");
-    for (int32_t i = 0; i < shv_suite_count(suite); i++) print_row_markdown(shv_suite_row(suite, i));
-    for (int32_t i = 0; i < shv_suite_count(suite); i++) {
-        const ShvSuiteRow *row = shv_suite_row(suite, i);
-        if (row->verdict == SHV_SUITE_EXPLAINED) printf("\nCase %s, %s: %s\n", row->number, row->title, row->explained);
-    }
-}
-
-static void print_row_json(const ShvSuiteRow *row)
-{
-    const char *const texts[][2] = {{"case", row->number},         {"title", row->title},
-                                    {"file", row->file},           {"overrides", row->overrides},
-                                    {"expected", row->expected},   {"found", row->found},
-                                    {"explained", row->explained}, {"verdict", shv_suite_verdict_name(row->verdict)}};
-    printf("{");
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        printf("\"%s\": ", texts[i][0]);
-        shv_cli_print_json_text(texts[i][1]);
-        printf(", ");
-    }
-    printf("\"seconds\": ");
-    shv_cli_print_json_number(row->seconds);
-    printf("}");
-}
-
-static void print_suite_json(const ShvSuite *suite)
-{
-    printf("{\"cases\": [");
-    for (int32_t i = 0; i < shv_suite_count(suite); i++) {
-        if (i > 0) printf(",\n ");
-        print_row_json(shv_suite_row(suite, i));
-    }
-    printf("]}\n");
-}
-
-static void print_suite(const ShvSuite *suite)
-{
-    for (int32_t i = 0; i < shv_suite_count(suite); i++) print_row(shv_suite_row(suite, i));
-}
-
+/* The cases of a folder, verified. */
 static int run_suite(const ShvArguments *arguments)
 {
-    ShvError error;
-    ShvSuite *suite = NULL;
-    ShvSuiteOptions options = shv_suite_default();
-    options.quick = arguments->values[QUICK] != NULL;
-    options.begins = arguments->quiet ? NULL : say_case;
     char folder[SHV_CLI_PATH];
-    ShvStatus status = arguments->positional_count > 0 ? shv_cli_path(folder, &error, "%s", arguments->positional[0])
-                                                       : shv_cli_scenes(folder, "extreme", &error);
-    if (status == SHV_OK) status = shv_suite_run(&suite, folder, &options, &error);
-    if (status != SHV_OK) return shv_cli_failed(status, &error);
-    (arguments->values[JSON] ? print_suite_json : arguments->values[MARKDOWN] ? print_markdown : print_suite)(suite);
-    const int misses = (int)shv_suite_verdicts(suite, SHV_SUITE_MISS);
-    fprintf(stderr, "shiver: %d pass, %d miss, %d explained, %d skipped\n",
-            (int)shv_suite_verdicts(suite, SHV_SUITE_PASS), misses, (int)shv_suite_verdicts(suite, SHV_SUITE_EXPLAINED),
-            (int)shv_suite_verdicts(suite, SHV_SUITE_SKIPPED));
-    shv_suite_destroy(suite);
-    return misses > 0 ? SHV_EXIT_MISSED : SHV_EXIT_DONE;
+    ShvError error;
+    const ShvStatus status = arguments->positional_count > 0
+                                 ? shv_cli_path(folder, &error, "%s", arguments->positional[0])
+                                 : shv_cli_scenes(folder, "extreme", &error);
+    return status == SHV_OK
+               ? shv_cli_verify_folder(arguments, folder, arguments->values[QUICK] == NULL, arguments->values[MARKDOWN])
+               : shv_cli_failed(status, &error);
 }
 
 /* ---- the command ---- */
@@ -359,10 +270,8 @@ const ShvCommand shv_command_stability = {
         "frequency, displacement and energy of its vibration at each step, against no bars at a quarter of the\n"
         "stable step. `bars alone`: the stiffness by the closed form, if bars did not share nodes. The form of bars\n"
         "is the scene's pbd.form.\n"
-        "With --suite: runs all cases that the scenes of FOLDER (scenes/extreme unless given, here or as installed) "
-        "state in their "
-        "comments,\n"
-        "prints what was expected and found, and ends with 1 if a case misses without an explanation.",
+        "With --suite: verifies all cases of FOLDER (scenes/extreme unless given, here or as installed), as "
+        "`shiver verify` does.",
     .least_positional = 0,
     .most_positional = 1,
     .takes_scene = true,
@@ -376,8 +285,8 @@ const ShvCommand shv_command_stability = {
                 {"--svg", "PREFIX", "writes PREFIX_limit.svg, PREFIX_stiffness.svg, PREFIX_error.svg"},
                 {"--force", NULL, "replace existing files"},
                 {"--json", NULL, "print as JSON"},
-                {"--suite", NULL, "run a suite of extreme scenes"},
-                {"--quick", NULL, "suite: leave out what is marked long"},
-                {"--markdown", NULL, "suite: print as a table in Markdown"}},
+                {"--suite", NULL, "verify a suite of extreme scenes"},
+                {"--quick", NULL, "suite: leave out runs of the full set"},
+                {"--markdown", "FILE", "suite: also write the tables as Markdown"}},
     .run = run,
 };

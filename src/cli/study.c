@@ -5,8 +5,10 @@
 #include "base/file.h"
 #include "cli/command.h"
 #include "cli/jobs.h"
+#include "cli/study.h"
 
 enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
+
 static void say_run(void *data, const char *setting)
 {
     (void)data;
@@ -139,18 +141,31 @@ static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
     return status == SHV_OK ? shv_study_run(study, error) : status;
 }
 
-static int show(ShvStudy *study, const ShvArguments *arguments)
+static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
 {
-    ShvError error;
-    const bool json = arguments->values[JSON] != NULL;
-    ShvStatus status = shv_study_measure(study, &error);
-    if (status == SHV_OK) status = shv_study_write(study, &error);
-    if (status != SHV_OK) return shv_cli_failed(status, &error);
+    ShvStatus status = shv_study_measure(study, error);
+    if (status == SHV_OK) status = shv_study_write(study, error);
+    if (status != SHV_OK) return status;
     if (json)
         shv_study_print_json(study, stdout);
     else
         print_table(study);
-    return arguments->values[PICK] ? pick(study, arguments->values[PICK], json) : SHV_EXIT_DONE;
+    return SHV_OK;
+}
+
+ShvStatus shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json, ShvError *error)
+{
+    ShvStudy *study = NULL;
+    options->begins = arguments->quiet ? NULL : say_run;
+    options->stop = shv_jobs_asked_to_stop;
+    shv_jobs_catch_signals();
+    ShvStatus status = shv_study_open(&study, arguments->positional[0], NULL, options, error);
+    if (status == SHV_OK) status = shv_study_run(study, error);
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(error);
+    if (status == SHV_OK) status = show(study, json, error);
+    if (status == SHV_OK && !json) printf("wrote %s/report.html\n", options->output);
+    shv_study_close(study);
+    return status;
 }
 
 static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
@@ -192,7 +207,11 @@ static int run(const ShvArguments *arguments)
     if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
     if (status == SHV_OK && !arguments->values[TASK]) {
-        result = show(study, arguments);
+        const bool json = arguments->values[JSON] != NULL;
+        status = show(study, json, &error);
+        result = status != SHV_OK          ? shv_cli_failed(status, &error)
+                 : arguments->values[PICK] ? pick(study, arguments->values[PICK], json)
+                                           : SHV_EXIT_DONE;
         if (result == SHV_EXIT_DONE && !arguments->values[JSON]) printf("wrote %s/report.html\n", options.output);
     }
     shv_study_close(study);

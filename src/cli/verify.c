@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "cli/verify.h"
 
 enum { FULL, JSON, HTML, MARKDOWN, FOLDER, FORCE };
 
@@ -100,26 +101,31 @@ static ShvStatus list_cases(const ShvArguments *arguments, Paths *paths, ShvErro
 
 /* ---- text ---- */
 
+static const char *relation_of(const ShvVerifyRow *row)
+{
+    static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
+    return (row->strict ? strict : relations)[row->compare];
+}
+
 static void print_row(const ShvVerifyRow *row)
 {
-    static const char *const relations[] = {"", "≤ ", "≥ ", ""};
     const double scale = row->absolute ? 1.0 : 100.0;
-    const char *percent = row->absolute ? "" : " %";
+    const char *percent = row->absolute ? "" : " %", *verdict = shv_verdict_name(row->verdict);
     printf("  %s%s%s%s: ", row->quantity, row->run[0] ? " (" : "", row->run, row->run[0] ? ")" : "");
     if (row->verdict == SHV_VERDICT_FAILED) {
         printf("FAILED: %s\n", row->note);
         return;
     }
-    printf("%.6g%s%s", row->value, row->unit[0] ? " " : "", row->unit);
+    if (!isnan(row->value) || !isnan(row->reference))
+        printf("%.6g%s%s", row->value, row->unit[0] ? " " : "", row->unit);
     if (!isnan(row->reference))
-        printf(", reference %s%.6g, error %+.3g%s", relations[row->compare], row->reference, scale * row->error,
-               percent);
+        printf(", reference %s%.6g, error %+.3g%s", relation_of(row), row->reference, scale * row->error, percent);
     if (row->verdict == SHV_VERDICT_SHOWN) {
         printf("\n");
         return;
     }
-    printf(", tolerance %.3g%s: %s\n", scale * row->tolerance, percent,
-           row->verdict == SHV_VERDICT_MISS ? "MISS" : shv_verdict_name(row->verdict));
+    if (!isnan(row->tolerance)) printf(", tolerance %.3g%s: ", scale * row->tolerance, percent);
+    printf("%s\n", row->verdict == SHV_VERDICT_MISS ? "MISS" : verdict);
     if (row->note[0]) printf("    %s\n", row->note);
 }
 
@@ -271,6 +277,19 @@ static int run(const ShvArguments *arguments)
     shv_release(work.cases);
     release_paths(&work.paths);
     return exit_status;
+}
+
+int shv_cli_verify_folder(const ShvArguments *arguments, const char *folder, bool full, const char *markdown)
+{
+    ShvArguments own = *arguments;
+    own.positional_count = 0;
+    for (int i = 0; i < SHV_MOST_OPTIONS; i++) own.values[i] = NULL;
+    own.values[FOLDER] = folder;
+    own.values[FULL] = full ? "--full" : NULL;
+    own.values[JSON] = arguments->json ? "--json" : NULL;
+    own.values[FORCE] = arguments->force ? "--force" : NULL;
+    own.values[MARKDOWN] = markdown;
+    return run(&own);
 }
 
 const ShvCommand shv_command_verify = {

@@ -1,8 +1,8 @@
 /* The files of a measurement. */
 #include "base/text.h"
+#include "evaluate/plot.h"
 #include "export/output.h"
 #include "stability/stability.h"
-#include "study/plot.h"
 
 enum { MOST_LINES = SHV_MOST_STABILITY_VALUES + 1 };
 

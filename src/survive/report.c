@@ -4,8 +4,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "evaluate/html.h"
 #include "export/output.h"
-#include "study/html.h"
 #include "survive/pictures.h"
 
 enum { CURVE_POINTS = 61, LINES = 4 };

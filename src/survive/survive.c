@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "evaluate/inputs.h"
 #include "shiver/version.h"
-#include "study/inputs.h"
 
 ShvSurviveOptions shv_survive_default(void)
 {

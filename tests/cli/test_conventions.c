@@ -130,7 +130,7 @@ static void test_piped_scene(void **state)
     shell_fails("(cat block.yaml; echo 'name: ../up') | $shiver run -", 2, "without slashes");
     shell_works("(cat block.yaml; echo 'output: {file: said.h5}') | $shiver run - && ls", "said.h5\n");
     shell_fails("$shiver compare - --steps 1e-2 <block.yaml", 2, "give --output");
-    shell_works("$shiver compare - --steps 1e-2 -o piped <block.yaml", "wrote piped_compare.csv");
+    shell_works("$shiver compare - --steps 1e-2 -o piped <block.yaml", "wrote piped/report.html");
     /* Names of files start from the working folder; faults name the stream. */
     shell_write("corner.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
     shell_works("(cat block.yaml; echo 'obstacles: {corner: {mesh: {file: corner.obj}, position: [9, 9, 9]}}') | "

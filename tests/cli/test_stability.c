@@ -38,18 +38,21 @@ static void test_bad_words(void **state)
 static void test_suite_of_a_folder(void **state)
 {
     (void)state;
+    static const char head[] = "verification: 1\ntitle: a\nscene: a.yaml\nsource: us\nshort: true\nruns:\n";
     char text[1024];
     shell_works("mkdir -p cases", "");
-    snprintf(text, sizeof text, "#! case 1: a | b\n#! expect: finishes\n%s", scene);
-    shell_write("cases/a.yaml", text);
-    shell_works("$shiver stability --suite cases", "pass");
-    shell_works("$shiver stability --suite cases --markdown", "| 1 | a \\| b | a.yaml | finishes | finished |");
+    shell_write("cases/a.yaml", scene);
+    snprintf(text, sizeof text, "%s  one: {title: 'one | bar', expect: finishes}\n", head);
+    shell_write("cases/a.case.yaml", text);
+    shell_works("$shiver stability --suite cases", "finishes (one | bar): pass");
+    shell_works("$shiver stability --suite cases --markdown t.md && cat t.md", "| finishes | one \\| bar |");
     shell_works("$shiver stability --suite cases --json", "\"verdict\": \"pass\"");
     assert_true(json_valid(output.out));
-    snprintf(text, sizeof text, "#! case 1: a\n#! expect: steps > 1\n#! case 2: b\n#! long\n#! expect: finishes\n%s",
-             scene);
-    shell_write("cases/a.yaml", text);
-    shell_fails("$shiver stability --suite cases --quick", 1, "0 pass, 1 miss, 0 explained, 1 skipped");
+    snprintf(text, sizeof text, "%s  one: {expect: run.steps > 1}\n  two: {full: true, expect: finishes}\n", head);
+    shell_write("cases/a.case.yaml", text);
+    shell_fails("$shiver stability --suite cases --quick", 1, "");
+    assert_non_null(strstr(output.out, "run.steps > 1 (one)"));
+    assert_null(strstr(output.out, "(two)"));
 }
 
 int main(void)

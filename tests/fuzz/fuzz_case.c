@@ -1,6 +1,6 @@
 #include "fuzz.h"
 
-#include "verify/case.h"
+#include "evaluate/case.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

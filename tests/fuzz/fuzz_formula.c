@@ -1,6 +1,6 @@
 #include "fuzz.h"
 
-#include "verify/formula.h"
+#include "evaluate/formula.h"
 
 static bool find(void *data, const char *name, ShvFormulaValue *value)
 {
@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!text) return 0;
     memcpy(text, data, size);
     text[size] = '\0';
-    const ShvFormulaNames names = {find, NULL, &pool};
+    const ShvFormulaNames names = {.find = find, .pool = &pool};
     fuzz_judge(shv_formula_evaluate(text, &names, &value, &error), &error);
     shv_pool_release(&pool);
     free(text);

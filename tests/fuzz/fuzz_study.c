@@ -1,6 +1,6 @@
 #include "fuzz.h"
 
-#include "study/study_plan.h"
+#include "evaluate/study_plan.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -1,0 +1,231 @@
+#include "evaluate/closed_form.h"
+
+#include <string.h>
+
+#include "evaluate/laws.h"
+
+/* Relative to speeds, lengths and gravity: what typed numbers and their products leave. */
+static const double nearly = 1e-6;
+
+typedef struct Setting {
+    const ShvSceneDefinition *scene;
+    const ShvMeshView *mesh;
+    const ShvBody *body;
+    const ShvObstacleDefinition *plane;
+    ShvVec3 normal;
+} Setting;
+
+static ShvStatus find_plane(Setting *setting, ShvError *error)
+{
+    const ShvSceneDefinition *scene = setting->scene;
+    const char *name = scene->reference.on ? scene->reference.on : "";
+    for (int32_t i = 0; i < scene->obstacle_count; i++)
+        if (strcmp(scene->obstacles[i].name, name) == 0) setting->plane = &scene->obstacles[i];
+    if (!setting->plane || setting->plane->shape != SHV_OBSTACLE_PLANE)
+        return shv_fail(error, SHV_BAD_INPUT, "reference.on must name a plane of the scene, not '%s'", name);
+    setting->normal = shv_unit(shv_load3(setting->plane->plane_normal));
+    return SHV_OK;
+}
+
+/* ---- where a body touches ---- */
+
+static double corner_height(const ShvObstacleDefinition *box, const ShvBodyState *start, ShvVec3 normal)
+{
+    double lowest = 0.0;
+    const ShvVec3 local = shv_rotate(shv_quat_conjugate(start->orientation), normal);
+    const double along[3] = {local.x, local.y, local.z};
+    for (int k = 0; k < 3; k++) lowest -= 0.5 * box->size[k] * fabs(along[k]);
+    return lowest;
+}
+
+/* Lowest point of an object, and how far the middle of its lowest nodes is from being under the centre. */
+static double lowest_node(const Setting *setting, const ShvBodyState *start, int32_t object, double *aside)
+{
+    const ShvObjectView *part = &setting->mesh->objects[object];
+    const double slack = nearly * setting->body->radius;
+    double lowest = HUGE_VAL;
+    for (int32_t i = part->node_begin; i < part->node_end; i++)
+        lowest = fmin(lowest, shv_dot(setting->normal, shv_load3(setting->mesh->positions + 3 * (int64_t)i)));
+    ShvVec3 sum = shv_vec3(0.0, 0.0, 0.0);
+    double count = 0.0;
+    for (int32_t i = part->node_begin; i < part->node_end; i++) {
+        const ShvVec3 x = shv_load3(setting->mesh->positions + 3 * (int64_t)i);
+        if (shv_dot(setting->normal, x) > lowest + slack) continue;
+        sum = shv_add(sum, shv_sub(x, start->position));
+        count += 1.0;
+    }
+    *aside = shv_norm(shv_cross(setting->normal, sum)) / count;
+    return lowest - shv_dot(setting->normal, start->position);
+}
+
+static int32_t object_of(const ShvSceneDefinition *scene, const char *name)
+{
+    int32_t index = 0;
+    while (strcmp(scene->objects[index].name, name) != 0) index++;
+    return index;
+}
+
+/* Gap between body and plane. */
+static double gap_of(const Setting *setting, const ShvBodyState *start, double *aside)
+{
+    const ShvBody *body = setting->body;
+    double lowest;
+    *aside = 0.0;
+    if (body->fragment >= 0) {
+        lowest = lowest_node(setting, start, object_of(setting->scene, body->name), aside);
+    } else {
+        const ShvObstacleDefinition *obstacle = &setting->scene->obstacles[body->obstacle];
+        const bool sphere = obstacle->shape == SHV_OBSTACLE_SPHERE;
+        lowest = sphere ? -obstacle->radius : corner_height(obstacle, start, setting->normal);
+    }
+    return shv_dot(setting->normal, start->position) + lowest - setting->plane->plane_offset;
+}
+
+/* ---- laws ---- */
+
+static ShvStatus start_bounce(ShvClosedForm *form, const Setting *setting, ShvError *error)
+{
+    const ShvVec3 n = setting->normal;
+    double aside;
+    form->height = gap_of(setting, &form->start, &aside);
+    form->direction = n;
+    form->speed = shv_dot(n, form->start.velocity);
+    form->pull = -shv_dot(n, form->gravity);
+    form->restitution = setting->plane->restitution;
+    if (!(form->pull > 0.0) || shv_norm(shv_cross(n, form->gravity)) > nearly * form->pull)
+        return shv_fail(error, SHV_BAD_INPUT, "a bounce needs gravity straight on to '%s'", setting->plane->name);
+    if (form->height < 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "a bounce must begin above '%s'", setting->plane->name);
+    if (shv_norm(shv_cross(n, form->start.velocity)) > nearly * shv_norm(form->start.velocity) ||
+        shv_norm(form->start.angular_velocity) > 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "a bounce is straight: give '%s' no other velocity and no spin",
+                        setting->body->name);
+    if (aside > nearly * setting->body->radius)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "'%s' would begin to turn: its lowest point is %.3g m beside the vertical through its centre",
+                        setting->body->name, aside);
+    return SHV_OK;
+}
+
+static ShvStatus must_touch(const ShvClosedForm *form, const Setting *setting, ShvError *error)
+{
+    double aside;
+    const double gap = gap_of(setting, &form->start, &aside);
+    if (fabs(gap) <= 1e-4 * setting->body->radius && shv_dot(setting->normal, form->gravity) < 0.0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT,
+                    "this law needs '%s' on '%s' from the start, pressed by gravity; the gap is %.3g m",
+                    setting->body->name, setting->plane->name, gap);
+}
+
+/* What moves a body along its plane must lie in one line: velocity, gravity, and for a ball the slip. */
+static ShvStatus find_line(ShvClosedForm *form, const Setting *setting, ShvVec3 slip, ShvError *error)
+{
+    const ShvVec3 n = setting->normal;
+    const ShvVec3 along = shv_madd(form->gravity, -shv_dot(form->gravity, n), n);
+    const ShvVec3 line[3] = {form->start.velocity, slip, along};
+    const double size[3] = {shv_norm(line[0]), shv_norm(line[1]), nearly * shv_norm(form->gravity)};
+    form->direction = shv_unit(shv_norm(along) > size[2] ? along : size[0] > 0.0 ? line[0] : slip);
+    if (shv_norm(form->direction) == 0.0) form->direction = shv_unit(shv_cross(n, shv_vec3(n.y, n.z, -n.x)));
+    for (int k = 0; k < 2; k++)
+        if (shv_norm(shv_cross(line[k], form->direction)) > nearly * size[k])
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "'%s' must move along the slope of '%s' or against it, in one straight line",
+                            setting->body->name, setting->plane->name);
+    form->speed = shv_dot(form->start.velocity, form->direction);
+    form->pull = shv_norm(along) > size[2] ? shv_dot(along, form->direction) : 0.0;
+    return SHV_OK;
+}
+
+static ShvStatus start_slide(ShvClosedForm *form, const Setting *setting, ShvError *error)
+{
+    SHV_TRY(must_touch(form, setting, error));
+    if (shv_norm(form->start.angular_velocity) > 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' slides without turning: remove its angular_velocity",
+                        setting->body->name);
+    /* Against an object the plane's own friction holds, between obstacles the geometric mean. */
+    const double own = setting->body->obstacle >= 0 ? setting->scene->obstacles[setting->body->obstacle].friction
+                                                    : setting->plane->friction;
+    form->friction = -shv_dot(form->gravity, setting->normal) * sqrt(own * setting->plane->friction);
+    return find_line(form, setting, shv_vec3(0.0, 0.0, 0.0), error);
+}
+
+static ShvStatus start_roll(ShvClosedForm *form, const Setting *setting, ShvError *error)
+{
+    const ShvBody *body = setting->body;
+    const ShvVec3 n = setting->normal;
+    if (body->obstacle < 0 || setting->scene->obstacles[body->obstacle].shape != SHV_OBSTACLE_SPHERE)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' is not round enough to roll: give a sphere with mass", body->name);
+    const ShvObstacleDefinition *sphere = &setting->scene->obstacles[body->obstacle];
+    SHV_TRY(must_touch(form, setting, error));
+    form->radius = sphere->radius;
+    form->shape = body->inertia.m[0][0] / (body->mass * form->radius * form->radius);
+    form->friction = -shv_dot(form->gravity, n) * sqrt(sphere->friction * setting->plane->friction);
+    /* Velocity of the rim at the top, against the centre: ω × r n. */
+    const ShvVec3 rim = shv_scale(shv_cross(form->start.angular_velocity, n), form->radius);
+    SHV_TRY(find_line(form, setting, rim, error));
+    form->axis = shv_cross(n, form->direction);
+    form->rim_speed = shv_dot(rim, form->direction);
+    if (fabs(shv_dot(n, form->start.angular_velocity)) > nearly * shv_norm(form->start.angular_velocity))
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' must not spin about the normal of '%s'", body->name,
+                        setting->plane->name);
+    return SHV_OK;
+}
+
+static ShvStatus check_settings(const ShvSceneDefinition *scene, ShvError *error)
+{
+    if (scene->event_count > 0 || scene->condition_count > 0)
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "the closed forms of `reference` know no events, supports or loads; remove them or `reference`");
+    return SHV_OK;
+}
+
+ShvStatus shv_closed_form(ShvClosedForm *form, const ShvSceneDefinition *scene, const ShvMeshView *mesh,
+                          const ShvBody *body, const ShvBodyState *start, ShvError *error)
+{
+    Setting setting = {.scene = scene, .mesh = mesh, .body = body};
+    *form = (ShvClosedForm){.law = scene->reference.law, .start = *start, .gravity = shv_load3(scene->gravity)};
+    SHV_TRY(check_settings(scene, error));
+    const bool meets = form->law != SHV_REFERENCE_FLIGHT && form->law != SHV_REFERENCE_REST;
+    if (meets) SHV_TRY(find_plane(&setting, error));
+    if (form->law == SHV_REFERENCE_FLIGHT)
+        form->top = shv_free_top(&body->inertia, start->orientation, start->angular_velocity);
+    if (form->law == SHV_REFERENCE_BOUNCE) return start_bounce(form, &setting, error);
+    if (form->law == SHV_REFERENCE_SLIDE) return start_slide(form, &setting, error);
+    if (form->law == SHV_REFERENCE_ROLL) return start_roll(form, &setting, error);
+    if (form->law == SHV_REFERENCE_REST && shv_norm(start->velocity) + shv_norm(start->angular_velocity) > 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' is to stay at rest, but it has a velocity at the start",
+                        body->name);
+    return SHV_OK;
+}
+
+static void move(ShvBodyState *state, const ShvClosedForm *form, double distance, double speed)
+{
+    state->position = shv_madd(form->start.position, distance, form->direction);
+    state->velocity = shv_scale(form->direction, speed);
+}
+
+ShvBodyState shv_closed_form_at(ShvClosedForm *form, double time)
+{
+    ShvBodyState state = form->start;
+    if (form->law == SHV_REFERENCE_FLIGHT) {
+        const ShvVec3 mean = shv_madd(form->start.velocity, 0.5 * time, form->gravity);
+        state.position = shv_madd(form->start.position, time, mean);
+        state.velocity = shv_madd(form->start.velocity, time, form->gravity);
+        shv_free_top_at(&form->top, time, &state.orientation, &state.angular_velocity);
+    } else if (form->law == SHV_REFERENCE_BOUNCE) {
+        const ShvLineMotion line = shv_law_bounce(form->height, form->speed, form->pull, form->restitution, time);
+        move(&state, form, line.position - form->height, line.velocity);
+    } else if (form->law == SHV_REFERENCE_SLIDE) {
+        const ShvLineMotion line = shv_law_slide(form->speed, form->pull, form->friction, time);
+        move(&state, form, line.position, line.velocity);
+    } else if (form->law == SHV_REFERENCE_ROLL) {
+        const ShvRollMotion roll =
+            shv_law_roll(form->speed, form->rim_speed, form->pull, form->friction, form->shape, time);
+        move(&state, form, roll.centre.position, roll.centre.velocity);
+        const ShvQuat turn = shv_quat_exponential(shv_scale(form->axis, roll.rim.position / form->radius));
+        state.orientation = shv_quat_multiply(turn, form->start.orientation);
+        state.angular_velocity = shv_scale(form->axis, roll.rim.velocity / form->radius);
+    }
+    return state;
+}

@@ -1,0 +1,209 @@
+#include "evaluate/crack_surface.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+
+/* ---- which facets ---- */
+
+/* The face opposite to a corner. */
+static const int faces[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
+
+static int compare_nodes(const int32_t a[3], const int32_t b[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
+static int compare_facets(const void *first, const void *second)
+{
+    const ShvCrackFacet *a = first, *b = second;
+    return compare_nodes(a->nodes, b->nodes);
+}
+
+static void sort_nodes(int32_t nodes[3])
+{
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2 - i; k++)
+            if (nodes[k] > nodes[k + 1]) {
+                const int32_t swap = nodes[k];
+                nodes[k] = nodes[k + 1];
+                nodes[k + 1] = swap;
+            }
+}
+
+static ShvCrackFacet facet_of(const ShvMeshView *mesh, int64_t element, int face)
+{
+    ShvCrackFacet facet;
+    for (int i = 0; i < 3; i++) facet.nodes[i] = mesh->elements[4 * element + faces[face][i]];
+    sort_nodes(facet.nodes);
+    for (int i = 0; i < 3; i++) facet.corners[i] = shv_load3(mesh->positions + 3 * (int64_t)facet.nodes[i]);
+    return facet;
+}
+
+/* Both sides of a failed facet show it, and one stays; the outside of the mesh has one side. */
+static void keep_one_of_two(ShvCrackSurface *surface)
+{
+    int32_t kept = 0;
+    for (int32_t i = 1; i < surface->count; i++)
+        if (compare_nodes(surface->facets[i].nodes, surface->facets[i - 1].nodes) == 0)
+            surface->facets[kept++] = surface->facets[i];
+    surface->count = kept;
+}
+
+static uint64_t hash_of(const ShvMeshView *mesh)
+{
+    const uint64_t hash = shv_hash_bytes(SHV_HASH_START, mesh->positions, 24 * (size_t)mesh->node_count);
+    return shv_hash_bytes(hash, mesh->elements, 16 * (size_t)mesh->element_count);
+}
+
+ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const uint8_t *bonds,
+                                   ShvMemory *memory, ShvError *error)
+{
+    const int64_t slots = 4 * (int64_t)mesh->element_count;
+    int64_t most = 0;
+    for (int64_t i = 0; i < slots; i++) most += !bonds[i];
+    *surface = (ShvCrackSurface){.mesh = hash_of(mesh)};
+    surface->facets = shv_allocate(memory, SHV_PART_RECORD, (size_t)most, sizeof *surface->facets);
+    if (!surface->facets) return shv_fail_memory(error, "failed facets", (size_t)most * sizeof *surface->facets);
+    for (int64_t i = 0; i < slots; i++)
+        if (!bonds[i]) surface->facets[surface->count++] = facet_of(mesh, i / 4, (int)(i % 4));
+    if (surface->count > 1) qsort(surface->facets, (size_t)surface->count, sizeof *surface->facets, compare_facets);
+    keep_one_of_two(surface);
+    return SHV_OK;
+}
+
+void shv_crack_surface_release(ShvCrackSurface *surface)
+{
+    shv_release(surface->facets);
+    *surface = (ShvCrackSurface){0, NULL, 0};
+}
+
+/* ---- overlap ---- */
+
+static double area_of(const ShvCrackFacet *facet)
+{
+    return 0.5 * shv_norm(shv_cross(shv_sub(facet->corners[1], facet->corners[0]),
+                                    shv_sub(facet->corners[2], facet->corners[0])));
+}
+
+double shv_crack_surface_area(const ShvCrackSurface *surface)
+{
+    double area = 0.0;
+    for (int32_t i = 0; i < surface->count; i++) area += area_of(&surface->facets[i]);
+    return area;
+}
+
+double shv_crack_overlap(const ShvCrackSurface *a, const ShvCrackSurface *b)
+{
+    double both = 0.0, any = 0.0;
+    int32_t i = 0, k = 0;
+    if (a->mesh != b->mesh || a->mesh == 0) return (double)NAN;
+    while (i < a->count || k < b->count) {
+        const int order = i == a->count   ? 1
+                          : k == b->count ? -1
+                                          : compare_nodes(a->facets[i].nodes, b->facets[k].nodes);
+        const double area = area_of(order <= 0 ? &a->facets[i] : &b->facets[k]);
+        any += area;
+        if (order == 0) both += area;
+        i += order <= 0;
+        k += order >= 0;
+    }
+    return any > 0.0 ? both / any : 1.0;
+}
+
+/* ---- distance ---- */
+
+/* Nearest point of a triangle by the region of the point's projection (Ericson, Real-Time Collision Detection, 5.1.5). */
+double shv_distance_to_facet(ShvVec3 point, const ShvCrackFacet *facet)
+{
+    const ShvVec3 a = facet->corners[0], ab = shv_sub(facet->corners[1], a), ac = shv_sub(facet->corners[2], a);
+    const ShvVec3 ap = shv_sub(point, a), bp = shv_sub(ap, ab), cp = shv_sub(ap, ac);
+    const double d1 = shv_dot(ab, ap), d2 = shv_dot(ac, ap), d3 = shv_dot(ab, bp), d4 = shv_dot(ac, bp);
+    const double d5 = shv_dot(ab, cp), d6 = shv_dot(ac, cp);
+    const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    double v, w;
+    if (d1 <= 0.0 && d2 <= 0.0) {
+        v = w = 0.0;
+    } else if (d3 >= 0.0 && d4 <= d3) {
+        v = 1.0;
+        w = 0.0;
+    } else if (d6 >= 0.0 && d5 <= d6) {
+        v = 0.0;
+        w = 1.0;
+    } else if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+        v = d1 / (d1 - d3);
+        w = 0.0;
+    } else if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+        v = 0.0;
+        w = d2 / (d2 - d6);
+    } else if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        v = 1.0 - w;
+    } else {
+        v = vb / (va + vb + vc);
+        w = vc / (va + vb + vc);
+    }
+    return shv_norm(shv_sub(ap, shv_madd(shv_scale(ab, v), w, ac)));
+}
+
+static ShvVec3 centroid(const ShvCrackFacet *facet)
+{
+    return shv_scale(shv_add(shv_add(facet->corners[0], facet->corners[1]), facet->corners[2]), 1.0 / 3.0);
+}
+
+/* Largest distance of a corner from the centroid: the facet lies in this ball. */
+static double reach(const ShvCrackFacet *facet)
+{
+    const ShvVec3 middle = centroid(facet);
+    double largest = 0.0;
+    for (int i = 0; i < 3; i++) largest = fmax(largest, shv_norm(shv_sub(facet->corners[i], middle)));
+    return largest;
+}
+
+/* Brute force but for a look at the balls around the facets. */
+static double distance_to_surface(ShvVec3 point, const ShvCrackSurface *surface)
+{
+    double nearest = HUGE_VAL;
+    for (int32_t i = 0; i < surface->count; i++) {
+        const ShvCrackFacet *facet = &surface->facets[i];
+        if (shv_norm(shv_sub(point, centroid(facet))) - reach(facet) >= nearest) continue;
+        nearest = fmin(nearest, shv_distance_to_facet(point, facet));
+    }
+    return nearest;
+}
+
+/* The mean gives each of a facet's seven points the weight by which a quadratic is integrated exactly or better: 3/60 corners,
+   8/60 midpoints, 27/60 centroid (Zienkiewicz and Taylor, The Finite Element Method, table of triangles, cubic order). */
+static ShvCrackDistance one_way(const ShvCrackSurface *from, const ShvCrackSurface *to)
+{
+    ShvCrackDistance distance = {0.0, 0.0};
+    double whole = 0.0;
+    for (int32_t i = 0; i < from->count; i++) {
+        const ShvCrackFacet *facet = &from->facets[i];
+        double sum = 0.0;
+        for (int k = 0; k < 7; k++) {
+            const ShvVec3 corner = facet->corners[k % 3], next = facet->corners[(k + 1) % 3];
+            const ShvVec3 point = k < 3 ? corner : k < 6 ? shv_scale(shv_add(corner, next), 0.5) : centroid(facet);
+            const double nearest = distance_to_surface(point, to);
+            distance.largest = fmax(distance.largest, nearest);
+            sum += nearest * (k < 3 ? 3.0 : k < 6 ? 8.0 : 27.0) / 60.0;
+        }
+        distance.mean += sum * area_of(facet);
+        whole += area_of(facet);
+    }
+    distance.mean /= whole;
+    return distance;
+}
+
+ShvCrackDistance shv_crack_distance(const ShvCrackSurface *a, const ShvCrackSurface *b)
+{
+    const bool known = a->mesh != 0 && b->mesh != 0;
+    if (known && a->count == 0 && b->count == 0) return (ShvCrackDistance){0.0, 0.0};
+    if (!known || a->count == 0 || b->count == 0) return (ShvCrackDistance){(double)NAN, (double)NAN};
+    const ShvCrackDistance there = one_way(a, b), back = one_way(b, a);
+    return (ShvCrackDistance){fmax(there.largest, back.largest), fmax(there.mean, back.mean)};
+}

@@ -1,0 +1,34 @@
+/* From a simulation to an outcome, frame by frame. */
+#ifndef SHV_EVALUATE_GATHER_H
+#define SHV_EVALUATE_GATHER_H
+
+#include "evaluate/body.h"
+#include "evaluate/outcome.h"
+#include "shiver/plan.h"
+
+typedef struct ShvGather {
+    ShvOutcome *outcome;
+    const ShvSceneDefinition *scene;
+    bool tracked;       /* also the way of all bodies */
+    ShvBodies bodies;   /* of the first frame, where tracked */
+    double *corners;    /* 12 per element */
+    int32_t *fragments; /* per element */
+} ShvGather;
+
+void shv_gather_release(ShvGather *gather);
+/* The present frame. What is a number so far (not a series) is that of the run up to here. */
+ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
+/* Numbers of the scene and of its meshes. */
+ShvStatus shv_gather_facts(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
+/* What is known at the end: pieces, cracks, costs. */
+ShvStatus shv_gather_end(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
+
+/* Masses and momenta of living fragments; "pieces.mass" ascending. */
+void shv_gather_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count);
+/* The failed facets. */
+ShvStatus shv_gather_crack(ShvOutcome *outcome, const ShvMeshView *mesh, const uint8_t *bonds, ShvError *error);
+/* Ascending. */
+void shv_sort_numbers(double *values, int64_t count);
+void shv_gather_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger);
+
+#endif

@@ -1,0 +1,175 @@
+#include "evaluate/names.h"
+
+#include <string.h>
+
+#include "evaluate/crack_surface.h"
+#include "evaluate/figures.h"
+
+enum { DEEPEST_FIGURE = 8 };
+
+/* ---- functions of two runs ---- */
+
+double shv_masses_distance(const double *a, int64_t a_count, const double *b, int64_t b_count)
+{
+    double a_mass = 0.0, b_mass = 0.0, largest = 0.0;
+    if (a_count == 0 || b_count == 0) return a_count == b_count ? 0.0 : 1.0;
+    for (int64_t i = 0; i < a_count; i++) a_mass += a[i];
+    for (int64_t i = 0; i < b_count; i++) b_mass += b[i];
+    /* Equal pieces of equal bodies differ by rounding. */
+    const double rounding = 1.0 + 1e-9;
+    for (int64_t i = 0, k = 0; i < a_count || k < b_count;) {
+        const double m = fmin(i < a_count ? a[i] / a_mass : HUGE_VAL, k < b_count ? b[k] / b_mass : HUGE_VAL);
+        while (i < a_count && a[i] / a_mass <= m * rounding) i++;
+        while (k < b_count && b[k] / b_mass <= m * rounding) k++;
+        largest = fmax(largest, fabs((double)i / (double)a_count - (double)k / (double)b_count));
+    }
+    return largest;
+}
+
+static double masses(const ShvOutcome *a, const ShvOutcome *b)
+{
+    const ShvOutcomeList *x = shv_outcome_find(a, "pieces.mass"), *y = shv_outcome_find(b, "pieces.mass");
+    return x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
+}
+
+/* The failed facets of a run, in memory of the pool; of no mesh where nothing is known. */
+static ShvCrackSurface crack_of(const ShvOutcome *outcome, ShvPool *pool)
+{
+    const ShvOutcomeList *mesh = shv_outcome_find(outcome, "crack.mesh"),
+                         *list = shv_outcome_find(outcome, "crack.facets");
+    ShvCrackSurface surface = {0, NULL, 0};
+    if (!mesh || mesh->count != 2 || !list) return surface;
+    surface.mesh = (uint64_t)mesh->values[0] << 32 | (uint64_t)mesh->values[1];
+    surface.count = (int32_t)(list->count / SHV_FACET_NUMBERS);
+    surface.facets = shv_pool_take(pool, (size_t)surface.count + 1, sizeof *surface.facets);
+    for (int32_t i = 0; surface.facets && i < surface.count; i++) {
+        const double *numbers = list->values + (int64_t)i * SHV_FACET_NUMBERS;
+        for (int k = 0; k < 3; k++) {
+            surface.facets[i].nodes[k] = (int32_t)numbers[k];
+            surface.facets[i].corners[k] = shv_load3(numbers + 3 + 3 * k);
+        }
+    }
+    return surface;
+}
+
+static bool crack_function(ShvNames *names, const char *function, const ShvOutcome *other, double *number)
+{
+    const bool overlap = strcmp(function, "crack_overlap") == 0, mean = strcmp(function, "crack_mean_distance") == 0;
+    if (!overlap && !mean && strcmp(function, "crack_distance") != 0) return false;
+    *number = (double)NAN;
+    if (!other) return true;
+    const ShvCrackSurface a = crack_of(names->run->outcome, names->pool), b = crack_of(other, names->pool);
+    if (a.mesh == 0 || b.mesh == 0 || !a.facets || !b.facets) return true;
+    if (overlap) {
+        *number = shv_crack_overlap(&a, &b);
+        return true;
+    }
+    const ShvCrackDistance distance = shv_crack_distance(&a, &b);
+    *number = mean ? distance.mean : distance.largest;
+    return true;
+}
+
+static double way_function(ShvNames *names, int index, const ShvOutcome *other)
+{
+    const ShvOutcome *run = names->run->outcome;
+    if (!names->way) return (double)NAN;
+    if (names->followed != run || names->beside != other) {
+        const ShvStatus status = shv_way_follow(names->way, run, other, names->errors, &names->error);
+        if (status != SHV_OK) names->status = status;
+        names->followed = run;
+        names->beside = other;
+    }
+    return names->errors[index];
+}
+
+static const ShvNamedRun *run_named(const ShvNames *names, const char *name, size_t length)
+{
+    for (int32_t i = 0; i < names->other_count; i++)
+        if (strlen(names->others[i].name) == length && strncmp(names->others[i].name, name, length) == 0)
+            return &names->others[i];
+    return NULL;
+}
+
+static bool call(void *data, const char *function, const char *name, ShvFormulaValue *value)
+{
+    static const ShvNamedRun closed_form = {.name = "closed_form"};
+    ShvNames *names = data;
+    const ShvNamedRun *other = run_named(names, name, strlen(name));
+    if (!other && strcmp(name, closed_form.name) == 0) other = &closed_form;
+    if (!other) return false;
+    *value = (ShvFormulaValue){.number = (double)NAN};
+    const int index = shv_way_index(function);
+    if (index >= 0) {
+        value->number = way_function(names, index, other->outcome);
+        return true;
+    }
+    if (strcmp(function, "masses") == 0) {
+        if (other->outcome) value->number = masses(names->run->outcome, other->outcome);
+        return true;
+    }
+    return crack_function(names, function, other->outcome, &value->number);
+}
+
+/* ---- names ---- */
+
+static bool find(void *data, const char *name, ShvFormulaValue *value);
+
+/* A figure that a run lacks the numbers for is not a number. */
+static bool find_figure(ShvNames *names, const char *name, ShvFormulaValue *value)
+{
+    const char *formula = shv_figure_formula(name);
+    ShvError ignored;
+    if (!formula || names->depth >= DEEPEST_FIGURE) return false;
+    const ShvFormulaNames own = shv_names(names);
+    names->depth++;
+    if (shv_formula_evaluate(formula, &own, value, &ignored) != SHV_OK)
+        *value = (ShvFormulaValue){.number = (double)NAN};
+    names->depth--;
+    return true;
+}
+
+static bool find_list(const ShvOutcome *outcome, const char *name, ShvFormulaValue *value)
+{
+    const ShvOutcomeList *list = shv_outcome_find(outcome, name);
+    if (!list) return false;
+    const double *times = shv_outcome_times(outcome, list);
+    *value = (ShvFormulaValue){.number = list->count > 0 ? list->values[0] : (double)NAN};
+    if (list->clock == SHV_CLOCK_NONE) return true;
+    *value = (ShvFormulaValue){.series = true, .times = times, .values = list->values, .count = list->count};
+    return true;
+}
+
+/* "runs.coarse.x": x of that run. */
+static bool find_other(ShvNames *names, const char *name, ShvFormulaValue *value)
+{
+    if (strncmp(name, "runs.", 5) != 0) return false;
+    name += 5;
+    const size_t length = strcspn(name, ".");
+    const ShvNamedRun *other = run_named(names, name, length), *own = names->run;
+    if (!other || name[length] != '.') return false;
+    if (!other->outcome) {
+        *value = (ShvFormulaValue){.number = (double)NAN};
+        return true;
+    }
+    names->run = other;
+    const bool found = find(names, name + length + 1, value);
+    names->run = own;
+    return found;
+}
+
+static bool find(void *data, const char *name, ShvFormulaValue *value)
+{
+    ShvNames *names = data;
+    const ShvNamedRun *run = names->run;
+    for (int32_t i = run->variable_count - 1; i >= 0; i--) {
+        if (strcmp(run->variables[i].name, name) != 0) continue;
+        *value = run->variables[i].value;
+        return true;
+    }
+    return find_list(run->outcome, name, value) || find_other(names, name, value) || find_figure(names, name, value);
+}
+
+ShvFormulaNames shv_names(ShvNames *names)
+{
+    return (ShvFormulaNames){.find = find, .call = call, .data = names, .pool = names->pool};
+}

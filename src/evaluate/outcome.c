@@ -1,0 +1,105 @@
+#include "evaluate/outcome.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/text.h"
+
+void shv_outcome_release(ShvOutcome *outcome)
+{
+    for (int32_t i = 0; i < outcome->list_count; i++) shv_release(outcome->lists[i].values);
+    shv_release(outcome->lists);
+    *outcome = (ShvOutcome){.memory = NULL};
+}
+
+/* Its index, sought from where the last one was. */
+static int32_t index_of(const ShvOutcome *outcome, const char *name, int32_t from)
+{
+    for (int32_t i = 0; i < outcome->list_count; i++) {
+        const int32_t at = (from + i) % outcome->list_count;
+        if (strcmp(outcome->lists[at].name, name) == 0) return at;
+    }
+    return -1;
+}
+
+const ShvOutcomeList *shv_outcome_find(const ShvOutcome *outcome, const char *name)
+{
+    const int32_t i = index_of(outcome, name, 0);
+    return i < 0 ? NULL : &outcome->lists[i];
+}
+
+const double *shv_outcome_times(const ShvOutcome *outcome, const ShvOutcomeList *list)
+{
+    static const char *const clocks[] = {NULL, "frame.time", "probe.time"};
+    const ShvOutcomeList *times = list->clock == SHV_CLOCK_NONE ? NULL : shv_outcome_find(outcome, clocks[list->clock]);
+    return times ? times->values : NULL;
+}
+
+double shv_outcome_number(const ShvOutcome *outcome, const char *name)
+{
+    const ShvOutcomeList *list = shv_outcome_find(outcome, name);
+    return list && list->count > 0 ? list->values[list->count - 1] : (double)NAN;
+}
+
+/* An empty list of that name, or NULL. */
+static ShvOutcomeList *make_list(ShvOutcome *outcome, const char *name, ShvClock clock)
+{
+    if (outcome->list_count == outcome->list_capacity) {
+        const size_t capacity = 2 * (size_t)outcome->list_capacity + 64;
+        ShvOutcomeList *grown =
+            shv_reallocate(outcome->memory, SHV_PART_RECORD, outcome->lists, capacity, sizeof *grown);
+        if (!grown) return NULL;
+        outcome->lists = grown;
+        outcome->list_capacity = (int32_t)capacity;
+    }
+    ShvOutcomeList *list = &outcome->lists[outcome->list_count++];
+    *list = (ShvOutcomeList){.clock = clock};
+    shv_format(list->name, sizeof list->name, "%.95s", name);
+    return list;
+}
+
+static bool reserve(ShvOutcome *outcome, ShvOutcomeList *list, int64_t more)
+{
+    if (list->count + more <= list->capacity) return true;
+    const size_t capacity = list->count == 0 ? (size_t)more : 2 * (size_t)(list->count + more) + 16;
+    double *grown = shv_reallocate(outcome->memory, SHV_PART_RECORD, list->values, capacity, sizeof *grown);
+    if (!grown) return false;
+    list->values = grown;
+    list->capacity = (int64_t)capacity;
+    return true;
+}
+
+void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const double *values, int64_t count)
+{
+    const int32_t i = index_of(outcome, name, outcome->cursor);
+    ShvOutcomeList *list = i < 0 ? make_list(outcome, name, clock) : &outcome->lists[i];
+    outcome->failed |= !list || !reserve(outcome, list, count);
+    if (outcome->failed) return;
+    outcome->cursor = (int32_t)(list - outcome->lists) + 1;
+    if (count > 0) memcpy(list->values + list->count, values, (size_t)count * sizeof *values);
+    list->count += count;
+}
+
+void shv_outcome_add(ShvOutcome *outcome, const char *name, ShvClock clock, double value)
+{
+    shv_outcome_add_all(outcome, name, clock, &value, 1);
+}
+
+void shv_outcome_set(ShvOutcome *outcome, const char *name, double value)
+{
+    const int32_t i = index_of(outcome, name, 0);
+    if (i >= 0 && outcome->lists[i].count > 0)
+        outcome->lists[i].values[outcome->lists[i].count - 1] = value;
+    else
+        shv_outcome_add(outcome, name, SHV_CLOCK_NONE, value);
+}
+
+void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3])
+{
+    static const char *const axes = "xyz";
+    char full[96];
+    for (int k = 0; k < 3; k++) {
+        shv_format(full, sizeof full, "%.90s.%c", name, axes[k]);
+        shv_outcome_add(outcome, full, clock, value[k]);
+    }
+}

@@ -1,0 +1,54 @@
+/* A small plot as SVG: axes with ticks, lines with markers, labels at points, a legend. */
+#ifndef SHV_EVALUATE_PLOT_H
+#define SHV_EVALUATE_PLOT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef struct ShvPlotPoint {
+    double x, y;
+    char label[24]; /* "": none */
+} ShvPlotPoint;
+
+typedef enum ShvPlotStyle { SHV_PLOT_MARKED_LINE, SHV_PLOT_MARKERS, SHV_PLOT_PLAIN_LINE } ShvPlotStyle;
+
+typedef struct ShvPlotLine {
+    const char *name;
+    const ShvPlotPoint *points;
+    int32_t count;
+    ShvPlotStyle style;
+} ShvPlotLine;
+
+/* From `low` to `high` at x, in the colour of a line: what lies around a point. */
+typedef struct ShvPlotSpan {
+    double x, low, high;
+    int32_t line;
+} ShvPlotSpan;
+
+typedef struct ShvPlot {
+    const char *title, *x_label, *y_label;
+    bool log_x, log_y;
+    const ShvPlotLine *lines;
+    int32_t line_count;       /* colours and markers repeat after six */
+    const ShvPlotLine *front; /* dashed, with a ring around each point; NULL: none */
+    const ShvPlotSpan *spans; /* vertical bars */
+    int32_t span_count;
+} ShvPlot;
+
+/* Writes the whole document. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
+   them. Errors of writing are the stream's. */
+void shv_plot_write(FILE *stream, const ShvPlot *plot);
+/* The same as an element within a page of HTML. */
+void shv_plot_write_inline(FILE *stream, const ShvPlot *plot);
+
+typedef struct ShvPlotAxis {
+    double low, high; /* of the data, widened to whole ticks; decimal exponents when `log` */
+    double tick;      /* between labels */
+    bool log;
+} ShvPlotAxis;
+/* An axis around values from `low` to `high` (low > high: no values): steps of 1, 2 or 5 times a power of ten, at most eight of
+   them, and whole decades on a logarithmic axis. */
+ShvPlotAxis shv_plot_axis(double low, double high, bool log);
+
+#endif

@@ -1,0 +1,366 @@
+/* Runs of a study: one file each, named by a hash of all that the run follows from, so that what is there is never stale. */
+#include "evaluate/study.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/random.h"
+#include "base/text.h"
+#include "evaluate/inputs.h"
+#include "evaluate/run.h"
+#include "evaluate/way.h"
+#include "record/checkpoint.h"
+#include "scene/source.h"
+#include "shiver/version.h"
+
+ShvStudyOptions shv_study_default(void)
+{
+    return (ShvStudyOptions){.cookie = SHV_DEFINITION_COOKIE};
+}
+
+/* ---- settings and their scenes ---- */
+
+const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index)
+{
+    return index < study->plan.setting_count ? &study->plan.settings[index] : &study->plan.reference_setting;
+}
+
+bool shv_study_tracks(const ShvStudy *study)
+{
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        if (shv_measure_tracks(&study->plan.measures[i])) return true;
+    return false;
+}
+
+ShvStatus shv_study_scene(const ShvStudy *study, int32_t index, ShvScene **scene, ShvError *error)
+{
+    const ShvStudySetting *setting = shv_study_setting(study, index);
+    return shv_scene_parse(scene, study->text, study->length, study->scene_path, study->folder, setting->overrides,
+                           setting->override_count, study->memory, NULL, error);
+}
+
+ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinition *scene, int32_t member,
+                                    ShvObjectDefinition *objects)
+{
+    ShvSceneDefinition changed = *scene;
+    if (member == 0) return changed;
+    if (study->plan.seeds) {
+        changed.seed += (uint64_t)member;
+        return changed;
+    }
+    for (int32_t i = 0; i < scene->object_count; i++) {
+        objects[i] = scene->objects[i];
+        for (int k = 0; k < 3; k++)
+            objects[i].placement.position[k] +=
+                study->plan.shift * (2.0 * shv_random_uniform((uint64_t)member, (uint64_t)(3 * i + k)) - 1.0);
+    }
+    changed.objects = objects;
+    return changed;
+}
+
+/* ---- what a run follows from ---- */
+
+static ShvStatus hash_setting(const ShvStudy *study, const ShvScene *scene, const ShvStudySetting *setting,
+                              uint64_t *hash, ShvError *error)
+{
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    *hash = shv_scene_hash(scene);
+    *hash = shv_hash_text(*hash, shv_version());
+    *hash = shv_hash_bytes(*hash, &setting->multiple, sizeof setting->multiple);
+    *hash = shv_hash_bytes(*hash, &study->plan.repeats, sizeof study->plan.repeats);
+    *hash = shv_hash_bytes(*hash, &study->plan.audit_wakes, sizeof study->plan.audit_wakes);
+    return shv_inputs_hash(study->memory, study->folder, definition, hash, error);
+}
+
+static uint64_t hash_member(const ShvStudy *study, uint64_t hash, int32_t member)
+{
+    if (member == 0) return hash;
+    hash = shv_hash_bytes(hash, &member, sizeof member);
+    hash = shv_hash_bytes(hash, &study->plan.seeds, sizeof study->plan.seeds);
+    return shv_hash_bytes(hash, &study->plan.shift, sizeof study->plan.shift);
+}
+
+/* Reads every scene once, so that nothing is run of a study that cannot be run whole. */
+static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
+{
+    const int32_t members = study->plan.members;
+    const size_t count = (size_t)study->setting_count * (size_t)members;
+    study->keys = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *study->keys);
+    if (!study->keys) return shv_fail_memory(error, "the runs of a study", count * sizeof *study->keys);
+    for (int32_t s = 0; s < study->setting_count; s++) {
+        const ShvStudySetting *setting = shv_study_setting(study, s);
+        ShvScene *scene;
+        const ShvStatus status = shv_study_scene(study, s, &scene, error);
+        if (status != SHV_OK) return shv_fail_within(error, status, "%s:%d", file, (int)setting->line);
+        uint64_t hash = 0;
+        const ShvStatus hashed = hash_setting(study, scene, setting, &hash, error);
+        for (int32_t m = 0; m < members; m++) study->keys[s * members + m] = hash_member(study, hash, m);
+        shv_scene_destroy(scene);
+        if (hashed != SHV_OK) return hashed;
+    }
+    return SHV_OK;
+}
+
+/* ---- files ---- */
+
+ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error)
+{
+    char name[64];
+    if (run >= 0) shv_format(name, sizeof name, "runs/%016llx.run", (unsigned long long)study->keys[run]);
+    return shv_path_join(study->memory, SHV_PART_GENERAL, study->options.output, run >= 0 ? name : file, path, error);
+}
+
+/* A report that is not ours stays. */
+static ShvStatus check_folder(const ShvStudy *study, const char *runs, ShvError *error)
+{
+    struct stat about;
+    char *report;
+    if (study->options.force || stat(runs, &about) == 0) return SHV_OK;
+    SHV_TRY(shv_study_path(study, -1, "report.html", &report, error));
+    const bool there = stat(report, &about) == 0;
+    shv_release(report);
+    if (!there) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "'%s' has a report but no runs of a study; name another folder, or --force",
+                    study->options.output);
+}
+
+static ShvStatus make_folders(const ShvStudy *study, ShvError *error)
+{
+    char *runs;
+    SHV_TRY(shv_study_path(study, -1, "runs", &runs, error));
+    ShvStatus status = check_folder(study, runs, error);
+    if (status == SHV_OK) status = shv_make_folder(study->options.output, error);
+    if (status == SHV_OK) status = shv_make_folder(runs, error);
+    shv_release(runs);
+    return status;
+}
+
+ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error)
+{
+    char *path;
+    *outcome = (ShvOutcome){.memory = study->memory};
+    SHV_TRY(shv_study_path(study, run, NULL, &path, error));
+    ShvStatus status = shv_outcome_load(outcome, path, study->memory, error);
+    if (status == SHV_OK &&
+        (outcome->key != study->keys[run] ||
+         (outcome->status == SHV_OK && shv_study_tracks(study) && !shv_outcome_find(outcome, "track")))) {
+        status = shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
+        shv_outcome_release(outcome);
+    }
+    shv_release(path);
+    return status;
+}
+
+/* A run that was timed beside others does not count where times matter. */
+static bool is_done(const ShvStudy *study, int32_t run)
+{
+    ShvOutcome outcome;
+    ShvError ignored;
+    if (shv_study_load(study, run, &outcome, &ignored) != SHV_OK) return false;
+    const bool done = study->options.shared || !outcome.shared;
+    shv_outcome_release(&outcome);
+    return done;
+}
+
+/* ---- opening ---- */
+
+static ShvStatus check_options(const ShvStudyOptions *options, ShvError *error)
+{
+    if (options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_study_default()");
+    if (!options->output || options->output[0] == '\0')
+        return shv_fail(error, SHV_BAD_INPUT, "a study needs a folder for its results");
+    if (options->tasks < 0 || options->task < 0 || options->task > options->tasks ||
+        (options->tasks > 0 && options->task < 1))
+        return shv_fail(error, SHV_BAD_INPUT, "a task is 1 to the number of tasks, not %d of %d", (int)options->task,
+                        (int)options->tasks);
+    return SHV_OK;
+}
+
+static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file, ShvError *error)
+{
+    size_t length;
+    const ShvStudyOptions *options = &study->options;
+    if (options->scene_text) {
+        study->length = strlen(options->scene_text);
+        study->text = shv_copy_text(study->memory, SHV_PART_SCENE, options->scene_text);
+        if (!study->text) return shv_fail_memory(error, "a scene", study->length);
+    } else {
+        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, scene, SHV_SCENE_LARGEST_BYTES, &study->text,
+                              &study->length, error));
+    }
+    SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->folder, error));
+    if (!file) {
+        file = "the comparison";
+        length = strlen(options->plan);
+        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->study_folder, error));
+        study->study_text = shv_copy_text(study->memory, SHV_PART_SCENE, options->plan);
+        if (!study->study_text) return shv_fail_memory(error, "a study", length);
+    } else {
+        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, file, &study->study_folder, error));
+        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, &study->study_text, &length,
+                              error));
+    }
+    SHV_TRY(shv_study_plan_read(&study->plan, study->study_text, length, file, options->overrides,
+                                options->override_count, study->memory, error));
+    study->setting_count = study->plan.setting_count + (study->plan.reference == SHV_STUDY_SETTING ? 1 : 0);
+    return make_keys(study, file, error);
+}
+
+/* A reference that is one of the settings is not run besides. */
+static int32_t same_setting(const ShvStudy *study)
+{
+    const int32_t members = study->plan.members, own = study->plan.setting_count;
+    for (int32_t i = 0; i < own; i++)
+        if (study->keys[i * members] == study->keys[own * members]) return i;
+    return -1;
+}
+
+static ShvStatus find_reference(ShvStudy *study, ShvError *error)
+{
+    study->reference = study->plan.reference == SHV_STUDY_SETTING ? study->plan.setting_count : -1;
+    const int32_t same = study->reference < 0 ? -1 : same_setting(study);
+    if (same >= 0) {
+        study->reference = same;
+        study->setting_count = study->plan.setting_count;
+    }
+    if (study->plan.reference == SHV_STUDY_FINEST) return shv_study_finest(study, &study->reference, error);
+    return SHV_OK;
+}
+
+/* What bodies are compared with must fit the scene before anything is run. */
+static ShvStatus check_way(const ShvStudy *study, ShvError *error)
+{
+    ShvScene *scene;
+    ShvWay way;
+    if (!shv_study_tracks(study)) return SHV_OK;
+    SHV_TRY(shv_study_scene(study, 0, &scene, error));
+    const ShvStatus status = shv_way_open(&way, shv_scene_definition(scene), shv_scene_folder(scene),
+                                          study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    shv_way_close(&way);
+    shv_scene_destroy(scene);
+    return status;
+}
+
+ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, const ShvStudyOptions *options,
+                         ShvError *error)
+{
+    *study = NULL;
+    SHV_TRY(check_options(options, error));
+    ShvStudy *made = shv_allocate(options->memory, SHV_PART_GENERAL, 1, sizeof *made);
+    if (!made) return shv_fail_memory(error, "a study", sizeof *made);
+    made->memory = options->memory;
+    made->options = *options;
+    made->scene_path = scene;
+    ShvStatus status = read_texts(made, scene, file, error);
+    if (status == SHV_OK) status = find_reference(made, error);
+    if (status == SHV_OK) status = check_way(made, error);
+    if (status == SHV_OK) status = make_folders(made, error);
+    if (status == SHV_OK)
+        *study = made;
+    else
+        shv_study_close(made);
+    return status;
+}
+
+void shv_study_close(ShvStudy *study)
+{
+    if (!study) return;
+    shv_study_plan_release(&study->plan);
+    shv_release(study->text);
+    shv_release(study->study_text);
+    shv_release(study->folder);
+    shv_release(study->study_folder);
+    shv_release(study->keys);
+    shv_release(study->results);
+    shv_study_figure_release(&study->figure);
+    shv_release(study);
+}
+
+/* ---- running ---- */
+
+int32_t shv_study_run_count(const ShvStudy *study)
+{
+    return study->setting_count * study->plan.members;
+}
+
+int32_t shv_study_missing(const ShvStudy *study)
+{
+    int32_t missing = 0;
+    for (int32_t i = 0; i < shv_study_run_count(study); i++) missing += !is_done(study, i);
+    return missing;
+}
+
+static void tell(const ShvStudy *study, int32_t run)
+{
+    const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
+    char text[400];
+    if (!study->options.begins) return;
+    int length =
+        shv_format(text, sizeof text, "%.200s%s%.100s", setting->series, setting->label[0] ? ", " : "", setting->label);
+    if (study->plan.members > 1 && length > 0 && (size_t)length < sizeof text)
+        shv_format(text + length, sizeof text - (size_t)length, " (member %d)", (int)(run % study->plan.members));
+    study->options.begins(study->options.begins_data, text);
+}
+
+static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
+                           ShvOutcome *outcome, ShvError *error)
+{
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
+    const size_t count = (size_t)definition->object_count;
+    ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
+    if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
+    const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
+    const ShvRunOrder order = {.scene = &member,
+                               .folder = shv_scene_folder(scene),
+                               .memory = study->memory,
+                               .multiple = setting->multiple,
+                               .repeats = study->plan.repeats,
+                               .repeat_below = study->options.repeat_below,
+                               .audit_wakes = study->plan.audit_wakes,
+                               .tracked = shv_study_tracks(study),
+                               .checkpoint = path,
+                               .key = study->keys[run],
+                               .stop = study->options.stop,
+                               .stop_data = study->options.stop_data};
+    const ShvStatus status = shv_run_scene(outcome, &order, error);
+    shv_release(objects);
+    return status;
+}
+
+static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
+{
+    ShvScene *scene;
+    ShvOutcome outcome = {.memory = study->memory};
+    char *path = NULL;
+    tell(study, run);
+    SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
+    ShvStatus status = shv_study_path(study, run, NULL, &path, error);
+    if (status == SHV_OK) status = run_scene(study, run, scene, path, &outcome, error);
+    outcome.key = study->keys[run];
+    outcome.shared = study->options.shared;
+    if (status == SHV_OK) status = shv_outcome_save(&outcome, path, error);
+    if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
+    shv_release(path);
+    shv_outcome_release(&outcome);
+    shv_scene_destroy(scene);
+    return status;
+}
+
+ShvStatus shv_study_run(ShvStudy *study, ShvError *error)
+{
+    const ShvStudyOptions *options = &study->options;
+    for (int32_t i = 0; i < shv_study_run_count(study); i++) {
+        if (options->tasks > 0 && i % options->tasks != options->task - 1) continue;
+        if (!options->force && is_done(study, i)) continue;
+        if (options->stop && options->stop(options->stop_data))
+            return shv_fail(error, SHV_INTERRUPTED, "stopped before run %d of %d", (int)i + 1,
+                            (int)shv_study_run_count(study));
+        SHV_TRY(do_run(study, i, error));
+    }
+    return SHV_OK;
+}

@@ -1,0 +1,428 @@
+#include "evaluate/study_plan.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "base/names.h"
+#include "base/text.h"
+#include "scene/schema.h"
+#include "scene/source.h"
+
+typedef struct Planner {
+    ShvStudyPlan *plan;
+    ShvPool *pool;
+    ShvDiagnostics *diagnostics;
+    const char **fixed; /* overrides of all runs */
+    int32_t fixed_count;
+    const char *along; /* key that runs along a line of a plot */
+} Planner;
+
+/* A key of one block with its values. */
+typedef struct Axis {
+    const char *key;
+    const char **values;
+    int32_t count, column;
+} Axis;
+
+static const char *const step_key = "step";
+
+/* ---- keys of all runs ---- */
+
+static const char *assignment(ShvPool *pool, const char *key, const char *value)
+{
+    if (!key || !value) return NULL;
+    const size_t size = strlen(key) + strlen(value) + 2;
+    char *text = shv_pool_take(pool, size, 1);
+    if (text) shv_format(text, size, "%s=%s", key, value);
+    return text;
+}
+
+static void read_fixed(Planner *planner, const ShvNode *root, const char *const *more, int32_t more_count)
+{
+    const ShvEntry *set = shv_tree_find(root, "set");
+    if (set && set->value->kind != SHV_NODE_MAPPING) {
+        shv_error(planner->diagnostics, set->value->place, "'set' must be a mapping of scene keys to values");
+        return;
+    }
+    const int32_t own = set ? set->value->count : 0;
+    planner->fixed = shv_pool_take(planner->pool, (size_t)(own + more_count), sizeof *planner->fixed);
+    if (!planner->fixed) return;
+    for (const ShvEntry *entry = set ? set->value->first : NULL; entry; entry = entry->next)
+        planner->fixed[planner->fixed_count++] =
+            assignment(planner->pool, entry->key->text, shv_study_text_of(planner->pool, entry->value));
+    for (int32_t i = 0; i < more_count; i++)
+        planner->fixed[planner->fixed_count++] = shv_pool_text(planner->pool, more[i], strlen(more[i]));
+}
+
+/* ---- settings ---- */
+
+/* Column of a varied key in the study's table; −1 when there are too many. */
+static int32_t column_of(Planner *planner, const ShvNode *key)
+{
+    ShvStudyPlan *plan = planner->plan;
+    for (int32_t i = 0; i < plan->key_count; i++)
+        if (strcmp(plan->keys[i], key->text) == 0) return i;
+    if (plan->key_count == SHV_STUDY_MOST_KEYS) {
+        shv_error(planner->diagnostics, key->place, "a study varies at most %d keys", (int)SHV_STUDY_MOST_KEYS);
+        return -1;
+    }
+    plan->keys[plan->key_count] = shv_pool_text(planner->pool, key->text, strlen(key->text));
+    return plan->key_count++;
+}
+
+static bool read_multiple(Planner *planner, const char *text, const ShvNode *node, double *multiple)
+{
+    if (shv_parse_double(text, strlen(text), false, multiple, NULL) == SHV_OK && *multiple > 0.0 && *multiple <= 1e6)
+        return true;
+    shv_error(planner->diagnostics, node->place, "'step' is a number of stable steps above 0, not %s",
+              shv_quoted(text).text);
+    return false;
+}
+
+/* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
+static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
+                         const int32_t *chosen)
+{
+    char series[200] = "", label[64] = "";
+    for (int32_t i = 0; i < count; i++) {
+        const char *value = axes[i].values[chosen[i]], *dot = strrchr(axes[i].key, '.');
+        const bool step = strcmp(axes[i].key, step_key) == 0, along = strcmp(axes[i].key, planner->along) == 0;
+        const bool number = strchr("+-.0123456789", value[0]) != NULL;
+        char *to = along ? label : series;
+        const size_t size = along ? sizeof label : sizeof series, length = strlen(to);
+        shv_format(to + length, size - length, "%s%s%s%.60s%s", length > 0 ? ", " : "",
+                   number && !along ? (dot ? dot + 1 : axes[i].key) : "", number && !along ? " " : "", value,
+                   step ? "×" : "");
+    }
+    if (series[0] == '\0') shv_format(series, sizeof series, "runs");
+    setting->series = shv_pool_text(planner->pool, series, strlen(series));
+    setting->label = shv_pool_text(planner->pool, label, strlen(label));
+}
+
+/* One combination: `chosen` says which value of each axis. */
+static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
+                         const int32_t *chosen, const ShvNode *node)
+{
+    ShvPool *pool = planner->pool;
+    const char **overrides = shv_pool_take(pool, (size_t)(planner->fixed_count + count), sizeof *overrides);
+    const char **values = shv_pool_take(pool, SHV_STUDY_MOST_KEYS, sizeof *values);
+    if (!overrides || !values) return;
+    if (planner->fixed_count > 0) memcpy(overrides, planner->fixed, (size_t)planner->fixed_count * sizeof *overrides);
+    for (int32_t i = 0; i < SHV_STUDY_MOST_KEYS; i++) values[i] = "";
+    *setting = (ShvStudySetting){.overrides = overrides,
+                                 .override_count = planner->fixed_count,
+                                 .multiple = (double)NAN,
+                                 .values = values,
+                                 .line = node->place.line};
+    for (int32_t i = 0; i < count; i++) {
+        const char *value = axes[i].values[chosen[i]];
+        if (!value) return;
+        if (axes[i].column >= 0) values[axes[i].column] = value;
+        if (strcmp(axes[i].key, step_key) == 0)
+            read_multiple(planner, value, node, &setting->multiple);
+        else
+            overrides[setting->override_count++] = assignment(pool, axes[i].key, value);
+    }
+    name_setting(planner, setting, axes, count, chosen);
+}
+
+static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, Axis *axes)
+{
+    int32_t count = 0;
+    if (block->kind != SHV_NODE_MAPPING || block->count == 0 || block->count > SHV_STUDY_MOST_KEYS) {
+        shv_error(planner->diagnostics, block->place, "a block of 'vary' maps 1 to %d scene keys to their values",
+                  (int)SHV_STUDY_MOST_KEYS);
+        return 0;
+    }
+    for (const ShvEntry *entry = block->first; entry; entry = entry->next) {
+        Axis *axis = &axes[count++];
+        axis->key = entry->key->text;
+        axis->column = columns ? column_of(planner, entry->key) : -1;
+        axis->count = shv_study_values(planner->pool, planner->diagnostics, entry->value, &axis->values);
+        if (axis->count == 0 || (columns && axis->column < 0)) return 0;
+    }
+    return count;
+}
+
+/* The block that a line of a plot follows: as told, or the first of these that it has, or its last key. */
+static const char *choose_along(const char *told, const Axis *axes, int32_t count)
+{
+    const char *const wanted[] = {told, step_key, "fracture.time_step", "fracture.safety", "rigid.time_step"};
+    for (size_t k = 0; k < sizeof wanted / sizeof wanted[0]; k++)
+        for (int32_t i = 0; i < count && wanted[k]; i++)
+            if (strcmp(axes[i].key, wanted[k]) == 0) return wanted[k];
+    return axes[count - 1].key;
+}
+
+/* The last key of the block runs fastest. */
+static bool next_choice(int32_t *chosen, const Axis *axes, int32_t count)
+{
+    for (int32_t i = count - 1; i >= 0; i--) {
+        if (++chosen[i] < axes[i].count) return true;
+        chosen[i] = 0;
+    }
+    return false;
+}
+
+static void read_block(Planner *planner, const ShvNode *block, const char *along)
+{
+    Axis axes[SHV_STUDY_MOST_KEYS];
+    int32_t chosen[SHV_STUDY_MOST_KEYS] = {0};
+    ShvStudyPlan *plan = planner->plan;
+    const int32_t count = read_axes(planner, block, true, axes);
+    if (count == 0) return;
+    int64_t settings = plan->setting_count;
+    int64_t own = 1;
+    for (int32_t i = 0; i < count && own <= SHV_STUDY_MOST_SETTINGS; i++) own *= axes[i].count;
+    if (settings + own > SHV_STUDY_MOST_SETTINGS) {
+        shv_error(planner->diagnostics, block->place, "more than %d settings; give fewer values",
+                  (int)SHV_STUDY_MOST_SETTINGS);
+        return;
+    }
+    ShvStudySetting *grown = shv_pool_take(planner->pool, (size_t)(settings + own), sizeof *grown);
+    if (!grown) return;
+    if (settings > 0) memcpy(grown, plan->settings, (size_t)settings * sizeof *grown);
+    plan->settings = grown;
+    planner->along = choose_along(along, axes, count);
+    do fill_setting(planner, &plan->settings[plan->setting_count++], axes, count, chosen, block);
+    while (next_choice(chosen, axes, count));
+}
+
+static void read_vary(Planner *planner, const ShvNode *root, const char *along)
+{
+    const ShvEntry *vary = shv_tree_find(root, "vary");
+    planner->plan->keys = shv_pool_take(planner->pool, SHV_STUDY_MOST_KEYS, sizeof *planner->plan->keys);
+    if (!planner->plan->keys) return;
+    if (!vary) {
+        shv_error(planner->diagnostics, root->place, "the study lacks 'vary': scene keys and the values to run");
+        return;
+    }
+    if (vary->value->kind != SHV_NODE_LIST) {
+        read_block(planner, vary->value, along);
+        return;
+    }
+    if (vary->value->count == 0) shv_error(planner->diagnostics, vary->value->place, "'vary' is empty");
+    for (const ShvEntry *entry = vary->value->first; entry; entry = entry->next)
+        read_block(planner, entry->value, along);
+}
+
+/* ---- the rest ---- */
+
+static void read_reference_setting(Planner *planner, const ShvNode *node)
+{
+    Axis axes[SHV_STUDY_MOST_KEYS];
+    const int32_t chosen[SHV_STUDY_MOST_KEYS] = {0};
+    planner->plan->reference = SHV_STUDY_SETTING;
+    const int32_t count = read_axes(planner, node, false, axes);
+    if (count == 0) return;
+    for (int32_t i = 0; i < count; i++)
+        if (axes[i].count != 1)
+            shv_error(planner->diagnostics, node->place, "the reference is one run: give one value of '%.60s'",
+                      axes[i].key);
+    planner->along = "";
+    fill_setting(planner, &planner->plan->reference_setting, axes, count, chosen, node);
+}
+
+static void read_reference(Planner *planner, const ShvNode *root)
+{
+    const ShvEntry *entry = shv_tree_find(root, "reference");
+    ShvStudyPlan *plan = planner->plan;
+    if (!entry) return;
+    const ShvNode *node = entry->value;
+    if (node->kind == SHV_NODE_MAPPING && node->count == 1 && strcmp(node->first->key->text, "file") == 0 &&
+        node->first->value->kind == SHV_NODE_SCALAR) {
+        plan->reference = SHV_STUDY_FILE;
+        plan->reference_file = node->first->value->text;
+    } else if (node->kind == SHV_NODE_MAPPING) {
+        read_reference_setting(planner, node);
+    } else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0) {
+        plan->reference = SHV_STUDY_CLOSED;
+    } else if (node->kind != SHV_NODE_SCALAR || !node->text || strcmp(node->text, "finest") != 0) {
+        shv_error(
+            planner->diagnostics, node->place,
+            "'reference' is 'finest', 'closed form', a run file ({file: run.h5}) or the keys of a run of its own");
+    }
+}
+
+static void report_measure(Planner *planner, const ShvNode *node)
+{
+    const char *names[SHV_STUDY_MOST_MEASURES];
+    const int32_t count = shv_measure_count();
+    for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
+    const char *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
+    const char *near = shv_nearest_name(text, names, (size_t)count);
+    shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
+              shv_quoted(text).text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+static const char *text_of(const ShvNode *mapping, const char *key)
+{
+    const ShvEntry *entry = shv_tree_find(mapping, key);
+    return entry && entry->value->kind == SHV_NODE_SCALAR && !entry->value->null ? entry->value->text : NULL;
+}
+
+/* {name: …, error: formula, value: formula, unit: …} */
+static bool read_formula(Planner *planner, const ShvNode *node, ShvMeasure *measure)
+{
+    static const char *const names[] = {"name", "error", "value", "unit"};
+    if (!shv_study_check_keys(planner->diagnostics, node, "a measure", names, 4)) return false;
+    const char *unit = text_of(node, "unit");
+    *measure = (ShvMeasure){.name = text_of(node, "name"),
+                            .error_unit = unit ? unit : "",
+                            .value = text_of(node, "value"),
+                            .error = text_of(node, "error")};
+    if (measure->value) measure->unit = measure->error_unit;
+    if (measure->name && shv_is_name(measure->name) && measure->error) return true;
+    shv_error(planner->diagnostics, node->place,
+              "a measure of the study's own needs a 'name' of letters, digits and '_', and 'error', a formula");
+    return false;
+}
+
+static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *measure)
+{
+    const ShvMeasure *known = node->kind == SHV_NODE_SCALAR && node->text ? shv_measure_named(node->text) : NULL;
+    if (node->kind == SHV_NODE_MAPPING) return read_formula(planner, node, measure);
+    if (known)
+        *measure = *known;
+    else
+        report_measure(planner, node);
+    return known != NULL;
+}
+
+static void read_measures(Planner *planner, const ShvNode *root)
+{
+    ShvStudyPlan *plan = planner->plan;
+    const ShvEntry *entry = shv_tree_find(root, "measures");
+    if (!entry || entry->value->kind != SHV_NODE_LIST || entry->value->count == 0 ||
+        entry->value->count > SHV_STUDY_MOST_MEASURES) {
+        shv_error(planner->diagnostics, entry ? entry->value->place : root->place,
+                  "the study needs 'measures', a list of 1 to %d names; docs/study.md lists them",
+                  (int)SHV_STUDY_MOST_MEASURES);
+        return;
+    }
+    for (const ShvEntry *item = entry->value->first; item; item = item->next) {
+        ShvMeasure *measure = &plan->measures[plan->measure_count];
+        if (!read_measure(planner, item->value, measure)) continue;
+        bool twice = false;
+        for (int32_t i = 0; i < plan->measure_count; i++) twice |= strcmp(plan->measures[i].name, measure->name) == 0;
+        if (twice)
+            shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
+                      shv_quoted(measure->name).text);
+        plan->measure_count += !twice;
+    }
+}
+
+static void read_ensemble(Planner *planner, const ShvNode *root)
+{
+    static const char *const names[] = {"seeds", "shifts", "size"};
+    const ShvEntry *entry = shv_tree_find(root, "ensemble");
+    ShvStudyPlan *plan = planner->plan;
+    if (!entry || !shv_study_check_keys(planner->diagnostics, entry->value, "'ensemble'", names, 3)) return;
+    const ShvEntry *seeds = shv_tree_find(entry->value, "seeds"), *shifts = shv_tree_find(entry->value, "shifts");
+    const ShvEntry *size = shv_tree_find(entry->value, "size"), *count = seeds ? seeds : shifts;
+    double members = 0.0;
+    if (!count || (seeds && shifts) || (shifts && !size) || (seeds && size)) {
+        shv_error(planner->diagnostics, entry->value->place,
+                  "'ensemble' is {seeds: 5} or {shifts: 5, size: 1e-9}, a displacement in m");
+        return;
+    }
+    if (size && !shv_study_number(planner->diagnostics, size->value, "size", 1e-300, 1.0, false, &plan->shift)) return;
+    if (!shv_study_number(planner->diagnostics, count->value, count->key->text, SHV_STUDY_LEAST_MEMBERS, 1000.0, true,
+                          &members))
+        return;
+    plan->members = (int32_t)members;
+    plan->seeds = seeds != NULL;
+}
+
+static const char *read_text(Planner *planner, const ShvNode *root, const char *key, const char *otherwise)
+{
+    const ShvEntry *entry = shv_tree_find(root, key);
+    if (!entry) return otherwise;
+    if (entry->value->kind == SHV_NODE_SCALAR && !entry->value->null) return entry->value->text;
+    shv_error(planner->diagnostics, entry->value->place, "'%s' must be a text", key);
+    return otherwise;
+}
+
+static int32_t read_count(Planner *planner, const ShvNode *root, const char *key, double low, double high,
+                          int32_t otherwise)
+{
+    const ShvEntry *entry = shv_tree_find(root, key);
+    double value = otherwise;
+    if (entry) shv_study_number(planner->diagnostics, entry->value, key, low, high, true, &value);
+    return (int32_t)value;
+}
+
+static void check_together(Planner *planner, const ShvNode *root)
+{
+    const ShvStudyPlan *plan = planner->plan;
+    const ShvEntry *entry = shv_tree_find(root, "reference");
+    const bool end_only = plan->reference == SHV_STUDY_FILE;
+    if (plan->reference == SHV_STUDY_CLOSED && plan->members > 1)
+        shv_error(planner->diagnostics, entry->value->place,
+                  "an ensemble has no closed form; take another reference or leave out 'ensemble'");
+    for (int32_t i = 0; i < plan->measure_count; i++) {
+        const ShvMeasure *measure = &plan->measures[i];
+        if (plan->reference == SHV_STUDY_CLOSED && !shv_measure_tracks(measure) && !shv_measure_is_own(measure))
+            shv_error(planner->diagnostics, entry->value->place, "'%s' has no closed form; take another reference",
+                      measure->name);
+        if (end_only && shv_measure_tracks(measure))
+            shv_error(planner->diagnostics, entry->value->place,
+                      "'%s' follows bodies, which a run file as reference does not serve", measure->name);
+    }
+}
+
+static void read_plan(Planner *planner, const ShvNode *root, const char *const *more, int32_t more_count)
+{
+    static const char *const names[] = {"shiver_study", "name",    "set",      "vary",        "reference",
+                                        "measures",     "repeats", "ensemble", "audit_wakes", "along"};
+    ShvStudyPlan *plan = planner->plan;
+    if (!shv_study_check_keys(planner->diagnostics, root, "the study", names, sizeof names / sizeof names[0])) return;
+    read_count(planner, root, "shiver_study", 1.0, 1.0, 1);
+    if (!shv_tree_find(root, "shiver_study"))
+        shv_error(planner->diagnostics, root->place, "a study begins with 'shiver_study: 1'");
+    plan->repeats = read_count(planner, root, "repeats", 1.0, 50.0, 1);
+    plan->audit_wakes = read_count(planner, root, "audit_wakes", 0.0, 1e6, 0);
+    const char *name = read_text(planner, root, "name", "study"), *along = read_text(planner, root, "along", NULL);
+    plan->name = shv_pool_text(planner->pool, name, strlen(name));
+    read_fixed(planner, root, more, more_count);
+    read_vary(planner, root, along);
+    read_measures(planner, root);
+    read_ensemble(planner, root);
+    read_reference(planner, root);
+    check_together(planner, root);
+}
+
+static ShvStatus report(const ShvDiagnostics *diagnostics, ShvError *error)
+{
+    const int32_t errors = shv_diagnostics_errors(diagnostics);
+    const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, 0);
+    if (errors == 1) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
+    return shv_fail(error, SHV_BAD_INPUT, "%d errors in the study; the first is %s", (int)errors, first->message);
+}
+
+ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t length, const char *name,
+                              const char *const *more, int32_t more_count, ShvMemory *memory, ShvError *error)
+{
+    *plan = (ShvStudyPlan){.pool = {.memory = memory}, .repeats = 1, .members = 1};
+    ShvDiagnostics *diagnostics = shv_diagnostics_create(memory, name, NULL, 0);
+    if (!diagnostics) return shv_fail_memory(error, "the messages of a study", 0);
+    Planner planner = {plan, &plan->pool, diagnostics, NULL, 0, ""};
+    const ShvNode *root = shv_tree_read(&plan->pool, diagnostics, text, length, 0);
+    if (root) read_plan(&planner, root, more, more_count);
+    const bool failed = plan->pool.failed || shv_diagnostics_failed(diagnostics);
+    ShvStatus status = SHV_OK;
+    shv_diagnostics_sort(diagnostics);
+    if (failed)
+        status = shv_fail_memory(error, "a study", length);
+    else if (shv_diagnostics_errors(diagnostics) > 0)
+        status = report(diagnostics, error);
+    shv_diagnostics_destroy(diagnostics);
+    if (status != SHV_OK) shv_study_plan_release(plan);
+    return status;
+}
+
+void shv_study_plan_release(ShvStudyPlan *plan)
+{
+    shv_pool_release(&plan->pool);
+    *plan = (ShvStudyPlan){.name = NULL};
+}

@@ -1,0 +1,210 @@
+/* Figures of a study. */
+#include <string.h>
+
+#include "base/text.h"
+#include "evaluate/html.h"
+#include "evaluate/study.h"
+
+/* ---- error against run time ---- */
+
+typedef struct Figure {
+    ShvPlotPoint *points, *front;
+    ShvPlotLine *lines;
+    ShvPlotSpan *spans;
+    int32_t line_count, front_count, span_count;
+    double least; /* an error of zero has a place here, below all others */
+} Figure;
+
+static bool shows(const ShvStudyRow *row, int32_t measure)
+{
+    return row->status == SHV_OK && !row->is_reference && isfinite(row->errors[measure]) && isfinite(row->seconds);
+}
+
+static double least_error(const ShvStudy *study, int32_t measure)
+{
+    double least = HUGE_VAL;
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->results[i].row;
+        if (shows(row, measure) && row->errors[measure] > 0.0) least = fmin(least, row->errors[measure]);
+    }
+    return isfinite(least) ? 0.1 * least : 1e-16;
+}
+
+static ShvPlotPoint point_of(const ShvStudyRow *row, int32_t measure, double least)
+{
+    const bool zero = row->errors[measure] <= least;
+    ShvPlotPoint point = {.x = shows(row, measure) ? row->seconds : (double)NAN,
+                          .y = fmax(row->errors[measure], least)};
+    shv_format(point.label, sizeof point.label, "%.18s%s", row->label, zero ? " (0)" : "");
+    return point;
+}
+
+/* Rows of one series, in their order, behind the points that are there. */
+static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figure *figure, int32_t *used)
+{
+    const char *name = study->results[first].row.series;
+    ShvPlotPoint *points = figure->points + *used;
+    int32_t count = 0;
+    for (int32_t i = first; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->results[i].row;
+        if (row->is_reference || strcmp(row->series, name) != 0) continue;
+        points[count++] = point_of(row, measure, figure->least);
+        if (study->plan.members == 1 || !shows(row, measure)) continue;
+        figure->spans[figure->span_count++] = (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least),
+                                                            row->errors_high[measure], figure->line_count};
+    }
+    figure->lines[figure->line_count++] = (ShvPlotLine){name, points, count, SHV_PLOT_MARKED_LINE};
+    *used += count;
+}
+
+static bool is_first_of_series(const ShvStudy *study, int32_t index)
+{
+    const ShvStudyRow *row = &study->results[index].row;
+    if (row->is_reference) return false;
+    for (int32_t i = 0; i < index; i++)
+        if (!study->results[i].row.is_reference && strcmp(study->results[i].row.series, row->series) == 0) return false;
+    return true;
+}
+
+/* By run time; there are few of them. */
+static void add_front(const ShvStudy *study, int32_t measure, Figure *figure)
+{
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->results[i].row;
+        if (!row->on_front[measure]) continue;
+        int32_t k = figure->front_count++;
+        for (; k > 0 && figure->front[k - 1].x > row->seconds; k--) figure->front[k] = figure->front[k - 1];
+        figure->front[k] = point_of(row, measure, figure->least);
+    }
+}
+
+static void fill_figure(const ShvStudy *study, int32_t measure, Figure *figure)
+{
+    int32_t used = 0;
+    figure->least = least_error(study, measure);
+    for (int32_t i = 0; i < study->setting_count; i++)
+        if (is_first_of_series(study, i)) add_line(study, measure, i, figure, &used);
+    add_front(study, measure, figure);
+}
+
+static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, FILE *stream, bool within)
+{
+    const ShvMeasure *kind = &study->plan.measures[measure];
+    char title[200], label[96];
+    shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
+    shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
+    const ShvPlotLine front = {"Pareto front", figure->front, figure->front_count, SHV_PLOT_MARKED_LINE};
+    const ShvPlot plot = {.title = title,
+                          .x_label =
+                              study->timings_valid ? "run time, s" : "run time, s (invalid: runs shared the machine)",
+                          .y_label = label,
+                          .log_x = true,
+                          .log_y = true,
+                          .lines = figure->lines,
+                          .line_count = figure->line_count,
+                          .front = &front,
+                          .spans = figure->spans,
+                          .span_count = figure->span_count};
+    (within ? shv_plot_write_inline : shv_plot_write)(stream, &plot);
+}
+
+void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
+{
+    Figure figure = {.points = study->figure.points,
+                     .front = study->figure.front,
+                     .lines = study->figure.lines,
+                     .spans = study->figure.spans};
+    fill_figure(study, measure, &figure);
+    draw(study, measure, &figure, stream, within);
+}
+
+ShvStatus shv_study_figure_reserve(ShvStudy *study, ShvError *error)
+{
+    const size_t count = (size_t)study->setting_count;
+    shv_study_figure_release(&study->figure);
+    ShvStudyFigure *figure = &study->figure;
+    figure->points = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->points);
+    figure->front = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->front);
+    figure->lines = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->lines);
+    figure->spans = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->spans);
+    if (figure->points && figure->front && figure->lines && figure->spans) return SHV_OK;
+    return shv_fail_memory(error, "a figure", count * sizeof *figure->points);
+}
+
+void shv_study_figure_release(ShvStudyFigure *figure)
+{
+    shv_release(figure->points);
+    shv_release(figure->front);
+    shv_release(figure->lines);
+    shv_release(figure->spans);
+    *figure = (ShvStudyFigure){NULL, NULL, NULL, NULL};
+}
+
+/* ---- run time by part ---- */
+
+enum { MOST_BARS = 60, WIDTH = 760, LEFT = 250, RIGHT = 70, TOP = 96, ROW = 22 };
+
+static const char *const colours[SHV_COST_COUNT] = {"#1f6fb4", "#c8501e", "#3a8f4d", "#8a4fb0", "#8c6d1f",
+                                                    "#5a5a5a", "#2a9d9d", "#d08aa0", "#a7c05a", "#30485f"};
+
+static double cost_sum(const ShvStudyRow *row)
+{
+    double sum = 0.0;
+    for (int c = 0; c < SHV_COST_COUNT; c++) sum += row->costs[c];
+    return sum;
+}
+
+static void put_legend(const ShvStudy *study, FILE *stream)
+{
+    int place = 0;
+    for (int c = 0; c < SHV_COST_COUNT; c++) {
+        double most = 0.0;
+        for (int32_t i = 0; i < study->setting_count; i++) most = fmax(most, study->results[i].costs[c]);
+        if (most <= 0.0) continue;
+        const int x = 20 + 120 * (place % 6), y = 52 + 20 * (place / 6);
+        shv_print(stream, "<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/>\n", x, y - 10, colours[c]);
+        shv_print(stream, "<text x=\"%d\" y=\"%d\">%s</text>\n", x + 18, y, shv_cost_name((ShvCost)c));
+        place++;
+    }
+}
+
+static void put_bar(const ShvStudyRow *row, int32_t index, double scale, FILE *stream)
+{
+    const double y = TOP + ROW * index;
+    double x = LEFT;
+    char name[64];
+    shv_format(name, sizeof name, "%.34s%s%.20s", row->series, row->label[0] ? ", " : "", row->label);
+    shv_print(stream, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", LEFT - 8, y + 12.0);
+    shv_html_text(stream, name);
+    shv_print(stream, "</text>\n");
+    for (int c = 0; c < SHV_COST_COUNT; c++) {
+        const double width = row->costs[c] * scale;
+        if (!(width > 0.0)) continue;
+        shv_print(stream, "<rect x=\"%.2f\" y=\"%.1f\" width=\"%.2f\" height=\"%d\" fill=\"%s\"/>\n", x, y, width,
+                  ROW - 6, colours[c]);
+        x += width;
+    }
+    shv_print(stream, "<text x=\"%.1f\" y=\"%.1f\">%.3g s</text>\n", x + 6.0, y + 12.0, cost_sum(row));
+}
+
+void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within)
+{
+    const int32_t count = study->setting_count < MOST_BARS ? study->setting_count : MOST_BARS;
+    const int height = TOP + ROW * (int)count + 14;
+    double longest = 0.0;
+    for (int32_t i = 0; i < count; i++) longest = fmax(longest, cost_sum(&study->results[i].row));
+    const double scale = longest > 0.0 ? (WIDTH - LEFT - RIGHT) / longest : 0.0;
+    if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    shv_print(stream,
+              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" font-family=\"Helvetica, Arial, sans-serif\" "
+              "font-size=\"12\" fill=\"#4a463f\">\n<title>",
+              within ? "" : "xmlns=\"http://www.w3.org/2000/svg\" ", WIDTH, height, WIDTH, height);
+    shv_html_text(stream, study->plan.name);
+    shv_print(stream, ": run time by part</title>\n<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
+                      "<text x=\"20\" y=\"28\" font-size=\"14\" font-weight=\"bold\" fill=\"#2c2a26\">");
+    shv_html_text(stream, study->plan.name);
+    shv_print(stream, ": run time by part</text>\n");
+    put_legend(study, stream);
+    for (int32_t i = 0; i < count; i++) put_bar(&study->results[i].row, i, scale, stream);
+    shv_print(stream, "</svg>\n");
+}

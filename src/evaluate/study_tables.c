@@ -1,0 +1,265 @@
+/* A study as CSV and JSON. Results and run times are apart: the former are the same, bit for bit, wherever and however often the
+   study is run. */
+#include <string.h>
+
+#include "base/text.h"
+#include "evaluate/study.h"
+#include "export/output.h"
+#include "shiver/version.h"
+
+/* ---- CSV ---- */
+
+/* Quoted where it has to be (RFC 4180). */
+static void put_field(FILE *stream, const char *text, bool first)
+{
+    if (!first) shv_print(stream, ",");
+    if (!strpbrk(text, ",\"\n")) {
+        shv_print(stream, "%s", text);
+        return;
+    }
+    shv_print(stream, "\"");
+    for (; *text; text++) shv_print(stream, *text == '"' ? "\"\"" : "%c", *text);
+    shv_print(stream, "\"");
+}
+
+static void put_setting_heads(const ShvStudy *study, FILE *stream)
+{
+    for (int32_t i = 0; i < study->plan.key_count; i++) put_field(stream, study->plan.keys[i], i == 0);
+    shv_print(stream, ",reference,status");
+}
+
+static void put_setting(const ShvStudy *study, int32_t index, FILE *stream)
+{
+    const ShvStudySetting *setting = shv_study_setting(study, index);
+    const ShvStudyRow *row = &study->results[index].row;
+    for (int32_t i = 0; i < study->plan.key_count; i++) put_field(stream, setting->values[i], i == 0);
+    shv_print(stream, ",%s,%s", row->is_reference ? "yes" : "", shv_status_name(row->status));
+}
+
+static void put_measure_heads(const ShvStudy *study, FILE *stream)
+{
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const ShvMeasure *measure = &study->plan.measures[i];
+        const bool unit = measure->error_unit[0] != '\0';
+        if (measure->unit)
+            shv_print(stream, ",%s%s%s%s", measure->name, measure->unit[0] ? " [" : "", measure->unit,
+                      measure->unit[0] ? "]" : "");
+        static const char *const parts[] = {"error of", "least error of", "most error of", "scatter of"};
+        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++)
+            shv_print(stream, ",%s %s%s%s%s", parts[k], measure->name, unit ? " [" : "", measure->error_unit,
+                      unit ? "]" : "");
+    }
+}
+
+static void put_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
+{
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        if (study->plan.measures[i].unit) shv_output_number(stream, row->values[i]);
+        shv_output_number(stream, row->errors[i]);
+        if (study->plan.members == 1) continue;
+        shv_output_number(stream, row->errors_low[i]);
+        shv_output_number(stream, row->errors_high[i]);
+        shv_output_number(stream, study->scatter[i]);
+    }
+}
+
+void shv_study_put_results(const ShvStudy *study, FILE *stream)
+{
+    put_setting_heads(study, stream);
+    shv_print(stream, ",stable step [s],step [s],Courant number");
+    put_measure_heads(study, stream);
+    shv_print(stream, ",message\n");
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->results[i].row;
+        put_setting(study, i, stream);
+        shv_output_number(stream, row->stable_step);
+        shv_output_number(stream, row->step);
+        shv_output_number(stream, row->courant);
+        put_measures(study, row, stream);
+        put_field(stream, row->message, false);
+        shv_print(stream, "\n");
+    }
+}
+
+void shv_study_put_timings(const ShvStudy *study, FILE *stream)
+{
+    put_setting_heads(study, stream);
+    shv_print(stream, ",valid,median [s],least [s],most [s]");
+    for (int c = 0; c < SHV_COST_COUNT; c++) shv_print(stream, ",%s [s]", shv_cost_name((ShvCost)c));
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        shv_print(stream, ",on front of %s", study->plan.measures[i].name);
+    shv_print(stream, "\n");
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->results[i].row;
+        put_setting(study, i, stream);
+        shv_print(stream, ",%s", study->timings_valid ? "yes" : "no");
+        shv_output_number(stream, row->seconds);
+        shv_output_number(stream, row->seconds_low);
+        shv_output_number(stream, row->seconds_high);
+        for (int c = 0; c < SHV_COST_COUNT; c++) shv_output_number(stream, row->costs[c]);
+        for (int32_t m = 0; m < study->plan.measure_count; m++) shv_print(stream, ",%s", row->on_front[m] ? "yes" : "");
+        shv_print(stream, "\n");
+    }
+}
+
+/* ---- Markdown ---- */
+
+static void put_cell(FILE *stream, double value, bool bold)
+{
+    char text[32] = "–";
+    if (isfinite(value)) shv_format(text, sizeof text, "%.3g", value);
+    shv_print(stream, bold ? " **%s** |" : " %s |", text);
+}
+
+/* Bars would end a cell. */
+static void put_words(FILE *stream, const char *text)
+{
+    for (; *text; text++) shv_print(stream, "%c", *text == '|' || *text == '\n' ? '/' : *text);
+}
+
+static void put_markdown_row(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
+{
+    shv_print(stream, "| ");
+    put_words(stream, row->series);
+    shv_print(stream, "%s", row->label[0] ? ", " : "");
+    put_words(stream, row->label);
+    shv_print(stream, "%s |", row->is_reference ? " (reference)" : "");
+    put_cell(stream, row->courant > 0.0 ? row->courant : (double)NAN, false);
+    put_cell(stream, row->seconds, false);
+    if (row->status == SHV_OK) {
+        for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, row->errors[i], row->on_front[i]);
+    } else {
+        char first[sizeof row->message]; /* what happened; what to do about it is in the page */
+        shv_format(first, sizeof first, "%.*s", (int)strcspn(row->message, ";"), row->message);
+        shv_print(stream, " failed: ");
+        put_words(stream, first);
+        for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, " |");
+    }
+    shv_print(stream, "\n");
+}
+
+void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
+{
+    shv_print(stream, "| setting | Courant | run time, s |");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const ShvMeasure *measure = &study->plan.measures[i];
+        shv_print(stream, " %s%s%s |", measure->name, measure->error_unit[0] ? ", " : "", measure->error_unit);
+    }
+    shv_print(stream, "\n|---|---|---|");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, "---|");
+    shv_print(stream, "\n");
+    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->results[i].row, stream);
+    if (study->plan.members == 1) return;
+    shv_print(stream, "| scatter | | |");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->scatter[i], false);
+    shv_print(stream, "\n");
+}
+
+/* ---- JSON ---- */
+
+static void put_text(FILE *stream, const char *text)
+{
+    shv_print(stream, "\"");
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            shv_print(stream, "\\%c", c);
+        else if (c < 0x20)
+            shv_print(stream, "\\u%04x", (unsigned)c);
+        else
+            shv_print(stream, "%c", c);
+    }
+    shv_print(stream, "\"");
+}
+
+static void put_pair(FILE *stream, const char *name, const char *text)
+{
+    shv_print(stream, "\"%s\": ", name);
+    put_text(stream, text);
+}
+
+static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
+{
+    shv_print(stream, "\"measures\": {");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
+        shv_output_member(stream, "value", row->values[i]);
+        shv_print(stream, ", ");
+        shv_output_member(stream, "error", row->errors[i]);
+        shv_print(stream, ", ");
+        shv_output_member(stream, "error_low", row->errors_low[i]);
+        shv_print(stream, ", ");
+        shv_output_member(stream, "error_high", row->errors_high[i]);
+        shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
+    }
+    shv_print(stream, "}");
+}
+
+static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
+{
+    const ShvStudySetting *setting = shv_study_setting(study, index);
+    const ShvStudyRow *row = &study->results[index].row;
+    bool first = true;
+    shv_print(stream, "{\"setting\": {");
+    for (int32_t i = 0; i < study->plan.key_count; i++) {
+        if (setting->values[i][0] == '\0') continue;
+        shv_print(stream, "%s", first ? "" : ", ");
+        put_text(stream, study->plan.keys[i]);
+        shv_print(stream, ": ");
+        put_text(stream, setting->values[i]);
+        first = false;
+    }
+    shv_print(stream, "}, \"reference\": %s, ", row->is_reference ? "true" : "false");
+    put_pair(stream, "status", shv_status_name(row->status));
+    shv_print(stream, ", ");
+    put_pair(stream, "message", row->message);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"seconds", row->seconds},
+                   {"seconds_low", row->seconds_low},
+                   {"seconds_high", row->seconds_high},
+                   {"stable_step", row->stable_step},
+                   {"step", row->step},
+                   {"courant", row->courant}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        shv_print(stream, ", ");
+        shv_output_member(stream, numbers[i].name, numbers[i].value);
+    }
+    shv_print(stream, ", \"costs\": {");
+    for (int c = 0; c < SHV_COST_COUNT; c++) {
+        shv_print(stream, "%s", c > 0 ? ", " : "");
+        shv_output_member(stream, shv_cost_name((ShvCost)c), row->costs[c]);
+    }
+    shv_print(stream, "}, ");
+    put_row_measures(study, row, stream);
+    shv_print(stream, "}");
+}
+
+void shv_study_print_json(const ShvStudy *study, FILE *stream)
+{
+    const struct {
+        const char *name, *text;
+    } texts[] = {{"study", study->plan.name},
+                 {"scene", study->scene_path},
+                 {"version", shv_version()},
+                 {"processor", study->processor},
+                 {"errors_from", study->reference_name}};
+    shv_print(stream, "{");
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        put_pair(stream, texts[i].name, texts[i].text);
+        shv_print(stream, ", ");
+    }
+    shv_print(stream, "\"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
+              study->timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        shv_print(stream, "%s", i > 0 ? ", " : "");
+        shv_output_member(stream, study->plan.measures[i].name, study->scatter[i]);
+    }
+    shv_print(stream, "}, \"rows\": [");
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");
+        put_row(study, i, stream);
+    }
+    shv_print(stream, "]}\n");
+}

@@ -1,0 +1,508 @@
+#include "evaluate/verify.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "evaluate/run.h"
+
+enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
+
+ShvVerifyOptions shv_verify_default(void)
+{
+    return (ShvVerifyOptions){.cookie = SHV_DEFINITION_COOKIE};
+}
+
+const char *shv_verdict_name(ShvVerdict verdict)
+{
+    static const char *const names[] = {"pass", "miss", "miss, explained", "shown", "failed"};
+    return names[verdict];
+}
+
+/* ---- lines ---- */
+
+/* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
+char *shv_next_line(ShvPool *pool, const char **at)
+{
+    while (*at && **at) {
+        const size_t length = strcspn(*at, "\n");
+        const char *begin = *at, *end = *at + length;
+        *at = *end ? end + 1 : end;
+        while (begin < end && (*begin == ' ' || *begin == '\t')) begin++;
+        while (end > begin && (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r')) end--;
+        if (begin < end) return shv_pool_text(pool, begin, (size_t)(end - begin));
+    }
+    return NULL;
+}
+
+static int32_t count_lines(const char *text)
+{
+    int32_t count = 1;
+    for (; text && *text; text++) count += *text == '\n';
+    return count;
+}
+
+/* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
+static ShvStatus fail_variable(Verifier *verifier, const char *name, const char *rest, ShvStatus status,
+                               ShvError *error)
+{
+    const char *at = rest;
+    bool later = false;
+    for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
+        const size_t length = strcspn(line, " \t=");
+        const char *quoted = strstr(error->message, "': '");
+        later |=
+            quoted && strncmp(quoted + 4, line, length) == 0 && strncmp(quoted + 4 + length, "' is unknown", 12) == 0;
+    }
+    if (!later) return shv_fail_within(error, status, "variable %.60s", name);
+    const ShvError why = *error;
+    return shv_fail(
+        error, status,
+        "variable %.60s: %.700s so far; definitions are taken from top to bottom, so that none can need itself", name,
+        why.message);
+}
+
+/* "name = formula", the first of these lines */
+static ShvStatus define(Verifier *verifier, char *line, const char *from, ShvError *error)
+{
+    char *equals = strchr(line, '=');
+    if (!equals) return shv_fail(error, SHV_BAD_INPUT, "'%.200s' in 'let' is not of the form name = formula", line);
+    char *end = equals;
+    while (end > line && (end[-1] == ' ' || end[-1] == '\t')) end--;
+    *end = '\0';
+    ShvVariable *variable = &verifier->now->named.variables[verifier->now->named.variable_count];
+    const ShvFormulaNames names = shv_names(&verifier->names);
+    const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
+    if (status != SHV_OK) return fail_variable(verifier, line, from, status, error);
+    variable->name = line;
+    verifier->now->named.variable_count++;
+    return SHV_OK;
+}
+
+static ShvStatus define_all(Verifier *verifier, const char *let, ShvError *error)
+{
+    const char *from = let;
+    for (char *line = shv_next_line(&verifier->work, &let); line; line = shv_next_line(&verifier->work, &let)) {
+        SHV_TRY(define(verifier, line, from, error));
+        from = let;
+    }
+    return verifier->work.failed ? shv_fail_memory(error, "variables", 0) : SHV_OK;
+}
+
+/* ---- rows ---- */
+
+ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvError *error)
+{
+    ShvVerification *made = verifier->made;
+    ShvVerifyCase *view = &made->view;
+    if (view->row_count == made->row_capacity) {
+        const size_t capacity = 2 * (size_t)made->row_capacity + 16;
+        ShvVerifyRow *grown = shv_reallocate(made->memory, SHV_PART_RECORD, made->rows, capacity, sizeof *grown);
+        if (!grown) return shv_fail_memory(error, "rows", capacity * sizeof *grown);
+        view->rows = made->rows = grown;
+        made->row_capacity = (int32_t)capacity;
+    }
+    made->rows[view->row_count++] = *row;
+    view->passes += row->verdict == SHV_VERDICT_PASS;
+    view->explained += row->verdict == SHV_VERDICT_EXPLAINED;
+    view->misses += row->verdict == SHV_VERDICT_MISS || row->verdict == SHV_VERDICT_FAILED;
+    return SHV_OK;
+}
+
+ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error)
+{
+    const char *note = shv_pool_text(&verifier->made->texts, why->message, strlen(why->message));
+    const ShvVerifyRow row = {.run = verifier->now->title,
+                              .quantity = quantity,
+                              .unit = "",
+                              .source = verifier->made->view.source,
+                              .note = note ? note : "",
+                              .compare = SHV_VERIFY_SHOWN,
+                              .verdict = SHV_VERDICT_FAILED,
+                              .value = (double)NAN,
+                              .reference = (double)NAN,
+                              .error = (double)NAN,
+                              .tolerance = (double)NAN,
+                              .seconds = verifier->now->seconds};
+    return shv_verify_append(verifier, &row, error);
+}
+
+/* A value that is not a number passes nothing. */
+static bool within(const ShvVerifyRow *row)
+{
+    switch (row->compare) {
+    case SHV_VERIFY_NEAR:
+        return fabs(row->error) <= row->tolerance;
+    case SHV_VERIFY_BELOW:
+        return row->strict ? row->error < row->tolerance : row->error <= row->tolerance;
+    case SHV_VERIFY_ABOVE:
+        return row->strict ? row->error > -row->tolerance : row->error >= -row->tolerance;
+    case SHV_VERIFY_SHOWN:
+        break;
+    }
+    return true;
+}
+
+void shv_verify_judge(ShvVerifyRow *row, const char *explained)
+{
+    if (row->compare == SHV_VERIFY_SHOWN) {
+        row->verdict = SHV_VERDICT_SHOWN;
+    } else if (within(row)) {
+        row->verdict = SHV_VERDICT_PASS;
+    } else {
+        row->verdict = explained ? SHV_VERDICT_EXPLAINED : SHV_VERDICT_MISS;
+        row->note = explained ? explained : "";
+    }
+}
+
+static void set_error(ShvVerifyRow *row, const ShvCaseQuantity *quantity)
+{
+    row->absolute = !isnan(quantity->tolerance_absolute) || row->reference == 0.0;
+    row->error = (row->value - row->reference) / (row->absolute ? 1.0 : fabs(row->reference));
+    row->tolerance = row->absolute ? quantity->tolerance_absolute : quantity->tolerance;
+    if (isnan(row->tolerance) && row->compare != SHV_VERIFY_NEAR && row->compare != SHV_VERIFY_SHOWN)
+        row->tolerance = 0.0;
+}
+
+static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, const ShvCaseQuantity *quantity)
+{
+    return (ShvVerifyRow){.run = run->title,
+                          .quantity = quantity->name,
+                          .unit = quantity->unit ? quantity->unit : "",
+                          .source = quantity->source ? quantity->source : verifier->made->view.source,
+                          .note = "",
+                          .compare = quantity->compare,
+                          .reference = (double)NAN,
+                          .seconds = run->seconds};
+}
+
+static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
+{
+    const ShvCaseQuantity *quantity = (const ShvCaseQuantity *)verifier->item->quantities.data + index;
+    const ShvFormulaNames names = shv_names(&verifier->names);
+    KeptRun *run = verifier->now;
+    *row = start_row(verifier, run, quantity);
+    SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
+    if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
+    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &run->steps[index], error));
+    set_error(row, quantity);
+    if (quantity->judge == SHV_JUDGE_LAST && !last) row->compare = SHV_VERIFY_SHOWN;
+    shv_verify_judge(row, quantity->explained);
+    run->values[index] = row->value;
+    run->references[index] = row->reference;
+    return SHV_OK;
+}
+
+static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
+{
+    for (int32_t i = 0; i < verifier->item->quantities.count; i++) {
+        ShvVerifyRow row;
+        ShvError why;
+        const ShvStatus status = measure(verifier, i, last, &row, &why);
+        if (verifier->series.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
+        if (status == SHV_OK)
+            SHV_TRY(shv_verify_append(verifier, &row, error));
+        else
+            SHV_TRY(shv_verify_fail(verifier, ((const ShvCaseQuantity *)verifier->item->quantities.data)[i].name, &why,
+                                    error));
+    }
+    return SHV_OK;
+}
+
+/* ---- order of convergence ---- */
+
+/* Slope of log|error| over log step through all runs, least squares; NaN with fewer than two. */
+static double observed_order(const Verifier *verifier, int32_t index)
+{
+    double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (int32_t i = 0; i < verifier->run_count; i++) {
+        const KeptRun *run = &verifier->runs[i];
+        const double step = log(run->steps[index]);
+        const double error = log(fabs(run->values[index] / run->references[index] - 1.0));
+        if (!isfinite(step) || !isfinite(error)) continue;
+        count += 1.0;
+        x += step;
+        y += error;
+        xx += step * step;
+        xy += step * error;
+    }
+    const double spread = count * xx - x * x;
+    return count > 1.0 && spread > 0.0 ? (count * xy - x * y) / spread : (double)NAN;
+}
+
+/* Judged when all runs of the case were made. */
+static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *error)
+{
+    const ShvCaseQuantity *quantities = verifier->item->quantities.data;
+    for (int32_t i = 0; i < verifier->item->quantities.count; i++) {
+        const ShvCaseQuantity *quantity = &quantities[i];
+        if (isnan(quantity->order) || verifier->run_count < 2) continue;
+        const KeptRun all = {.title = "all runs", .seconds = (double)NAN};
+        ShvVerifyRow row = start_row(verifier, &all, quantity);
+        static const char what[] = ": observed order";
+        char *name = shv_pool_take(&verifier->made->texts, strlen(quantity->name) + sizeof what, 1);
+        if (!name) return shv_fail_memory(error, "rows", 0);
+        strcat(strcpy(name, quantity->name), what);
+        row.quantity = name;
+        row.unit = "";
+        row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
+        row.value = observed_order(verifier, i);
+        row.reference = quantity->order;
+        row.absolute = true;
+        row.error = row.value - row.reference;
+        row.tolerance = quantity->order_tolerance;
+        shv_verify_judge(&row, quantity->explained);
+        SHV_TRY(shv_verify_append(verifier, &row, error));
+    }
+    return SHV_OK;
+}
+
+/* ---- runs ---- */
+
+/* All faults of a scene in one message. */
+static void join_faults(const ShvDiagnostics *diagnostics, ShvError *error)
+{
+    char text[sizeof error->message] = "";
+    size_t length = 0;
+    const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
+    for (int32_t i = 0; i < count && length + 1 < sizeof text; i++)
+        length += (size_t)shv_format(text + length, sizeof text - length, "%s%s", i ? " " : "",
+                                     shv_diagnostics_get(diagnostics, i)->message);
+    if (count > 0) memcpy(error->message, text, sizeof text);
+}
+
+static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
+{
+    const char *overrides[MOST_OVERRIDES], *at = run ? run->set : NULL;
+    char *path = verifier->scene_path;
+    int32_t count = 0;
+    for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
+        if (count == MOST_OVERRIDES)
+            return shv_fail(error, SHV_BAD_INPUT, "'set' has more than %d lines", (int)MOST_OVERRIDES);
+        overrides[count++] = line;
+    }
+    if (verifier->work.failed) return shv_fail_memory(error, "overrides", 0);
+    ShvMemory *memory = verifier->options->memory;
+    if (run && run->scene) SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene, &path, error));
+    ShvDiagnostics *diagnostics = NULL;
+    const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, &diagnostics, error);
+    if (status == SHV_BAD_INPUT && run && run->expect) join_faults(diagnostics, error);
+    shv_diagnostics_destroy(diagnostics);
+    if (path != verifier->scene_path) shv_release(path);
+    return status;
+}
+
+/* Variables of the run, of the case; then what is expected and what is compared. */
+static ShvStatus evaluate(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
+{
+    ShvError why;
+    ShvStatus status = define_all(verifier, run ? run->let : NULL, &why);
+    if (status == SHV_OK) status = define_all(verifier, verifier->item->let, &why);
+    if (status == SHV_NO_MEMORY || verifier->series.failed) return shv_fail_memory(error, "variables", 0);
+    if (status != SHV_OK) return shv_verify_fail(verifier, "variables", &why, error);
+    if (run && run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
+    return measure_all(verifier, last, error);
+}
+
+static ShvStatus judge_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
+{
+    const ShvOutcome *outcome = &verifier->now->outcome;
+    if (outcome->status == SHV_OK) return evaluate(verifier, run, last, error);
+    if (run && run->expect) return shv_verify_expect(verifier, run, error);
+    ShvError why;
+    shv_fail(&why, outcome->status, "%s", outcome->message);
+    return shv_verify_fail(verifier, "the run", &why, error);
+}
+
+static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *error)
+{
+    const ShvVerifyOptions *options = verifier->options;
+    const ShvRunOrder order = {.scene = shv_scene_definition(scene),
+                               .folder = shv_scene_folder(scene),
+                               .memory = options->memory,
+                               .multiple = (double)NAN,
+                               .repeats = 1,
+                               .stop = options->stop,
+                               .stop_data = options->stop_data};
+    KeptRun *now = verifier->now;
+    const ShvStatus status = shv_run_scene(&now->outcome, &order, error);
+    const double seconds = shv_outcome_number(&now->outcome, "run.seconds");
+    now->seconds = shv_outcome_number(&now->outcome, "run.setup") + (isnan(seconds) ? 0.0 : seconds);
+    verifier->made->view.seconds += now->seconds;
+    return status;
+}
+
+static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
+{
+    const size_t quantities = (size_t)verifier->item->quantities.count;
+    const size_t lines = (size_t)count_lines(run ? run->let : NULL) + (size_t)count_lines(verifier->item->let);
+    KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
+    now->named.name = now->title = run ? run->head.name : "";
+    if (run && run->title) now->title = run->title;
+    now->outcome = (ShvOutcome){.memory = verifier->options->memory};
+    now->named.outcome = &now->outcome;
+    now->named.variables = shv_pool_take(&verifier->work, lines, sizeof *now->named.variables);
+    now->values = shv_pool_take(&verifier->work, 3 * quantities, sizeof *now->values);
+    if (!now->named.variables || !now->values) return shv_fail_memory(error, "a run", quantities * 24);
+    now->references = now->values + quantities;
+    now->steps = now->references + quantities;
+    for (size_t i = 0; i < 3 * quantities; i++) now->values[i] = (double)NAN;
+    return SHV_OK;
+}
+
+/* A scene that is refused is a finding where something is expected of the run, else a fault of the case. */
+static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
+{
+    ShvScene *scene = NULL;
+    SHV_TRY(start_run(verifier, run, error));
+    ShvStatus status = load_scene(verifier, run, &scene, error);
+    if (status == SHV_BAD_INPUT && run && run->expect) {
+        verifier->now->outcome.status = status;
+        memcpy(verifier->now->outcome.message, error->message, sizeof error->message);
+        status = SHV_OK;
+    } else if (status == SHV_OK) {
+        status = simulate(verifier, scene, error);
+    }
+    verifier->names = (ShvNames){.pool = &verifier->series, .run = &verifier->now->named};
+    verifier->names.others = verifier->named;
+    verifier->names.other_count = verifier->run_count - 1;
+    if (status == SHV_OK) status = judge_run(verifier, run, last, error);
+    verifier->named[verifier->run_count - 1] = verifier->now->named;
+    shv_scene_destroy(scene);
+    return status;
+}
+
+static ShvStatus make_runs(Verifier *verifier, ShvError *error)
+{
+    const ShvCaseRun *runs = verifier->item->runs.data;
+    const int32_t count = verifier->item->runs.count;
+    int32_t last = -1, made = 0;
+    for (int32_t i = 0; i < count; i++)
+        if (verifier->options->full || !runs[i].full) last = i;
+    verifier->runs = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->runs);
+    verifier->named = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->named);
+    if (!verifier->runs || !verifier->named)
+        return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
+    if (count == 0) return make_run(verifier, NULL, true, error);
+    if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
+    for (int32_t i = 0; i < count; i++) {
+        if (!verifier->options->full && runs[i].full) continue;
+        SHV_TRY(make_run(verifier, &runs[i], i == last, error));
+        made++;
+    }
+    return append_orders(verifier, made == count, error);
+}
+
+/* ---- the case ---- */
+
+/* "rod" of "a/rod.case.yaml". */
+static const char *case_name(ShvPool *pool, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    const char *dot = strchr(name, '.');
+    return shv_pool_text(pool, name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
+}
+
+static ShvStatus report_faults(const ShvDiagnostics *diagnostics, ShvError *error)
+{
+    for (int32_t i = 0; i < shv_diagnostics_count(diagnostics); i++) {
+        const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, i);
+        if (first->severity == SHV_SEVERITY_ERROR) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
+    }
+    return shv_fail_memory(error, "a verification case", 0);
+}
+
+static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, ShvPool *texts,
+                           ShvDiagnostics **diagnostics, ShvError *error)
+{
+    char *text = NULL;
+    size_t length = 0;
+    SHV_TRY(shv_read_file(work->memory, SHV_PART_SCENE, path, LARGEST_CASE, &text, &length, error));
+    *diagnostics = shv_diagnostics_create(work->memory, path, NULL, 0);
+    if (*diagnostics) *item = shv_case_read(text, length, work, texts, *diagnostics);
+    shv_release(text);
+    if (!*diagnostics || work->failed || texts->failed) return shv_fail_memory(error, "a verification case", length);
+    if (*item) return SHV_OK;
+    shv_diagnostics_sort(*diagnostics);
+    return report_faults(*diagnostics, error);
+}
+
+static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
+{
+    ShvVerification *made = verifier->made;
+    SHV_TRY(read_case(&verifier->item, path, &verifier->work, &made->texts, diagnostics, error));
+    made->view.name = case_name(&made->texts, path);
+    made->view.title = verifier->item->title;
+    made->view.scene = verifier->item->scene;
+    made->view.source = verifier->item->source;
+    made->view.remark = verifier->item->remark ? verifier->item->remark : "";
+    if (!made->view.name) return shv_fail_memory(error, "a name", strlen(path));
+    SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &verifier->folder, error));
+    SHV_TRY(shv_path_join(made->memory, SHV_PART_SCENE, verifier->folder, verifier->item->scene, &verifier->scene_path,
+                          error));
+    const ShvStatus status = make_runs(verifier, error);
+    return status == SHV_OK ? SHV_OK : shv_fail_within(error, status, "case %s", made->view.name);
+}
+
+ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const ShvVerifyOptions *options,
+                         ShvDiagnostics **diagnostics, ShvError *error)
+{
+    const ShvVerifyOptions defaults = shv_verify_default();
+    ShvDiagnostics *list = NULL;
+    *verification = NULL;
+    if (diagnostics) *diagnostics = NULL;
+    if (!options) options = &defaults;
+    if (options->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_verify_default()");
+    ShvVerification *made = shv_allocate(options->memory, SHV_PART_RECORD, 1, sizeof *made);
+    if (!made) return shv_fail_memory(error, "a verification", sizeof *made);
+    made->memory = made->texts.memory = options->memory;
+    Verifier verifier = {.made = made, .options = options, .work = {.memory = options->memory}};
+    verifier.series.memory = options->memory;
+    const ShvStatus status = verify(&verifier, path, &list, error);
+    for (int32_t i = 0; i < verifier.run_count; i++) shv_outcome_release(&verifier.runs[i].outcome);
+    shv_pool_release(&verifier.series);
+    shv_pool_release(&verifier.work);
+    shv_release(verifier.folder);
+    shv_release(verifier.scene_path);
+    if (diagnostics)
+        *diagnostics = list;
+    else
+        shv_diagnostics_destroy(list);
+    if (status == SHV_OK)
+        *verification = made;
+    else
+        shv_verify_destroy(made);
+    return status;
+}
+
+void shv_verify_destroy(ShvVerification *verification)
+{
+    if (!verification) return;
+    shv_pool_release(&verification->texts);
+    shv_release(verification->rows);
+    shv_release(verification);
+}
+
+const ShvVerifyCase *shv_verification_case(const ShvVerification *verification)
+{
+    return &verification->view;
+}
+
+ShvStatus shv_verify_in_short_set(const char *path, bool *in_short, ShvDiagnostics **diagnostics, ShvError *error)
+{
+    ShvPool work = {.memory = NULL}, texts = {.memory = NULL};
+    ShvCaseItem *item = NULL;
+    ShvDiagnostics *list = NULL;
+    const ShvStatus status = read_case(&item, path, &work, &texts, &list, error);
+    if (status == SHV_OK) *in_short = item->in_short;
+    shv_pool_release(&work);
+    shv_pool_release(&texts);
+    if (diagnostics)
+        *diagnostics = list;
+    else
+        shv_diagnostics_destroy(list);
+    return status;
+}

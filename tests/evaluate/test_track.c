@@ -1,0 +1,104 @@
+/* Impacts, apices, flips and gains read from tracks that were made from exact motions. */
+#include "check.h"
+
+#include "evaluate/free_top.h"
+#include "evaluate/laws.h"
+#include "evaluate/track.h"
+
+static const ShvVec3 up = {0.0, 0.0, 1.0};
+static const ShvVec3 gravity = {0.0, 0.0, -9.81};
+
+static void add(ShvTrack *track, const ShvTrackRow *row)
+{
+    ShvError error;
+    check_ok(shv_track_add(track, NULL, row, &error), error);
+}
+
+static void test_impacts(void **state)
+{
+    (void)state;
+    enum { FRAMES = 241, MOST = 8 };
+    ShvTrack track = {NULL, 0, 0};
+    /* The state bounces with 0.8; the reference with 0.5 and lies still at the end. */
+    for (int i = 0; i < FRAMES; i++) {
+        const ShvLineMotion own = shv_law_bounce(1.0, 0.0, 9.81, 0.8, 0.01 * i);
+        const ShvLineMotion other = shv_law_bounce(1.0, 0.0, 9.81, 0.5, 0.01 * i);
+        const ShvTrackRow row = {
+            .time = 0.01 * i,
+            .state = {.position = {3.0, 0.0, 2.0 + own.position}, .velocity = {0, 0, own.velocity}},
+            .reference = {.position = {0, 0, other.position}, .velocity = {0, 0, other.velocity}}};
+        add(&track, &row);
+    }
+    double times[MOST], heights[MOST], fall = sqrt(2.0 / 9.81), time = fall;
+    assert_int_equal(shv_track_impacts(&track, false, up, gravity, times, MOST), 4);
+    /* Rounding errors of positions of a few metres over speeds of a few m/s. */
+    for (int n = 0; n < 4; n++, time += 2.0 * fall * pow(0.8, n)) check_near(times[n], time, 1e-14);
+    assert_int_equal(shv_track_impacts(&track, false, up, gravity, times, 2), 2);
+    assert_int_equal(shv_track_apices(&track, false, up, gravity, heights, MOST), 3);
+    for (int n = 0; n < 3; n++) check_near(heights[n], pow(0.8, 2 * n + 2), 1e-14);
+    /* Hops with 0.5 last 0.4515 s × 0.5ⁿ⁻¹; those of less than thrice gravity's share of a frame are no impacts. */
+    const int count = shv_track_impacts(&track, true, up, gravity, times, MOST);
+    assert_in_range(count, 4, 7);
+    check_near(times[1], 2.0 * fall, 1e-14);
+    shv_track_release(&track);
+}
+
+/* What falls freely, slides down or rests hits nothing. */
+static void test_no_impact(void **state)
+{
+    (void)state;
+    double times[4];
+    for (int kind = 0; kind < 3; kind++) {
+        ShvTrack track = {NULL, 0, 0};
+        const double a = kind == 0 ? -9.81 : kind == 1 ? -2.0 : 0.0;
+        for (int i = 0; i < 100; i++) {
+            const double t = 0.01 * i;
+            const ShvTrackRow row = {.time = t,
+                                     .state = {.position = {0, 0, 0.5 * a * t * t}, .velocity = {0, 0, a * t}}};
+            add(&track, &row);
+        }
+        assert_int_equal(shv_track_impacts(&track, false, up, gravity, times, 4), 0);
+        assert_int_equal(shv_track_apices(&track, false, up, gravity, times, 4), 0);
+        shv_track_release(&track);
+    }
+}
+
+static void test_flips(void **state)
+{
+    (void)state;
+    const ShvMat3 inertia = {{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
+    ShvFreeTop top = shv_free_top(&inertia, shv_quat_identity(), shv_vec3(0.01, 1.0, 0.01));
+    ShvTrack track = {NULL, 0, 0};
+    for (int i = 0; i <= 5500; i++) {
+        ShvTrackRow row = {.time = 0.01 * i};
+        shv_free_top_at(&top, row.time, &row.state.orientation, &row.state.angular_velocity);
+        add(&track, &row);
+    }
+    static const double published[] = {10.917, 30.470, 50.023};
+    double times[8];
+    assert_int_equal(shv_track_flips(&track, false, &inertia, times, 8), 3);
+    for (int n = 0; n < 3; n++) check_near(times[n], published[n], 5e-4);
+    shv_track_release(&track);
+}
+
+static void test_gain(void **state)
+{
+    (void)state;
+    static const double energies[] = {5.0, 4.0, 4.5, 3.0, 3.9, 1.0};
+    ShvTrack track = {NULL, 0, 0};
+    assert_true(shv_track_gain(&track) == 0.0);
+    for (int i = 0; i < 6; i++) add(&track, &(ShvTrackRow){.energy = energies[i]});
+    check_near(shv_track_gain(&track), 0.9, 1e-15);
+    shv_track_release(&track);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_impacts),
+        cmocka_unit_test(test_no_impact),
+        cmocka_unit_test(test_flips),
+        cmocka_unit_test(test_gain),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
