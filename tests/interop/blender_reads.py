@@ -12,20 +12,17 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import tables
 
 folder = os.path.abspath(sys.argv[sys.argv.index("--") + 1])
-judge = tables.frames(folder)
-family = tables.genealogy(folder)
-shapes = tables.shapes(folder)
-times = sorted(judge)
+judge = tables.Judge(folder)
 RATE = 500  # frames a second, as in scene.yaml: frames are whole numbers
 NEAR = 2e-6  # m: floats, interpolated at float times
+ROUND = 1e-4  # m: a ball of triangles is no ball
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.fps = RATE
 bpy.ops.import_scene.gltf(filepath=f"{folder}/run.glb")
 bodies = {o.name: o for o in bpy.data.objects}
 lines = {name: o for name, o in bodies.items() if name.startswith("line_")}
-parents = {int(row["parent"]) for row in family.values()}
-leaves = [i for i in family if i not in parents]
+obstacles = {o["obstacle"]: o for n, o in bodies.items() if n.startswith("obstacle_")}
 
 
 def check(condition, message):
@@ -34,23 +31,26 @@ def check(condition, message):
         sys.exit(1)
 
 
-check(len(lines) == len(leaves), f"{len(lines)} lines for {len(leaves)} last pieces")
-check(sorted(o["obstacle"] for n, o in bodies.items() if n.startswith("obstacle_")) == ["ball", "floor", "step"], "other obstacles")
-for time in (times[0], times[len(times) // 2], times[-1]):
-    frame = time * RATE
-    bpy.context.scene.frame_set(int(frame + 1e-6), subframe=0.0)
-    for leaf in leaves:
-        node = lines[f"line_{family[leaf]['line']}"]
-        check(node["fragment"] == leaf, f"{node.name} ends with {node['fragment']}, not {leaf}")
-        place, turn = tables.body(folder, judge[time], leaf, family)
-        matrix = node.matrix_world
-        seen = matrix.to_translation()
-        check(max(abs(a - b) for a, b in zip(seen, place)) < NEAR, f"{node.name} is at {tuple(seen)}, not {place}, at {time}")
-        # The importer turns shapes from y up to z up, so its nodes have other axes: corners tell what they do.
-        corners = [matrix @ vertex.co for vertex in node.data.vertices]
-        wanted = [[p + c for p, c in zip(place, tables.rotate(turn, corner))] for corner in shapes[f"line_{family[leaf]['line']}"]]
-        for k in range(3):
-            for side in (min, max):
-                a, b = side(c[k] for c in corners), side(c[k] for c in wanted)
-                check(abs(a - b) < NEAR, f"{node.name} reaches to {a}, not {b}, at {time}")
-print(f"as in the run file: {len(lines)} lines at three frames, 3 obstacles")
+def corners(node):
+    """In the world: the importer turns shapes from y up to z up, so its nodes have other axes."""
+    return [node.matrix_world @ vertex.co for vertex in node.data.vertices]
+
+
+check(set(lines) == set(judge.leaves), f"{len(lines)} lines for {len(judge.leaves)} last pieces")
+check(sorted(obstacles) == sorted(o["name"] for o in judge.obstacles), "other obstacles")
+for frame in judge.three:
+    time = judge.times[frame]
+    bpy.context.scene.frame_set(int(time * RATE + 1e-6), subframe=0.0)
+    for name, leaf in judge.leaves.items():
+        node = lines[name]
+        check(node["fragment"] == leaf, f"{name} ends with {node['fragment']}, not {leaf}")
+        there, place = tuple(node.matrix_world.to_translation()), judge.body(leaf, frame)[0]
+        check(tables.apart(there, place) < NEAR, f"{name} is at {there}, not {place}, at {time}")
+        seen, wanted = tables.reach(corners(node)), tables.reach(judge.moved(name, frame))
+        check(tables.apart(seen, wanted) < NEAR, f"{name} reaches to {seen}, not {wanted}, at {time}")
+    for number, obstacle in enumerate(judge.obstacles):
+        node, place = obstacles[obstacle["name"]], judge.obstacle_poses[frame][number][0]
+        there, wanted = tuple(node.matrix_world.to_translation()), judge.obstacle_reach(number, frame)
+        check(tables.apart(there, place) < NEAR, f"{node.name} is at {there}, not {place}, at {time}")
+        check(wanted is None or tables.apart(tables.reach(corners(node)), wanted) < ROUND, f"{node.name} has another size at {time}")
+print(f"as in the run file: {len(lines)} lines at three frames, {len(obstacles)} obstacles")

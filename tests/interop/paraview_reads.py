@@ -9,10 +9,10 @@ from paraview import servermanager
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 folder = os.path.abspath(sys.argv[1])
-judge = tables.frames(folder)
-family = tables.genealogy(folder)
-times = sorted(judge)
+judge = tables.Judge(folder)
+times = judge.times
 NEAR = 1e-6  # m: floats of numbers up to 1
+ROUND = 1e-4  # m: a ball of triangles is no ball
 
 
 def blocks(data):
@@ -47,26 +47,41 @@ points = OpenDataFile(f"{folder}/run_fragments.xmf")
 obstacles = OpenDataFile(f"{folder}/run_obstacles.xmf")
 for source, name in ((collection, "run.pvd"), (mesh, "run_mesh.xmf"), (points, "run_fragments.xmf"), (obstacles, "run_obstacles.xmf")):
     check_times(source, name)
-for time in (times[0], times[len(times) // 2], times[-1]):
-    pieces = judge[time]
+def check_tets(grid, field, frame, name):
+    """All tets, each with its fragment and the places of its corners; in the run file's order."""
+    holders = vtk_to_numpy(grid.GetCellData().GetArray(field))
+    check((holders == judge.holders[frame]).all(), f"{name} has tets in other pieces in frame {frame}")
+    places, tets = vtk_to_numpy(grid.GetPoints().GetData()), vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    far = abs(places[tets].reshape(-1, 12) - judge.corners[frame]).max()
+    check(far < NEAR, f"{name} has corners that are {far} m off in frame {frame}")
+
+
+def check_obstacles(grid, frame, name):
+    numbers = vtk_to_numpy(grid.GetCellData().GetArray("obstacle"))
+    check(set(numbers) == set(range(len(judge.obstacles))), f"{name} has the obstacles {set(numbers)}")
+    cells = grid.GetPolys() if grid.IsA("vtkPolyData") else grid.GetCells()
+    places, triangles = vtk_to_numpy(grid.GetPoints().GetData()), vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, 3)
+    for number in set(numbers):
+        wanted = judge.obstacle_reach(number, frame)
+        seen = tables.reach(places[triangles[numbers == number].ravel()].tolist())
+        check(wanted is None or tables.apart(seen, wanted) < ROUND, f"{name}: obstacle {number} reaches to {seen}, not {wanted}, in frame {frame}")
+
+
+for frame in judge.three:
+    time, pieces = times[frame], judge.pieces[frame]
     tets, triangles = at(collection, time)
-    for grid, name in ((tets, "run.pvd"), (at(mesh, time)[0], "run_mesh.xmf")):
-        piece = vtk_to_numpy(grid.GetCellData().GetArray("piece" if name == "run.pvd" else "fragment"))
-        check(set(piece) == set(pieces), f"{name} has the pieces {set(piece)} at {time}")
-        for i in pieces:
-            check(sum(piece == i) == int(family[i]["tets"]), f"{name} has {sum(piece == i)} tets in piece {i} at {time}")
+    check_tets(tets, "piece", frame, "run.pvd")
+    check_tets(at(mesh, time)[0], "fragment", frame, "run_mesh.xmf")
     stress = vtk_to_numpy(tets.GetCellData().GetArray("stress"))
-    check(abs(stress).max() < 1e9 and abs(stress).max() > 1 or time == times[0], "run.pvd has no stress")
+    check(abs(stress).max() < 1e9 and abs(stress).max() > 1 or frame == 0, "run.pvd has no stress")
     damage = vtk_to_numpy(tets.GetCellData().GetArray("damage"))
     check(0 <= damage.min() and damage.max() <= 1, "run.pvd has wrong damage")
     cloud = at(points, time)[0]
     ids = vtk_to_numpy(cloud.GetPointData().GetArray("fragment"))
-    where = vtk_to_numpy(cloud.GetPoints().GetData())
-    check(len(ids) == len(pieces), f"run_fragments.xmf has {len(ids)} pieces")
-    for i, place in zip(ids, where):
-        check(max(abs(a - b) for a, b in zip(place, pieces[i][0])) < NEAR, f"piece {i} is at {place}")
-    box = at(obstacles, time)[0]
-    kinds = vtk_to_numpy(box.GetCellData().GetArray("obstacle"))
-    check(set(kinds) == {0, 1, 2}, f"run_obstacles.xmf has the obstacles {set(kinds)}")
-    check(triangles.GetNumberOfCells() == len(kinds), "run.pvd has other obstacles")
-print(f"as in the run file: {len(times)} times, {len(judge[times[-1]])} pieces, 3 obstacles in 4 files")
+    turns = vtk_to_numpy(cloud.GetPointData().GetArray("orientation_wxyz"))
+    check(sorted(ids) == sorted(pieces), f"run_fragments.xmf has {len(ids)} pieces")
+    for i, place, turn in zip(ids, vtk_to_numpy(cloud.GetPoints().GetData()), turns):
+        check(tables.apart(place, pieces[i][0]) < NEAR and tables.apart(turn, pieces[i][1]) < NEAR, f"piece {i} is at {place}, turned by {turn}")
+    check_obstacles(triangles, frame, "run.pvd")
+    check_obstacles(at(obstacles, time)[0], frame, "run_obstacles.xmf")
+print(f"as in the run file: {len(times)} times, {len(judge.pieces[-1])} pieces, {len(judge.obstacles)} obstacles in 4 files")
