@@ -70,8 +70,9 @@ typedef enum ShvMeshKind {
 } ShvMeshKind;
 
 typedef enum ShvMeshPattern {
-    SHV_PATTERN_LATTICE, /* body-centred lattice: tets all alike, cells halved towards the notch */
-    SHV_PATTERN_BRICKS   /* five tets a brick, bricks thinned along x towards the notch: fewer tets a node */
+    SHV_PATTERN_LATTICE,     /* body-centred lattice: tets all alike, cells halved towards the notch */
+    SHV_PATTERN_BRICKS,      /* five tets a brick, bricks thinned along x towards the notch: fewer tets a node */
+    SHV_PATTERN_UNSTRUCTURED /* no order, and at least two layers; not for notched beams */
 } ShvMeshPattern;
 
 typedef struct ShvMeshDefinition {
@@ -86,7 +87,7 @@ typedef struct ShvMeshDefinition {
     double notch_offset;    /* notched beam: along x from midspan, m */
     double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
     double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
-    ShvMeshPattern pattern; /* notched beam */
+    ShvMeshPattern pattern; /* box, ball, cylinder, notched beam */
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
     uint64_t seed;    /* of the jitter */

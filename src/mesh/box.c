@@ -2,6 +2,7 @@
 #include "mesh/generate.h"
 #include "mesh/lattice.h"
 #include "mesh/parameters.h"
+#include "mesh/unstructured.h"
 
 /* Mean length of the six edges of every tet of a uniform lattice, over the cell length: a face inside carries four
    tets of two long (1) and four short (√¾) edges; one on the surface two tets of 2 sides, the diagonal √2 and 3 short. */
@@ -15,6 +16,24 @@ static double mean_edge(const int32_t n[3])
     return length / (6.0 * (4.0 * inside + 2.0 * surface));
 }
 
+/* Half as many edges again as a body needs for two layers of tets: nodes inside have room for disorder. */
+static const double least_edges = 1.7;
+
+/* A flat box is filled as if it were thicker: the edges asked for are those along it. */
+static ShvStatus disordered_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error)
+{
+    const double edge = definition->edge;
+    ShvOutline outline = {.profile = NULL};
+    double stretch[3], tets = 6.0 * sqrt(2.0);
+    for (int axis = 0; axis < 3; axis++) {
+        stretch[axis] = fmax(1.0, least_edges * edge / definition->size[axis]);
+        outline.half[axis] = 0.5 * definition->size[axis] * stretch[axis];
+        tets *= 2.0 * outline.half[axis] / edge;
+    }
+    SHV_TRY(shv_require_count(tets, edge, "box", error));
+    return shv_mesh_unstructured(mesh, memory, &outline, shv_load3(stretch), edge, definition->seed, error);
+}
+
 ShvStatus shv_mesh_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error)
 {
     static const char *const names[3] = {"size along x", "size along y", "size along z"};
@@ -25,6 +44,7 @@ ShvStatus shv_mesh_box(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition
         thinnest = fmin(thinnest, definition->size[axis]);
     }
     SHV_TRY(shv_require_edge(definition->edge, thinnest, "box", "thinnest side", error));
+    if (definition->pattern == SHV_PATTERN_UNSTRUCTURED) return disordered_box(mesh, memory, definition, error);
     if (definition->pattern == SHV_PATTERN_BRICKS) return shv_mesh_brick_box(mesh, memory, definition, error);
     /* A thin box has many surface tets with long diagonals: the cell length is corrected for them once. */
     ShvLattice lattice = shv_lattice_box(definition->size, definition->edge / SHV_LATTICE_EDGE);

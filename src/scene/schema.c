@@ -196,13 +196,17 @@ static const ShvTable material_table = {.name = "materials.<name>",
 
 static const ShvChoice pattern_choices[] = {
     {"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
+static const ShvChoice box_pattern_choices[] = {{"lattice", SHV_PATTERN_LATTICE},
+                                                {"bricks", SHV_PATTERN_BRICKS},
+                                                {"unstructured", SHV_PATTERN_UNSTRUCTURED},
+                                                {NULL, 0}};
 static const ShvKey box_keys[] = {
     SIZE_KEY("Edge lengths along x, y and z."),
     EDGE_KEY,
-    {"pattern", SHV_KEY_CHOICE, .choices = pattern_choices, .offset = MESH(pattern),
+    {"pattern", SHV_KEY_CHOICE, .choices = box_pattern_choices, .offset = MESH(pattern),
      .sentence =
          "Tetrahedra of a body-centred lattice, or five in each brick of a grid, which have facets in planes across "
-         "every axis."}};
+         "every axis, or tetrahedra in no order, made for `seed`, with at least two layers: nothing steers cracks."}};
 MESH_TABLE(box, "A box, centred on its origin.");
 static const ShvKey ball_keys[] = {RADIUS_KEY("Radius."), EDGE_KEY};
 MESH_TABLE(ball, "A solid ball, centred on its origin.");
@@ -281,7 +285,7 @@ static const ShvKey mesh_keys[] = {
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
          "steer cracks. Surface nodes stay on the surface."},
-    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter."},
+    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter, and of an unstructured mesh."},
 };
 static const ShvTable mesh_table = {.name = "objects.<name>.mesh",
                                     .sentence =
