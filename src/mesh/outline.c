@@ -101,7 +101,8 @@ double shv_outline_depth(const ShvOutline *outline, ShvVec3 x)
         const double r = sqrt(x.x * x.x + x.y * x.y), distance = nearest(outline, r, x.z, found);
         return is_inside(outline, r, x.z) ? distance : -distance;
     }
-    return fmin(outline->half[0] - fabs(x.x), fmin(outline->half[1] - fabs(x.y), outline->half[2] - fabs(x.z)));
+    const double plane = fmin(outline->half[0] - fabs(x.x), outline->half[1] - fabs(x.y));
+    return outline->half[2] > 0.0 ? fmin(plane, outline->half[2] - fabs(x.z)) : plane;
 }
 
 ShvVec3 shv_outline_keep(const ShvOutline *outline, uint8_t held, ShvVec3 old, ShvVec3 wanted)

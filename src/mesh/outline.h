@@ -9,7 +9,7 @@
 #include "base/vector.h"
 
 typedef struct ShvOutline {
-    double half[3];        /* of a box */
+    double half[3];        /* of a box; the third 0: a rectangle */
     const double *profile; /* turned: radius and height of each corner; the last joins the first. NULL: a box */
     int32_t count;         /* corners of the profile */
 } ShvOutline;

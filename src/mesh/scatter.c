@@ -129,7 +129,8 @@ static int32_t parts_of(double length, double edge)
 static ShvStatus add_box_edges(Throw *t, ShvError *error)
 {
     const double *half = t->outline->half;
-    for (int corner = 0; corner < 8; corner++)
+    const bool flat = !(half[2] > 0.0);
+    for (int corner = 0; corner < (flat ? 4 : 8); corner++)
         SHV_TRY(add(
             t,
             shv_vec3(corner & 1 ? half[0] : -half[0], corner & 2 ? half[1] : -half[1], corner & 4 ? half[2] : -half[2]),
@@ -137,7 +138,9 @@ static ShvStatus add_box_edges(Throw *t, ShvError *error)
     for (int edge = 0; edge < 12; edge++) {
         const int axis = edge / 4, second = (axis + 1) % 3, third = (axis + 2) % 3;
         const int32_t parts = parts_of(2.0 * half[axis], t->edge);
+        const bool above = (second == 2 && (edge & 1)) || (third == 2 && (edge & 2));
         double x[3];
+        if (flat && above) continue;
         x[second] = edge & 1 ? half[second] : -half[second];
         x[third] = edge & 2 ? half[third] : -half[third];
         for (int32_t i = 1; i < parts; i++) {
@@ -167,6 +170,7 @@ static ShvStatus add_rings(Throw *t, ShvError *error)
 static ShvStatus add_surface(Throw *t, ShvError *error)
 {
     const double width = t->grid.width, tries = darts * shv_outline_area(t->outline) / (width * width);
+    if (!t->outline->profile && !(t->outline->half[2] > 0.0)) return SHV_OK;
     for (int64_t i = 0; i < (int64_t)tries; i++) {
         uint8_t held;
         double draws[3];
@@ -182,7 +186,7 @@ static ShvStatus add_inside(Throw *t, ShvError *error)
     ShvVec3 middle;
     const ShvVec3 half = shv_outline_half(t->outline, &middle);
     const double width = t->grid.width, depth = depth_share * t->edge;
-    const double tries = darts * 8.0 * half.x * half.y * half.z / (width * width * width);
+    const double tries = darts * 8.0 * half.x * half.y * fmax(half.z, 0.5 * width) / (width * width * width);
     for (int64_t i = 0; i < (int64_t)tries; i++) {
         const double a = 2.0 * draw(t) - 1.0, b = 2.0 * draw(t) - 1.0, c = 2.0 * draw(t) - 1.0;
         const ShvVec3 x = shv_add(middle, shv_vec3(a * half.x, b * half.y, c * half.z));

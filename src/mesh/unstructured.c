@@ -3,26 +3,31 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "mesh/delaunay.h"
 #include "mesh/improve.h"
 #include "mesh/scatter.h"
 
-/* How often points are moved to the mean of their tets. */
+/* How often points are moved to the mean of their tets, or triangles. */
 enum { ROUNDS = 6 };
 /* Tets whose measure (improve.h) is this share of the edge and more are left alone: a regular tet has 0.41, those of the
    body-centred lattice have 0.35 to 0.39. */
 static const double wanted_share = 0.31;
+/* The same of a plate's layers, whose prisms cannot do better by much. */
+static const double wanted_layer_share = 0.52;
+/* Of a layer: how far the nodes between the layers of a plate lie off its middle at most. */
+static const double off_middle = 0.2;
 /* Tets on the surface of a turned body that are flatter than this share of the edge are left out. */
 static const double flat_share = 0.1;
 
 typedef struct Filling {
     ShvMemory *memory;
-    const ShvOutline *outline; /* stretched */
+    const ShvOutline *outline;
+    bool flat; /* points in a plane, and one above it: their tets are triangles with it */
     ShvScatter scatter;
     int32_t *grid; /* 3 a point, as delaunay.h wants them */
     double *sums;  /* 4 a point */
     ShvDelaunay delaunay;
-    ShvVec3 stretch;
     double edge;
 } Filling;
 
@@ -30,6 +35,8 @@ static ShvVec3 point(const Filling *f, int32_t i)
 {
     return shv_load3(f->scatter.positions + 3 * (int64_t)i);
 }
+
+/* ---- tets between the points ---- */
 
 /* Positions go to the nearest knot of a grid: what is in a plane of the body is so on the grid. */
 static void put_on_grid(Filling *f)
@@ -45,21 +52,56 @@ static void put_on_grid(Filling *f)
     }
 }
 
-static ShvVec3 middle_of(const Filling *f, const int32_t tet[4])
+/* A sphere through three points of a plane and one off it is empty where the circle through the three is: the tets stand on the
+   Delaunay triangles. The point above comes last in each of them. */
+static void put_apex_last(Filling *f)
 {
-    const ShvVec3 sum =
-        shv_add(shv_add(point(f, tet[0]), point(f, tet[1])), shv_add(point(f, tet[2]), point(f, tet[3])));
-    return shv_scale(sum, 0.25);
+    static const int even[4][4] = {{1, 3, 2, 0}, {0, 2, 3, 1}, {0, 3, 1, 2}, {0, 1, 2, 3}};
+    for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
+        int32_t *tet = f->delaunay.tets + 4 * (int64_t)t, old[4];
+        int apex = 0;
+        memcpy(old, tet, sizeof old);
+        while (old[apex] != f->scatter.count) apex++;
+        for (int i = 0; i < 4; i++) tet[i] = old[even[apex][i]];
+    }
 }
 
-/* Those of the convex hull whose middle is in the body. */
-static void drop_outer(Filling *f)
+/* Of a tet, or of its triangle. */
+static ShvVec3 middle_of(const Filling *f, const int32_t tet[4])
+{
+    const ShvVec3 three = shv_add(shv_add(point(f, tet[0]), point(f, tet[1])), point(f, tet[2]));
+    return f->flat ? shv_scale(three, 1.0 / 3.0) : shv_scale(shv_add(three, point(f, tet[3])), 0.25);
+}
+
+static double size_of(const Filling *f, const int32_t tet[4])
+{
+    const ShvVec3 o = point(f, tet[0]);
+    const ShvVec3 normal = shv_cross(shv_sub(point(f, tet[1]), o), shv_sub(point(f, tet[2]), o));
+    return fmax(0.0, f->flat ? normal.z : shv_dot(normal, shv_sub(point(f, tet[3]), o)));
+}
+
+/* Those of the convex hull whose middle is not in the body. */
+static bool is_outside(const Filling *f, const int32_t tet[4])
+{
+    return !(shv_outline_depth(f->outline, middle_of(f, tet)) > 0.0);
+}
+
+/* Four points of a curved surface may make a flat tet on it: without it the surface is as good. */
+static bool is_flat(const Filling *f, const int32_t tet[4])
+{
+    for (int i = 0; i < 4; i++)
+        if (f->scatter.held[tet[i]] == SHV_HELD_NOT) return false;
+    return shv_improve_measure(f->scatter.positions, tet) < flat_share * f->edge &&
+           shv_outline_depth(f->outline, middle_of(f, tet)) < flat_share * f->edge;
+}
+
+static void drop(Filling *f, bool (*unwanted)(const Filling *, const int32_t *))
 {
     int32_t kept = 0;
     if (!f->outline->profile) return;
     for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
         const int32_t *tet = f->delaunay.tets + 4 * (int64_t)t;
-        if (!(shv_outline_depth(f->outline, middle_of(f, tet)) > 0.0)) continue;
+        if (unwanted(f, tet)) continue;
         memmove(f->delaunay.tets + 4 * (int64_t)kept++, tet, 4 * sizeof *tet);
     }
     f->delaunay.tet_count = kept;
@@ -67,17 +109,14 @@ static void drop_outer(Filling *f)
 
 static ShvStatus join_points(Filling *f, ShvError *error)
 {
+    const int32_t count = f->scatter.count;
     put_on_grid(f);
+    for (int k = 0; f->flat && k < 3; k++) f->grid[3 * (int64_t)count + k] = k < 2 ? 0 : SHV_DELAUNAY_GRID - 1;
     shv_delaunay_release(&f->delaunay);
-    SHV_TRY(shv_delaunay_make(&f->delaunay, f->memory, f->grid, f->scatter.count, error));
-    drop_outer(f);
+    SHV_TRY(shv_delaunay_make(&f->delaunay, f->memory, f->grid, f->flat ? count + 1 : count, error));
+    if (f->flat) put_apex_last(f);
+    drop(f, is_outside);
     return SHV_OK;
-}
-
-static double volume_of(const Filling *f, const int32_t tet[4])
-{
-    const ShvVec3 o = point(f, tet[0]), a = shv_sub(point(f, tet[1]), o), b = shv_sub(point(f, tet[2]), o);
-    return fmax(0.0, shv_dot(shv_cross(a, b), shv_sub(point(f, tet[3]), o)));
 }
 
 static void relax(Filling *f)
@@ -85,12 +124,12 @@ static void relax(Filling *f)
     memset(f->sums, 0, 4 * (size_t)f->scatter.count * sizeof *f->sums);
     for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
         const int32_t *tet = f->delaunay.tets + 4 * (int64_t)t;
-        const double volume = volume_of(f, tet);
-        const ShvVec3 part = shv_scale(middle_of(f, tet), volume);
-        for (int i = 0; i < 4; i++) {
+        const double size = size_of(f, tet);
+        const ShvVec3 part = shv_scale(middle_of(f, tet), size);
+        for (int i = 0; i < (f->flat ? 3 : 4); i++) {
             double *sum = f->sums + 4 * (int64_t)tet[i];
             shv_add_to3(sum, part);
-            sum[3] += volume;
+            sum[3] += size;
         }
     }
     for (int32_t i = 0; i < f->scatter.count; i++) {
@@ -102,31 +141,10 @@ static void relax(Filling *f)
     }
 }
 
-/* ---- the surface of a turned body ---- */
-
-/* Four points of a curved surface may make a flat tet on it: without it the surface is as good. */
-static void peel(Filling *f)
-{
-    int32_t kept = 0;
-    if (!f->outline->profile) return;
-    for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
-        const int32_t *tet = f->delaunay.tets + 4 * (int64_t)t;
-        bool outside = true;
-        for (int i = 0; i < 4; i++) outside = outside && f->scatter.held[tet[i]] != SHV_HELD_NOT;
-        if (outside && shv_improve_measure(f->scatter.positions, tet) < flat_share * f->edge &&
-            shv_outline_depth(f->outline, middle_of(f, tet)) < flat_share * f->edge)
-            continue;
-        memmove(f->delaunay.tets + 4 * (int64_t)kept++, tet, 4 * sizeof *tet);
-    }
-    f->delaunay.tet_count = kept;
-}
-
-/* ---- all ---- */
-
 static ShvStatus fill(Filling *f, uint64_t seed, ShvError *error)
 {
     SHV_TRY(shv_scatter_make(&f->scatter, f->memory, f->outline, f->edge, seed, error));
-    const size_t count = (size_t)f->scatter.count;
+    const size_t count = (size_t)f->scatter.count + 1;
     f->grid = shv_allocate(f->memory, SHV_PART_GENERAL, 3 * count, sizeof *f->grid);
     f->sums = shv_allocate(f->memory, SHV_PART_GENERAL, 4 * count, sizeof *f->sums);
     if (!f->grid || !f->sums) return shv_fail_memory(error, "points of a mesh", 44 * count);
@@ -135,17 +153,92 @@ static ShvStatus fill(Filling *f, uint64_t seed, ShvError *error)
         relax(f);
         SHV_TRY(join_points(f, error));
     }
-    peel(f);
+    drop(f, is_flat);
     return SHV_OK;
 }
 
-static ShvStatus better(Filling *f, uint64_t seed, ShvError *error)
+/* ---- a plate ---- */
+
+static bool comes_before(uint64_t seed, int32_t a, int32_t b)
 {
-    for (int32_t i = 0; i < f->scatter.count; i++) {
-        double *x = f->scatter.positions + 3 * (int64_t)i;
-        shv_store3(x, shv_vec3(x[0] / f->stretch.x, x[1] / f->stretch.y, x[2] / f->stretch.z));
+    const uint64_t x = shv_random_bits(seed, (uint64_t)a), y = shv_random_bits(seed, (uint64_t)b);
+    return x != y ? x < y : a < b;
+}
+
+/* Nodes of column i: i below, i + columns in the middle, i + 2 columns above. */
+static void raise_points(const Filling *f, ShvScatter *raised, double thickness, uint64_t seed)
+{
+    const int32_t columns = f->scatter.count;
+    raised->count = 3 * columns;
+    for (int32_t i = 0; i < raised->count; i++) {
+        const int32_t column = i % columns, level = i / columns;
+        ShvVec3 x = point(f, column);
+        const double off = off_middle * (2.0 * shv_random_uniform(seed + 1, (uint64_t)column) - 1.0);
+        x.z = 0.5 * thickness * (level - 1 + (level == 1 ? off : 0.0));
+        shv_store3(raised->positions + 3 * (int64_t)i, x);
+        raised->held[i] = (uint8_t)(f->scatter.held[column] | (level == 1 ? 0 : 4));
     }
-    const double flattest = fmax(f->stretch.x, fmax(f->stretch.y, f->stretch.z));
+}
+
+/* Each prism's columns in an order of chance: the tets climb from one to the next, in the upper layer the other way, and so the
+   diagonals of neighbours meet. */
+static void cut_prisms(const Filling *f, int32_t *tets, uint64_t seed)
+{
+    const int32_t columns = f->scatter.count;
+    for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
+        const int32_t *n = f->delaunay.tets + 4 * (int64_t)t;
+        const bool first = comes_before(seed, n[0], n[1]), second = comes_before(seed, n[1], n[2]),
+                   third = comes_before(seed, n[2], n[0]);
+        const int least = first && !third ? 0 : second && !first ? 1 : 2;
+        const int32_t p = n[least], one = n[(least + 1) % 3], two = n[(least + 2) % 3];
+        const bool turned = comes_before(seed, two, one);
+        const int32_t q = turned ? two : one, r = turned ? one : two;
+        for (int layer = 0; layer < 2; layer++) {
+            const int32_t low = (layer ? 2 : 0) * columns, high = columns;
+            const int32_t climb[3][4] = {{p + low, q + low, r + low, r + high},
+                                         {p + low, q + low, r + high, q + high},
+                                         {p + low, q + high, r + high, p + high}};
+            for (int k = 0; k < 3; k++) {
+                int32_t *tet = tets + 4 * (6 * (int64_t)t + 3 * layer + k);
+                memcpy(tet, climb[k], sizeof climb[k]);
+                if (turned == (layer == 0)) {
+                    tet[2] = climb[k][3];
+                    tet[3] = climb[k][2];
+                }
+            }
+        }
+    }
+}
+
+static ShvStatus raise_plate(Filling *f, double thickness, uint64_t seed, ShvError *error)
+{
+    const size_t nodes = 3 * (size_t)f->scatter.count, tets = 6 * (size_t)f->delaunay.tet_count;
+    ShvScatter raised = {.memory = f->memory};
+    raised.positions = shv_allocate(f->memory, SHV_PART_GENERAL, 3 * nodes, sizeof *raised.positions);
+    raised.held = shv_allocate(f->memory, SHV_PART_GENERAL, nodes, sizeof *raised.held);
+    int32_t *cut = shv_allocate(f->memory, SHV_PART_GENERAL, 4 * tets, sizeof *cut);
+    int32_t *grid = shv_allocate(f->memory, SHV_PART_GENERAL, nodes, sizeof *grid);
+    if (!raised.positions || !raised.held || !cut || !grid) {
+        shv_scatter_release(&raised);
+        shv_release(cut);
+        shv_release(grid);
+        return shv_fail_memory(error, "a plate", 29 * nodes + 16 * tets);
+    }
+    raise_points(f, &raised, thickness, seed);
+    cut_prisms(f, cut, seed);
+    shv_scatter_release(&f->scatter);
+    shv_delaunay_release(&f->delaunay);
+    shv_release(f->grid);
+    f->scatter = raised;
+    f->delaunay = (ShvDelaunay){(int32_t)tets, cut};
+    f->grid = grid;
+    return SHV_OK;
+}
+
+/* ---- all ---- */
+
+static ShvStatus better(Filling *f, double wanted, uint64_t seed, ShvError *error)
+{
     ShvImprove improve = {.memory = f->memory,
                           .outline = f->outline,
                           .held = f->scatter.held,
@@ -153,8 +246,8 @@ static ShvStatus better(Filling *f, uint64_t seed, ShvError *error)
                           .node_count = f->scatter.count,
                           .tet_count = f->delaunay.tet_count,
                           .tets = f->delaunay.tets,
-                          .wanted = wanted_share * f->edge / flattest,
-                          .seed = seed + 1};
+                          .wanted = wanted,
+                          .seed = seed + 2};
     const ShvStatus status = shv_improve(&improve, error);
     f->delaunay.tets = improve.tets;
     f->delaunay.tet_count = improve.tet_count;
@@ -176,17 +269,36 @@ static ShvStatus hand_over(const Filling *f, ShvMesh *mesh, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_mesh_unstructured(ShvMesh *mesh, ShvMemory *memory, const ShvOutline *outline, ShvVec3 stretch,
-                                double edge, uint64_t seed, ShvError *error)
+static void release(Filling *f)
+{
+    shv_scatter_release(&f->scatter);
+    shv_delaunay_release(&f->delaunay);
+    shv_release(f->grid);
+    shv_release(f->sums);
+}
+
+ShvStatus shv_mesh_unstructured(ShvMesh *mesh, ShvMemory *memory, const ShvOutline *outline, double edge, uint64_t seed,
+                                ShvError *error)
 {
     *mesh = (ShvMesh){0};
-    Filling f = {.memory = memory, .outline = outline, .stretch = stretch, .edge = edge};
+    Filling f = {.memory = memory, .outline = outline, .edge = edge};
     ShvStatus status = fill(&f, seed, error);
-    if (status == SHV_OK) status = better(&f, seed, error);
+    if (status == SHV_OK) status = better(&f, wanted_share * edge, seed, error);
     if (status == SHV_OK) status = hand_over(&f, mesh, error);
-    shv_scatter_release(&f.scatter);
-    shv_delaunay_release(&f.delaunay);
-    shv_release(f.grid);
-    shv_release(f.sums);
+    release(&f);
+    return status;
+}
+
+ShvStatus shv_mesh_plate(ShvMesh *mesh, ShvMemory *memory, const double size[3], double edge, uint64_t seed,
+                         ShvError *error)
+{
+    const ShvOutline outline = {.half = {0.5 * size[0], 0.5 * size[1]}};
+    *mesh = (ShvMesh){0};
+    Filling f = {.memory = memory, .outline = &outline, .flat = true, .edge = edge};
+    ShvStatus status = fill(&f, seed, error);
+    if (status == SHV_OK) status = raise_plate(&f, size[2], seed, error);
+    if (status == SHV_OK) status = better(&f, wanted_layer_share * 0.5 * size[2], seed, error);
+    if (status == SHV_OK) status = hand_over(&f, mesh, error);
+    release(&f);
     return status;
 }

@@ -7,9 +7,12 @@
 #include "mesh/mesh.h"
 #include "mesh/outline.h"
 
-/* `stretch`: along each axis, by how much lengths count more than they are: a flat body is filled in the shape in which its
-   tets are not flat; not for turned bodies. */
-ShvStatus shv_mesh_unstructured(ShvMesh *mesh, ShvMemory *memory, const ShvOutline *outline, ShvVec3 stretch,
-                                double edge, uint64_t seed, ShvError *error);
+ShvStatus shv_mesh_unstructured(ShvMesh *mesh, ShvMemory *memory, const ShvOutline *outline, double edge, uint64_t seed,
+                                ShvError *error);
+/* A plate in the plane z = 0, too thin for disorder: an unstructured triangulation of its rectangle, and two layers of
+   prisms of three tets each on it. Cracks can go straight through it, and the nodes between the layers lie at any height, so
+   that none can run along the middle. */
+ShvStatus shv_mesh_plate(ShvMesh *mesh, ShvMemory *memory, const double size[3], double edge, uint64_t seed,
+                         ShvError *error);
 
 #endif
