@@ -25,7 +25,7 @@ static ShvStatus disordered_plate(ShvMesh *mesh, ShvMemory *memory, const ShvMes
 {
     const int first = (thin + 1) % 3, second = (thin + 2) % 3;
     const double *s = definition->size, edge = definition->edge, size[3] = {s[first], s[second], s[thin]};
-    const double tets_a_triangle = 6.0, triangles = 2.3094 * size[0] * size[1] / (edge * edge);
+    const double tets_a_triangle = 8.0, triangles = 2.3094 * size[0] * size[1] / (edge * edge);
     SHV_TRY(shv_require_count(tets_a_triangle * triangles, edge, "box", error));
     SHV_TRY(shv_mesh_plate(mesh, memory, size, edge, definition->seed, error));
     for (int32_t i = 0; i < mesh->node_count; i++) {

@@ -13,10 +13,8 @@ enum { ROUNDS = 6 };
 /* Tets whose measure (improve.h) is this share of the edge and more are left alone: a regular tet has 0.41, those of the
    body-centred lattice have 0.35 to 0.39. */
 static const double wanted_share = 0.31;
-/* The same of a plate's layers, whose prisms cannot do better by much. */
-static const double wanted_layer_share = 0.52;
-/* Of a layer: how far the nodes between the layers of a plate lie off its middle at most. */
-static const double off_middle = 0.2;
+/* The same of half a plate's thickness, on which edges have hardly any influence there. */
+static const double wanted_half_share = 0.6;
 /* Tets on the surface of a turned body that are flatter than this share of the edge are left out. */
 static const double flat_share = 0.1;
 
@@ -165,72 +163,64 @@ static bool comes_before(uint64_t seed, int32_t a, int32_t b)
     return x != y ? x < y : a < b;
 }
 
-/* Nodes of column i: i below, i + columns in the middle, i + 2 columns above. */
-static void raise_points(const Filling *f, ShvScatter *raised, double thickness, uint64_t seed)
+/* Nodes of column i: i below, i + columns above; that in the middle of triangle t: t + 2 columns. */
+static void raise_points(const Filling *f, ShvScatter *raised, double thickness)
 {
     const int32_t columns = f->scatter.count;
-    raised->count = 3 * columns;
-    for (int32_t i = 0; i < raised->count; i++) {
-        const int32_t column = i % columns, level = i / columns;
-        ShvVec3 x = point(f, column);
-        const double off = off_middle * (2.0 * shv_random_uniform(seed + 1, (uint64_t)column) - 1.0);
-        x.z = 0.5 * thickness * (level - 1 + (level == 1 ? off : 0.0));
+    raised->count = 2 * columns + f->delaunay.tet_count;
+    for (int32_t i = 0; i < 2 * columns; i++) {
+        ShvVec3 x = point(f, i % columns);
+        x.z = i < columns ? -0.5 * thickness : 0.5 * thickness;
         shv_store3(raised->positions + 3 * (int64_t)i, x);
-        raised->held[i] = (uint8_t)(f->scatter.held[column] | (level == 1 ? 0 : 4));
+        raised->held[i] = (uint8_t)(f->scatter.held[i % columns] | 4);
     }
+    for (int32_t t = 0; t < f->delaunay.tet_count; t++)
+        shv_store3(raised->positions + 3 * (int64_t)(2 * columns + t), middle_of(f, f->delaunay.tets + 4 * (int64_t)t));
 }
 
-/* Each prism's columns in an order of chance: the tets climb from one to the next, in the upper layer the other way, and so the
-   diagonals of neighbours meet. */
+/* The sides of a prism have their diagonals by chance, neighbours the same. */
 static void cut_prisms(const Filling *f, int32_t *tets, uint64_t seed)
 {
-    const int32_t columns = f->scatter.count;
+    const int32_t up = f->scatter.count;
     for (int32_t t = 0; t < f->delaunay.tet_count; t++) {
-        const int32_t *n = f->delaunay.tets + 4 * (int64_t)t;
-        const bool first = comes_before(seed, n[0], n[1]), second = comes_before(seed, n[1], n[2]),
-                   third = comes_before(seed, n[2], n[0]);
-        const int least = first && !third ? 0 : second && !first ? 1 : 2;
-        const int32_t p = n[least], one = n[(least + 1) % 3], two = n[(least + 2) % 3];
-        const bool turned = comes_before(seed, two, one);
-        const int32_t q = turned ? two : one, r = turned ? one : two;
-        for (int layer = 0; layer < 2; layer++) {
-            const int32_t low = (layer ? 2 : 0) * columns, high = columns;
-            const int32_t climb[3][4] = {{p + low, q + low, r + low, r + high},
-                                         {p + low, q + low, r + high, q + high},
-                                         {p + low, q + high, r + high, p + high}};
-            for (int k = 0; k < 3; k++) {
-                int32_t *tet = tets + 4 * (6 * (int64_t)t + 3 * layer + k);
-                memcpy(tet, climb[k], sizeof climb[k]);
-                if (turned == (layer == 0)) {
-                    tet[2] = climb[k][3];
-                    tet[3] = climb[k][2];
-                }
-            }
+        const int32_t *n = f->delaunay.tets + 4 * (int64_t)t, middle = 2 * up + t;
+        int32_t triangles[8][3] = {{n[0], n[1], n[2]}, {n[0] + up, n[2] + up, n[1] + up}};
+        for (int side = 0; side < 3; side++) {
+            const int32_t a = n[side], b = n[(side + 1) % 3];
+            const bool rises = comes_before(seed, a, b);
+            const int32_t first[3] = {a, a + up, rises ? b + up : b}, second[3] = {rises ? a : a + up, b + up, b};
+            memcpy(triangles[2 + 2 * side], first, sizeof first);
+            memcpy(triangles[3 + 2 * side], second, sizeof second);
+        }
+        for (int k = 0; k < 8; k++) {
+            int32_t *tet = tets + 4 * (8 * (int64_t)t + k);
+            memcpy(tet, triangles[k], sizeof triangles[k]);
+            tet[3] = middle;
         }
     }
 }
 
 static ShvStatus raise_plate(Filling *f, double thickness, uint64_t seed, ShvError *error)
 {
-    const size_t nodes = 3 * (size_t)f->scatter.count, tets = 6 * (size_t)f->delaunay.tet_count;
+    const size_t triangles = (size_t)f->delaunay.tet_count, nodes = 2 * (size_t)f->scatter.count + triangles;
     ShvScatter raised = {.memory = f->memory};
     raised.positions = shv_allocate(f->memory, SHV_PART_GENERAL, 3 * nodes, sizeof *raised.positions);
     raised.held = shv_allocate(f->memory, SHV_PART_GENERAL, nodes, sizeof *raised.held);
-    int32_t *cut = shv_allocate(f->memory, SHV_PART_GENERAL, 4 * tets, sizeof *cut);
+    int32_t *cut = shv_allocate(f->memory, SHV_PART_GENERAL, 32 * triangles, sizeof *cut);
     int32_t *grid = shv_allocate(f->memory, SHV_PART_GENERAL, nodes, sizeof *grid);
     if (!raised.positions || !raised.held || !cut || !grid) {
         shv_scatter_release(&raised);
         shv_release(cut);
         shv_release(grid);
-        return shv_fail_memory(error, "a plate", 29 * nodes + 16 * tets);
+        return shv_fail_memory(error, "a plate", 29 * nodes + 128 * triangles);
     }
-    raise_points(f, &raised, thickness, seed);
+    raise_points(f, &raised, thickness);
     cut_prisms(f, cut, seed);
     shv_scatter_release(&f->scatter);
     shv_delaunay_release(&f->delaunay);
     shv_release(f->grid);
     f->scatter = raised;
-    f->delaunay = (ShvDelaunay){(int32_t)tets, cut};
+    f->delaunay = (ShvDelaunay){(int32_t)(8 * triangles), cut};
     f->grid = grid;
     return SHV_OK;
 }
@@ -297,7 +287,7 @@ ShvStatus shv_mesh_plate(ShvMesh *mesh, ShvMemory *memory, const double size[3],
     Filling f = {.memory = memory, .outline = &outline, .flat = true, .edge = edge};
     ShvStatus status = fill(&f, seed, error);
     if (status == SHV_OK) status = raise_plate(&f, size[2], seed, error);
-    if (status == SHV_OK) status = better(&f, wanted_layer_share * 0.5 * size[2], seed, error);
+    if (status == SHV_OK) status = better(&f, wanted_half_share * 0.5 * size[2], seed, error);
     if (status == SHV_OK) status = hand_over(&f, mesh, error);
     release(&f);
     return status;

@@ -9,9 +9,8 @@
 
 ShvStatus shv_mesh_unstructured(ShvMesh *mesh, ShvMemory *memory, const ShvOutline *outline, double edge, uint64_t seed,
                                 ShvError *error);
-/* A plate in the plane z = 0, too thin for disorder: an unstructured triangulation of its rectangle, and two layers of
-   prisms of three tets each on it. Cracks can go straight through it, and the nodes between the layers lie at any height, so
-   that none can run along the middle. */
+/* A plate along the plane z = 0, too thin for disorder through it: an unstructured triangulation, prisms on it, and in each a node
+   from which tets go to all its sides. Cracks can go straight through, and no plane of facets leads along it. */
 ShvStatus shv_mesh_plate(ShvMesh *mesh, ShvMemory *memory, const double size[3], double edge, uint64_t seed,
                          ShvError *error);
 
