@@ -66,7 +66,8 @@ typedef enum ShvMeshKind {
     SHV_MESH_TETGEN, /* .node and .ele */
     SHV_MESH_SHELL,  /* prisms extruded from a closed triangle surface, three tets a prism */
     SHV_MESH_STL, /* a closed triangle surface (STL, OBJ, PLY) or a CAD file, filled by gmsh, which must be installed */
-    SHV_MESH_MEMORY /* nodes and tets of the caller's */
+    SHV_MESH_MEMORY, /* nodes and tets of the caller's */
+    SHV_MESH_TURNED  /* what a closed profile sweeps about z, unstructured */
 } ShvMeshKind;
 
 typedef enum ShvMeshPattern {
@@ -102,6 +103,8 @@ typedef struct ShvMeshDefinition {
     const double *positions;
     const int32_t *tets;
     int32_t node_count, tet_count;
+    const double *profile; /* turned: radius (≥ 0) and height of each corner, m; the last joins the first */
+    int32_t profile_count; /* corners, ≥ 3 */
 } ShvMeshDefinition;
 ShvMeshDefinition shv_mesh_default(void);
 
