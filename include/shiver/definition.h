@@ -66,12 +66,14 @@ typedef enum ShvMeshKind {
     SHV_MESH_TETGEN, /* .node and .ele */
     SHV_MESH_SHELL,  /* prisms extruded from a closed triangle surface, three tets a prism */
     SHV_MESH_STL, /* a closed triangle surface (STL, OBJ, PLY) or a CAD file, filled by gmsh, which must be installed */
-    SHV_MESH_MEMORY /* nodes and tets of the caller's */
+    SHV_MESH_MEMORY, /* nodes and tets of the caller's */
+    SHV_MESH_TURNED  /* what a closed profile sweeps about z, unstructured */
 } ShvMeshKind;
 
 typedef enum ShvMeshPattern {
-    SHV_PATTERN_LATTICE, /* body-centred lattice: tets all alike, cells halved towards the notch */
-    SHV_PATTERN_BRICKS   /* five tets a brick, bricks thinned along x towards the notch: fewer tets a node */
+    SHV_PATTERN_LATTICE,     /* body-centred lattice: tets all alike, cells halved towards the notch */
+    SHV_PATTERN_BRICKS,      /* five tets a brick, bricks thinned along x towards the notch: fewer tets a node */
+    SHV_PATTERN_UNSTRUCTURED /* no order, and at least two layers; not for notched beams */
 } ShvMeshPattern;
 
 typedef struct ShvMeshDefinition {
@@ -86,7 +88,7 @@ typedef struct ShvMeshDefinition {
     double notch_offset;    /* notched beam: along x from midspan, m */
     double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
     double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
-    ShvMeshPattern pattern; /* notched beam */
+    ShvMeshPattern pattern; /* box, ball, cylinder, notched beam */
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
     uint64_t seed;    /* of the jitter */
@@ -101,6 +103,8 @@ typedef struct ShvMeshDefinition {
     const double *positions;
     const int32_t *tets;
     int32_t node_count, tet_count;
+    const double *profile; /* turned: radius (≥ 0) and height of each corner, m; the last joins the first */
+    int32_t profile_count; /* corners, ≥ 3 */
 } ShvMeshDefinition;
 ShvMeshDefinition shv_mesh_default(void);
 

@@ -2,6 +2,7 @@
 
 static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, facet_cohesive, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, facet_strength, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, facet, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, partner, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, sides, SHV_FIELD_BLOCK),
@@ -54,7 +55,6 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, memory, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, model, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, settings, SHV_FIELD_KEPT),
-    SHV_FIELD_OF(ShvCohesive, facet_strength, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, list_awake, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_label, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_queue, SHV_FIELD_KEPT),

@@ -66,12 +66,25 @@ static void pass_on(ShvCut *cut, int32_t end, double scale)
     }
 }
 
+/* Each joint passes on what pulls at it itself, as far as it may: little is then left to be led round. What can still be
+   reached at the end of a largest flow is the same group whichever largest flow it is, and so wherever it began. */
+static void begin_flow(ShvCut *cut, double scale)
+{
+    for (int32_t i = 0; i < cut->member_count; i++) cut->members[i].left = cut->members[i].pull;
+    for (int32_t j = 0; j < cut->joint_count; j++) {
+        const ShvJoint *joint = &cut->joints[j];
+        const double flow = fmax(-scale * joint->capacity[1], fmin(scale * joint->capacity[0], joint->first_flow));
+        cut->flow[j] = flow;
+        cut->members[joint->member[0]].left -= flow;
+        cut->members[joint->member[1]].left += flow;
+    }
+}
+
 /* The group whose pull exceeds `scale` times its capacity by most. Returns whether there is one. */
 static bool exceeding(ShvCut *cut, double scale, double slight)
 {
     double left = 0.0;
-    for (int32_t i = 0; i < cut->member_count; i++) cut->members[i].left = cut->members[i].pull;
-    for (int32_t j = 0; j < cut->joint_count; j++) cut->flow[j] = 0.0;
+    begin_flow(cut, scale);
     for (int32_t end = search(cut, scale, slight); end >= 0; end = search(cut, scale, slight)) pass_on(cut, end, scale);
     for (int32_t i = 0; i < cut->member_count; i++) left += fmax(cut->members[i].left, 0.0);
     return left > slight * (double)cut->member_count;

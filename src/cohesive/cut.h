@@ -8,6 +8,7 @@
 typedef struct ShvJoint {
     int32_t member[2];
     double capacity[2]; /* [i]: where member[i] is in the group and the other is not; may be infinite */
+    double first_flow;  /* from member[0] to member[1], to begin with: any number will do */
 } ShvJoint;
 
 enum { SHV_MEMBER_JOINTS = 3 };

@@ -14,6 +14,8 @@ static const double slit_angle = 6.1086523819801535;
 static const double opened_share = 0.9;
 /* Of the speed of shear waves: cracks in glass run no faster. */
 static const double limit_speed = 0.5;
+/* Of the time in which a front crosses a facet: checks are no rarer. */
+static const double check_share = 0.25;
 /* Facets less than 60° from where the crack came from are not ahead. */
 static const double ahead_cosine = 0.5;
 /* Between the pull and a crack's normal: cracks kink by 45° at most. */
@@ -172,13 +174,36 @@ void shv_front_look(ShvCohesive *cohesive, const ShvState *state, int32_t node)
     cohesive->search.held[node] = 0.0;
 }
 
+static double pace(const ShvCohesive *cohesive, int32_t facet)
+{
+    const double speed = limit_speed * shv_cohesive_material(cohesive->model, facet)->shear_speed;
+    return mean_edge(cohesive->model, facet) / speed;
+}
+
+static void find_pace(ShvCohesive *cohesive)
+{
+    double sum = 0.0;
+    int64_t count = 0;
+    for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
+        if (isinf(tip_strength(cohesive->model, facet))) continue;
+        sum += pace(cohesive, facet);
+        count++;
+    }
+    cohesive->front.pace = count > 0 ? sum / (double)count : 0.0;
+}
+
+int32_t shv_front_steps(const ShvCohesive *cohesive, double step)
+{
+    if (!cohesive->front.any) return 1;
+    return (int32_t)fmax(1.0, fmin(check_share * cohesive->front.pace / step, INT16_MAX));
+}
+
 void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
 {
     const ShvCohesiveSides *sides = &cohesive->sides[index];
     const int32_t facet = cohesive->facet[index];
-    const double speed = limit_speed * shv_cohesive_material(cohesive->model, facet)->shear_speed;
     double least = 1.0;
-    if ((state->time - cohesive->born[index]) * speed < mean_edge(cohesive->model, facet)) return;
+    if (state->time - cohesive->born[index] < pace(cohesive, facet)) return;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
         least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
     if (least > opened_share) return;
@@ -272,6 +297,7 @@ ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
     if (!front->ahead || !front->slit)
         return shv_fail_memory(error, "fronts of cracks", facets + nodes * sizeof *front->slit);
     find_slits(cohesive);
+    find_pace(cohesive);
     return SHV_OK;
 }
 

@@ -103,6 +103,7 @@ static void add_joint(ShvStar *star, const ShvCohesive *cohesive, const ShvState
             0.5 * (stress[shv_cohesive_stress_slot(elements[0], i)] + stress[shv_cohesive_stress_slot(elements[1], i)]);
     joint->facet = facet;
     joint->area = third_of_area(state, elements[0], adjacency->facet_faces[2 * (int64_t)facet]);
+    joint->size = shv_norm(joint->area);
     joint->force = apply(mean, joint->area);
     joint->strength = material ? cohesive->facet_strength[facet] : (double)INFINITY;
     joint->tip = shv_front_tip(cohesive, state, facet, star->node);
@@ -169,8 +170,9 @@ static bool load(ShvStar *star, ShvVec3 direction, double least, bool goes_on)
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const ShvStarFacet *facet = &star->facets[k];
         ShvJoint *joint = &star->cut.joints[k];
-        const double size = shv_norm(facet->area), along = shv_dot(facet->area, direction) / size;
+        const double size = facet->size, along = shv_dot(facet->area, direction) / size;
         const double force = shv_dot(facet->force, direction);
+        joint->first_flow = -force;
         joint->capacity[0] = capacity(facet, size, along, goes_on);
         joint->capacity[1] = capacity(facet, size, -along, goes_on);
         star->cut.members[joint->member[0]].pull -= force;
@@ -225,8 +227,8 @@ static ShvVec3 weakest_direction(const ShvStar *star)
     ShvVec3 direction = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const ShvStarFacet *facet = &star->facets[k];
-        const double area = shv_norm(facet->area), soft = 1.0 / (facet->shear_ratio * facet->shear_ratio);
-        const ShvVec3 normal = shv_scale(facet->area, 1.0 / area), traction = apply(star->stress, normal);
+        const double soft = 1.0 / (facet->shear_ratio * facet->shear_ratio);
+        const ShvVec3 normal = shv_scale(facet->area, 1.0 / facet->size), traction = apply(star->stress, normal);
         const double tension = shv_dot(traction, normal);
         const ShvVec3 shear = shv_scale(shv_madd(traction, -tension, normal), soft);
         const ShvVec3 way = shv_madd(shear, shv_larger(tension, 0.0), normal);

@@ -23,6 +23,7 @@ struct ShvCohesive;
 typedef struct ShvStarFacet {
     int32_t facet;
     ShvVec3 area;                 /* a third of it, from the joint's first member to its second, m² */
+    double size;                  /* its length */
     ShvVec3 force;                /* mean stress on it, N: of the second member on the first */
     double strength, shear_ratio; /* Pa, β */
     ShvTip tip;                   /* what it counts with where a crack goes on */

@@ -7,7 +7,7 @@ int32_t shv_topology_find(const int32_t *corners, int32_t count, int32_t element
     int32_t low = 0, high = count;
     while (low < high) {
         const int32_t middle = low + (high - low) / 2;
-        if (corners[middle] / 4 < element)
+        if (corners[middle] < 4 * element)
             low = middle + 1;
         else
             high = middle;

@@ -32,7 +32,9 @@ void shv_check_clock_start(ShvCheckClock *clock)
     *clock = (ShvCheckClock){.due = 1, .rate = 1.0};
 }
 
-/* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. */
+/* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. Where it has,
+   nothing need part all the same, as under a contact, or cracks are on their way: then it matters that no front outruns the
+   checks. */
 static void set_clock(ShvHybrid *hybrid, double largest)
 {
     enum { RAREST = 10 };
@@ -47,7 +49,8 @@ static void set_clock(ShvHybrid *hybrid, double largest)
     }
     const double room = fmax(0.0, 1.05 * fracture->threshold - largest);
     const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
-    clock->due = steps < 1.0 ? 1 : steps > RAREST ? RAREST : (int32_t)steps;
+    const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->step);
+    clock->due = (int32_t)fmin(fmax(steps, fewest), RAREST);
 }
 
 /* The first insertion since a fragment woke is an event; every insertion starts its quiet count afresh. */

@@ -28,6 +28,8 @@ static const char *kind_name(ShvMeshKind kind)
         return "filled surface";
     case SHV_MESH_MEMORY:
         return "mesh from memory";
+    case SHV_MESH_TURNED:
+        return "turned body";
     }
     return NULL;
 }
@@ -134,6 +136,8 @@ static ShvStatus make_mesh(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefini
         break;
     case SHV_MESH_MEMORY:
         return copy_mesh(mesh, memory, definition, error);
+    case SHV_MESH_TURNED:
+        return shv_mesh_turned(mesh, memory, definition, error);
     }
     return read_mesh(mesh, memory, definition, path, error);
 }

@@ -13,7 +13,7 @@ ShvStatus shv_mesh_generate(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefin
 /* Generators, one a kind; each gives a positively oriented mesh and does not renumber. Bodies are centred on the origin.
    Bad parameters are SHV_BAD_INPUT with the value; an edge may be at most twice the thinnest part of the body (side,
    wall, hole radius), and a mesh has at most SHV_MESH_LARGEST elements. The mean edge is within 15 % of `edge`.
-   - Box: body-centred lattice (lattice.h). Ball, hollow ball: icosahedral layers, surface nodes on the spheres
+   - Box: body-centred lattice (lattice.h), or no order (unstructured.h). Ball, hollow ball: icosahedral layers, surface nodes on the spheres
      (sectors.h). Cylinder: layers of prisms (cylinder.c).
    - Notched beam: body-centred lattice whose cells are halved until edges at the notch are at most 1.2 notch_edge; the
      edge asked for grows by 0.3 of the distance from the notch. The notch is a slit of no width: its two lips have nodes
@@ -23,6 +23,8 @@ ShvStatus shv_mesh_ball(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinitio
 ShvStatus shv_mesh_hollow_ball(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);
 ShvStatus shv_mesh_cylinder(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);
 ShvStatus shv_mesh_notched_beam(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);
+/* Unstructured (unstructured.h). Refuses profiles that are no outline, and edges that do not fit into its walls. */
+ShvStatus shv_mesh_turned(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, ShvError *error);
 /* Readers; `path` is already resolved, coordinates stay as they are in the file. Errors name the file and its line (a
    binary file: the byte) and a tet by its tag in the file: cut off, malformed and non-finite entries, wrong counts,
    unknown or repeated nodes, tets that are flat or inverted. On failure `mesh` is zeroed and owns nothing. */

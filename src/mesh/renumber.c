@@ -1,3 +1,4 @@
+#include "mesh/hilbert.h"
 #include "mesh/mesh.h"
 
 #include <stdbool.h>
@@ -8,32 +9,7 @@ typedef struct Ranked {
     int32_t element;
 } Ranked;
 
-enum { BITS = 20 /* of the curve along each axis */, DIGIT = 12 /* bits sorted at a time: 5 passes of 60 */ };
-
-/* Place of a cell on the Hilbert curve: Skilling's transform of the coordinates ("Programming the Hilbert curve", AIP
-   Conf. Proc. 707, 2004), then their bits interleaved. */
-static uint64_t hilbert(uint32_t x[3])
-{
-    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
-        for (int i = 0; i < 3; i++) {
-            const uint32_t swap = (x[0] ^ x[i]) & (bit - 1);
-            if (x[i] & bit) {
-                x[0] ^= bit - 1;
-            } else {
-                x[0] ^= swap;
-                x[i] ^= swap;
-            }
-        }
-    x[1] ^= x[0];
-    x[2] ^= x[1];
-    uint32_t gray = 0;
-    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
-        if (x[2] & bit) gray ^= bit - 1;
-    uint64_t key = 0;
-    for (int bit = BITS - 1; bit >= 0; bit--)
-        for (int i = 0; i < 3; i++) key = key << 1 | ((x[i] ^ gray) >> bit & 1);
-    return key;
-}
+enum { BITS = SHV_HILBERT_BITS, DIGIT = 12 /* bits sorted at a time: 5 passes of 60 */ };
 
 /* Lower corner of the bounding box and cells per metre, the same along every axis so that the curve keeps its shape. */
 static double curve_scale(const ShvMesh *mesh, ShvVec3 *low)
@@ -58,7 +34,7 @@ static void rank_elements(const ShvMesh *mesh, Ranked *ranked)
         for (int i = 0; i < 4; i++)
             sum = shv_add(sum, shv_sub(shv_mesh_position(mesh, mesh->elements[4 * (int64_t)e + i]), low));
         const ShvVec3 cell = shv_scale(sum, 0.25 * scale);
-        ranked[e] = (Ranked){hilbert((uint32_t[3]){(uint32_t)cell.x, (uint32_t)cell.y, (uint32_t)cell.z}), e};
+        ranked[e] = (Ranked){shv_hilbert_place((uint32_t[3]){(uint32_t)cell.x, (uint32_t)cell.y, (uint32_t)cell.z}), e};
     }
 }
 

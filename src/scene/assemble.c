@@ -87,6 +87,17 @@ static int64_t count_objects(const ShvSceneItem *scene)
     return count;
 }
 
+static const double *finished_profile(const ShvItems *corners, ShvPool *pool)
+{
+    const ShvCornerItem *from = corners->data;
+    double *profile = corners->count > 0 ? shv_pool_take(pool, 2 * (size_t)corners->count, sizeof *profile) : NULL;
+    for (int32_t i = 0; profile && i < corners->count; i++) {
+        profile[2 * (int64_t)i] = from[i].radius;
+        profile[2 * (int64_t)i + 1] = from[i].height;
+    }
+    return profile;
+}
+
 static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *pool, ShvPool *work,
                              ShvDiagnostics *diagnostics)
 {
@@ -104,10 +115,13 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
     for (int32_t i = 0; i < scene->objects.count; i++) {
         const ShvObjectItem *item = &items[i];
         const int32_t copies = item->repeat_count;
+        const double *profile = finished_profile(&item->profile, pool);
         for (int32_t k = 0; k < (copies > 0 ? copies : 1); k++) {
             ShvObjectDefinition *object = &objects[count];
             sources[count++] = item;
             *object = finished_object(item);
+            object->mesh.profile = profile;
+            object->mesh.profile_count = item->profile.count;
             if (copies == 0) continue;
             object->name = copy_name(pool, item->head.name, k + 1);
             place_copy(&object->placement, item, k);

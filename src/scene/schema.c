@@ -196,13 +196,17 @@ static const ShvTable material_table = {.name = "materials.<name>",
 
 static const ShvChoice pattern_choices[] = {
     {"lattice", SHV_PATTERN_LATTICE}, {"bricks", SHV_PATTERN_BRICKS}, {NULL, 0}};
+static const ShvChoice box_pattern_choices[] = {{"lattice", SHV_PATTERN_LATTICE},
+                                                {"bricks", SHV_PATTERN_BRICKS},
+                                                {"unstructured", SHV_PATTERN_UNSTRUCTURED},
+                                                {NULL, 0}};
 static const ShvKey box_keys[] = {
     SIZE_KEY("Edge lengths along x, y and z."),
     EDGE_KEY,
-    {"pattern", SHV_KEY_CHOICE, .choices = pattern_choices, .offset = MESH(pattern),
+    {"pattern", SHV_KEY_CHOICE, .choices = box_pattern_choices, .offset = MESH(pattern),
      .sentence =
          "Tetrahedra of a body-centred lattice, or five in each brick of a grid, which have facets in planes across "
-         "every axis."}};
+         "every axis, or tetrahedra in no order, made for `seed`, with at least two layers: nothing steers cracks."}};
 MESH_TABLE(box, "A box, centred on its origin.");
 static const ShvKey ball_keys[] = {RADIUS_KEY("Radius."), EDGE_KEY};
 MESH_TABLE(ball, "A solid ball, centred on its origin.");
@@ -262,6 +266,30 @@ static const ShvKey memory_keys[] = {SCALE_KEY(MESH(scale))};
 MESH_TABLE(memory, "Tetrahedra that the calling program has (docs/library.md).");
 MESH_TABLE(stl, "A body filled with tetrahedra by gmsh, which must be installed, each time that the scene is read.");
 
+static const ShvKey corner_keys[] = {{"radius", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &not_negative,
+                                      .offset = offsetof(ShvCornerItem, radius), .sentence = "Distance from the axis."},
+                                     {"height", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED,
+                                      .offset = offsetof(ShvCornerItem, height), .sentence = "Place along the axis."}};
+static void start_corner(void *item)
+{
+    *(ShvCornerItem *)item = (ShvCornerItem){0};
+}
+static const ShvTable corner_table = {.name = "objects.<name>.mesh.turned.profile.<index>",
+                                      .sentence = "A corner of a profile.",
+                                      .keys = corner_keys,
+                                      .key_count = LENGTH_OF(corner_keys),
+                                      .size = sizeof(ShvCornerItem),
+                                      .start = start_corner};
+/* The list lies in the object, behind its mesh. */
+static const ShvKey turned_keys[] = {
+    {"profile", SHV_KEY_LIST, .flags = SHV_KEY_REQUIRED, .table = &corner_table,
+     .offset = offsetof(ShvObjectItem, profile) - offsetof(ShvObjectItem, definition.mesh),
+     .sentence =
+         "Corners of its profile in their order; the last joins the first, along the axis where both lie on it. "
+         "Where it turns by 30° and more the body has an edge."},
+    EDGE_KEY};
+MESH_TABLE(turned, "What a closed profile sweeps when it is turned about z: an unstructured mesh, made for `seed`.");
+
 #define MESH_KIND(kind, value, text)                                                                                   \
     {                                                                                                                  \
 #kind, SHV_KEY_MAPPING, .flags = SHV_KEY_VARIANT, .table = &kind##_table, .variant = value, .sentence = text   \
@@ -276,12 +304,13 @@ static const ShvKey mesh_keys[] = {
     MESH_KIND(tetgen, SHV_MESH_TETGEN, "Reads TetGen files."),
     MESH_KIND(shell, SHV_MESH_SHELL, "Extrudes a surface."),
     MESH_KIND(stl, SHV_MESH_STL, "Fills a surface, by gmsh."),
+    MESH_KIND(turned, SHV_MESH_TURNED, "Turns a profile."),
     MESH_KIND(memory, SHV_MESH_MEMORY, "Takes what the calling program gives."),
     {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
          "steer cracks. Surface nodes stay on the surface."},
-    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter."},
+    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter, and of an unstructured mesh."},
 };
 static const ShvTable mesh_table = {.name = "objects.<name>.mesh",
                                     .sentence =

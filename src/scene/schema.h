@@ -89,6 +89,11 @@ typedef struct ShvMaterialItem {
     const char *library; /* NULL: none; its numbers are in the tree already */
 } ShvMaterialItem;
 
+typedef struct ShvCornerItem {
+    ShvItemHead head;
+    double radius, height;
+} ShvCornerItem;
+
 typedef struct ShvObjectItem {
     ShvItemHead head;
     ShvObjectDefinition definition;
@@ -97,6 +102,7 @@ typedef struct ShvObjectItem {
     double repeat_spread[3]; /* m: each is shifted at random by up to half of it */
     bool repeat_turn;        /* each is turned at random */
     uint64_t repeat_seed;
+    ShvItems profile; /* of a turned mesh */
 } ShvObjectItem;
 
 typedef struct ShvConditionItem {

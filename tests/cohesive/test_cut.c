@@ -49,7 +49,8 @@ static void make(Case *c, uint64_t seed, int32_t members)
         if (a == b || free_a < 0 || free_b < 0) continue;
         const double one = draw(seed, &next), two = draw(seed, &next), rare = draw(seed, &next);
         c->members[a].joint[free_a] = c->members[b].joint[free_b] = c->cut.joint_count;
-        c->joints[c->cut.joint_count++] = (ShvJoint){{a, b}, {rare < 0.3 ? HUGE_VAL : one, rare > 0.9 ? 0.0 : two}};
+        c->joints[c->cut.joint_count++] =
+            (ShvJoint){{a, b}, {rare < 0.3 ? HUGE_VAL : one, rare > 0.9 ? 0.0 : two}, one - two};
     }
 }
 
@@ -115,7 +116,7 @@ static void a_row_parts_at_its_weakest_joint(void **state)
     c.cut.flow = c.flow;
     c.cut.queue = c.queue;
     const double capacity[3] = {3.0, 2.0, 2.5};
-    for (int32_t j = 0; j < 3; j++) c.joints[j] = (ShvJoint){{j, j + 1}, {capacity[j], capacity[j]}};
+    for (int32_t j = 0; j < 3; j++) c.joints[j] = (ShvJoint){{j, j + 1}, {capacity[j], capacity[j]}, 0.0};
     for (int32_t i = 0; i < 4; i++)
         c.members[i] = (ShvMember){.pull = i == 0 ? 2.2 : i == 3 ? -2.2 : 0.0, .joint = {i - 1, i < 3 ? i : -1, -1}};
     check_near(shv_cut_weakest(&c.cut, 1.0), 1.1, 1e-12);
@@ -133,8 +134,8 @@ static void what_would_close_is_not_cut(void **state)
     c.cut.joints = c.joints;
     c.cut.flow = c.flow;
     c.cut.queue = c.queue;
-    c.joints[0] = (ShvJoint){{0, 1}, {HUGE_VAL, 1.0}};
-    c.joints[1] = (ShvJoint){{1, 2}, {4.0, HUGE_VAL}};
+    c.joints[0] = (ShvJoint){{0, 1}, {HUGE_VAL, 1.0}, 0.0};
+    c.joints[1] = (ShvJoint){{1, 2}, {4.0, HUGE_VAL}, 0.0};
     c.members[0] = (ShvMember){.pull = 5.0, .joint = {0, -1, -1}};
     c.members[1] = (ShvMember){.pull = 0.0, .joint = {0, 1, -1}};
     c.members[2] = (ShvMember){.pull = -5.0, .joint = {1, -1, -1}};

@@ -260,11 +260,11 @@ static void objects(void **state)
     (void)state;
     check_one(WITH_MESH("jitter: 0.1"),
               "s.yaml:4:26: error: objects.o.mesh has none of box, ball, hollow_ball, cylinder, "
-              "notched_beam, gmsh, tetgen, shell, stl or memory; give exactly one");
+              "notched_beam, gmsh, tetgen, shell, stl, turned or memory; give exactly one");
     check_one(
         WITH_MESH("ball: {radius: 1, edge: 1}, shell: {}"),
         "s.yaml:4:55: error: shell stands beside ball; objects.o.mesh takes exactly one of box, ball, hollow_ball, "
-        "cylinder, notched_beam, gmsh, tetgen, shell, stl or memory");
+        "cylinder, notched_beam, gmsh, tetgen, shell, stl, turned or memory");
     check_one(WITH_MESH("box: {size: [1, 1, 0], edge: 1}"),
               "s.yaml:4:46: error: size is '0'; expected a length in m (or cm, mm, um, \xC2\xB5m, km), greater than 0");
     check_one(WITH_MESH("hollow_ball: {radius: 1, thickness: 1, edge: 1}"),

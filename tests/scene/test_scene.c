@@ -122,7 +122,7 @@ static void check_plates(const ShvSceneDefinition *scene)
 static void check_meshes(const ShvSceneDefinition *scene)
 {
     const ShvObjectDefinition *o = scene->objects + 3;
-    assert_int_equal(scene->object_count, 13);
+    assert_int_equal(scene->object_count, 14);
     assert_int_equal(o[0].mesh.kind, SHV_MESH_BALL);
     assert_string_equal(o[0].material, "steel");
     same(o[0].mesh.radius, 0.05);
@@ -150,6 +150,12 @@ static void check_meshes(const ShvSceneDefinition *scene)
     same(o[6].mesh.thickness, 0.003);
     assert_int_equal(o[6].mesh.layers, 2);
     assert_true(o[6].mesh.refine_to == INT64_C(5000000000));
+    const ShvMeshDefinition *urn = &scene->objects[13].mesh;
+    static const double profile[6] = {0.0, -0.01, 0.02, 0.0, 0.0, 0.03};
+    assert_int_equal(urn->kind, SHV_MESH_TURNED);
+    assert_int_equal(urn->profile_count, 3);
+    for (int i = 0; i < 6; i++) same(urn->profile[i], profile[i]);
+    same(urn->edge, 0.001);
 }
 
 /* Shifted and turned at random, each its own way. */
