@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+
 #include "bullet_bridge/convex_pair.hpp"
 
 namespace shiver
@@ -44,111 +46,6 @@ struct Corner {
     btVector3 difference, first, second;
 };
 
-// Corners whose weighted sum is the point closest to the origin.
-struct Simplex {
-    Corner corner[4];
-    double weight[4];
-    int count = 0;
-};
-
-btVector3 closest(const Simplex &simplex)
-{
-    btVector3 sum(0, 0, 0);
-    for (int i = 0; i < simplex.count; i++) sum += simplex.corner[i].difference * simplex.weight[i];
-    return sum;
-}
-
-void keep(Simplex &simplex, const Corner &a, double weight)
-{
-    simplex.corner[simplex.count] = a;
-    simplex.weight[simplex.count] = weight;
-    simplex.count++;
-}
-
-Simplex closest_of_point(const Corner &a)
-{
-    Simplex answer;
-    keep(answer, a, 1.0);
-    return answer;
-}
-
-Simplex closest_of_segment(const Corner &a, const Corner &b)
-{
-    const btVector3 edge = b.difference - a.difference;
-    const double along = -a.difference.dot(edge), length = edge.length2();
-    if (along <= 0.0) return closest_of_point(a);
-    if (along >= length) return closest_of_point(b);
-    Simplex answer;
-    keep(answer, a, 1.0 - along / length);
-    keep(answer, b, along / length);
-    return answer;
-}
-
-Simplex nearer(const Simplex &a, const Simplex &b)
-{
-    return closest(b).length2() < closest(a).length2() ? b : a;
-}
-
-Simplex closest_of_edges(const Corner &a, const Corner &b, const Corner &c)
-{
-    return nearer(nearer(closest_of_segment(a, b), closest_of_segment(b, c)), closest_of_segment(c, a));
-}
-
-// The foot on the triangle's plane when it lies inside, else the nearest of the edges.
-Simplex closest_of_triangle(const Corner &a, const Corner &b, const Corner &c)
-{
-    const btVector3 normal = (b.difference - a.difference).cross(c.difference - a.difference);
-    const double u = normal.dot(b.difference.cross(c.difference)), v = normal.dot(c.difference.cross(a.difference)),
-                 w = normal.dot(a.difference.cross(b.difference)), sum = normal.length2();
-    if (!(u > 0.0 && v > 0.0 && w > 0.0 && sum > 0.0)) return closest_of_edges(a, b, c);
-    const double total = u + v + w;
-    Simplex answer;
-    keep(answer, a, u / total);
-    keep(answer, b, v / total);
-    keep(answer, c, w / total);
-    return answer;
-}
-
-// Four corners when the origin is inside.
-Simplex closest_of_tetrahedron(const Simplex &s)
-{
-    static const int faces[4][4] = {{0, 1, 2, 3}, {0, 3, 1, 2}, {0, 2, 3, 1}, {1, 3, 2, 0}}; // the last is opposite
-    Simplex best = s;
-    bool outside = false;
-    for (const int *face : faces) {
-        const Corner &a = s.corner[face[0]], &b = s.corner[face[1]], &c = s.corner[face[2]];
-        const btVector3 normal = (b.difference - a.difference).cross(c.difference - a.difference);
-        const double origin = -normal.dot(a.difference);
-        const double opposite = normal.dot(s.corner[face[3]].difference - a.difference);
-        if (origin * opposite > 0.0) continue;
-        const Simplex candidate = closest_of_triangle(a, b, c);
-        best = outside ? nearer(best, candidate) : candidate;
-        outside = true;
-    }
-    return best;
-}
-
-Simplex reduce(const Simplex &s)
-{
-    switch (s.count) {
-    case 1:
-        return closest_of_point(s.corner[0]);
-    case 2:
-        return closest_of_segment(s.corner[0], s.corner[1]);
-    case 3:
-        return closest_of_triangle(s.corner[0], s.corner[1], s.corner[2]);
-    default:
-        return closest_of_tetrahedron(s);
-    }
-}
-
-bool contains(const Simplex &s, const Corner &corner)
-{
-    for (int i = 0; i < s.count; i++)
-        if (s.corner[i].difference == corner.difference) return true;
-    return false;
-}
-
 // The second body is moved by `shift`.
 Corner corner_towards(const ConvexPair &pair, const btVector3 &normal, const btVector3 &shift)
 {
@@ -165,6 +62,16 @@ double gap_across(const ConvexPair &pair, const btVector3 &normal)
     return -normal.dot(corner_towards(pair, normal, btVector3(0, 0, 0)).difference);
 }
 
+// From the first core to the second: against the nearest point of the simplex, of which a triangle's plane has more digits.
+btVector3 direction_of(const btVoronoiSimplexSolver &simplex, const btVector3 &nearest)
+{
+    const btVector3 *corner = simplex.m_simplexVectorW;
+    const btVector3 across = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+    const double size = across.length(), side = across.dot(corner[0]);
+    if (simplex.numVertices() != 3 || !(size > 0.0) || side == 0.0) return nearest / -nearest.length();
+    return across / (side > 0.0 ? -size : size);
+}
+
 enum { MOST_ROUNDS = 64 };
 
 // GJK (Gilbert, Johnson and Keerthi 1988) of the cores. The gap is the largest found across any direction tried (0 or less
@@ -175,35 +82,36 @@ Gap distance(const ConvexPair &pair, const btVector3 &guess, const btVector3 &sh
     Gap best;
     best.gap = -HUGE_VAL;
     best.normal = guess.normalized();
-    Simplex simplex = closest_of_point(corner_towards(pair, best.normal, shift));
-    btVector3 nearest = closest(simplex);
+    btVoronoiSimplexSolver simplex;
+    simplex.reset();
+    simplex.setEqualVertexThreshold(0);
+    const Corner start = corner_towards(pair, best.normal, shift);
+    simplex.addVertex(start.difference, start.first, start.second);
+    btVector3 nearest = start.difference;
     double length = nearest.length();
     int stalls = 0;
     for (int round = 0; round < MOST_ROUNDS && length > resolution; round++) {
-        const btVector3 normal = nearest / -length;
+        const btVector3 normal = direction_of(simplex, nearest);
         const Corner corner = corner_towards(pair, normal, shift);
         const double gap = -normal.dot(corner.difference);
         if (gap > best.gap) {
             best.gap = gap;
             best.normal = normal;
         }
-        if (length - gap <= resolution || contains(simplex, corner)) break;
-        Simplex wider = simplex;
-        keep(wider, corner, 0.0);
-        const Simplex next = reduce(wider);
-        if (next.count == 4) break; // the origin is inside: they overlap
-        const btVector3 nearer_point = closest(next);
+        if (length - gap <= resolution || simplex.inSimplex(corner.difference)) break;
+        const btVoronoiSimplexSolver before = simplex;
+        simplex.addVertex(corner.difference, corner.first, corner.second);
+        btVector3 nearer;
+        const bool found = simplex.closest(nearer) && !simplex.fullSimplex(); // else the origin is inside: they overlap
         // A direction off by ε costs a gap of order ε but a length of order ε²: the last rounds are lost in round-off.
-        if (!(nearer_point.length() < length) && ++stalls > 4) break;
-        simplex = next;
-        nearest = nearer_point;
+        if (!found || (!(nearer.length() < length) && ++stalls > 4)) {
+            simplex = before;
+            break;
+        }
+        nearest = nearer;
         length = nearest.length();
     }
-    best.first = best.second = btVector3(0, 0, 0);
-    for (int i = 0; i < simplex.count; i++) {
-        best.first += simplex.corner[i].first * simplex.weight[i];
-        best.second += simplex.corner[i].second * simplex.weight[i];
-    }
+    simplex.compute_points(best.first, best.second);
     return best;
 }
 

@@ -205,12 +205,6 @@ void shv_dynamics_world_remove(ShvDynamicsWorld *world, int32_t number)
     world->bodies[size_t(number)].reset();
 }
 
-double shv_dynamics_world_radius(const ShvDynamicsWorld *world, int32_t number)
-{
-    const btScalar radius = world->bodies[size_t(number)]->shapes.radius;
-    return radius == BT_LARGE_FLOAT ? double(INFINITY) : radius * world->settings.unit;
-}
-
 void shv_dynamics_world_place(ShvDynamicsWorld *world, int32_t number, const ShvDynamicsMotion *motion)
 {
     place(world->bodies[size_t(number)]->body.get(), *motion, world->settings.unit);

@@ -66,9 +66,6 @@ ShvStatus shv_dynamics_world_add(ShvDynamicsWorld *world, int32_t number, const 
                                  const ShvDynamicsMotion *motion, ShvError *error);
 /* What touches it wakes up. */
 void shv_dynamics_world_remove(ShvDynamicsWorld *world, int32_t number);
-/* Radius about the origin, m; infinite for a plane. */
-double shv_dynamics_world_radius(const ShvDynamicsWorld *world, int32_t number);
-
 /* Tells a body's motion; it wakes up. */
 void shv_dynamics_world_place(ShvDynamicsWorld *world, int32_t number, const ShvDynamicsMotion *motion);
 /* Puts its motion in the place of that which a step gave it. What no contact pushed is kept from sleep. */

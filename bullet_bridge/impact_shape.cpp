@@ -9,7 +9,6 @@
 namespace
 {
 
-using shiver::Box;
 using shiver::ImpactPiece;
 
 bool finite(const double *values, int64_t count)
@@ -45,11 +44,12 @@ void add_piece(ShvImpactShape &shape, int32_t begin)
 
 void finish(ShvImpactShape &shape)
 {
-    std::vector<Box> boxes;
-    for (const ImpactPiece &piece : shape.pieces) boxes.push_back(piece.box);
-    shape.tree.build(boxes);
-    shape.box = boxes.front();
-    for (const Box &box : boxes) shape.box = shiver::hull(shape.box, box);
+    for (size_t i = 0; i < shape.pieces.size(); i++) {
+        const double *low = shape.pieces[i].box.low, *high = shape.pieces[i].box.high;
+        const auto volume =
+            btDbvtVolume::FromMM(btVector3(low[0], low[1], low[2]), btVector3(high[0], high[1], high[2]));
+        shape.tree.insert(volume, nullptr)->dataAsInt = static_cast<int>(i);
+    }
 }
 
 // Fills a new shape; no exception gets out.

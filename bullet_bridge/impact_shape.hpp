@@ -5,13 +5,17 @@
 #include <cstdint>
 #include <vector>
 
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <LinearMath/btVector3.h>
 
-#include "bullet_bridge/box_tree.hpp"
 #include "bullet_bridge/impact_time.h"
 
 namespace shiver
 {
+
+struct Box {
+    double low[3], high[3];
+};
 
 // A convex part: points from the body's position, in its axes, grown by the shape's radius.
 struct ImpactPiece {
@@ -26,14 +30,13 @@ struct ImpactPiece {
 struct ShvImpactShape {
     std::vector<double> points;
     std::vector<shiver::ImpactPiece> pieces; // none: a plane
-    shiver::BoxTree tree;                    // of the pieces
+    btDbvt tree;                             // of the pieces
     double radius = 0.0;
     btVector3 normal = btVector3(0, 0, 0); // plane
     double offset = 0.0;
     int32_t most_points = 0; // of a piece
     double arm = 0.0;        // of any piece
     double size = 0.0;       // of the largest piece
-    shiver::Box box = {};    // of all
     bool plane() const { return pieces.empty(); }
 };
 

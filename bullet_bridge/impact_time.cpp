@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
 #include <vector>
 
 #include <LinearMath/btMatrix3x3.h>
 #include <LinearMath/btQuaternion.h>
 
 #include "bullet_bridge/convex_pair.hpp"
+#include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/impact_shape.hpp"
 
 extern "C" {
@@ -485,6 +484,19 @@ Box seen_from(const ShvImpactBody &first, const ImpactPiece &piece, const ShvImp
     return box;
 }
 
+// Pieces whose boxes meet a box, in order.
+void find_pieces(const ShvImpactShape &shape, const Box &box, std::vector<int32_t> &found)
+{
+    struct Visit final : btDbvt::ICollide {
+        std::vector<int32_t> *pieces;
+        void Process(const btDbvtNode *leaf) override { pieces->push_back(leaf->dataAsInt); }
+    } visit;
+    visit.pieces = &found;
+    found.clear();
+    shape.tree.collideTV(shape.tree.m_root, btDbvtVolume::FromMM(vector(box.low), vector(box.high)), visit);
+    std::sort(found.begin(), found.end());
+}
+
 void earliest(const ShvImpactBody &first, const ShvImpactBody &second, const ShvImpactSettings &settings, bool &found,
               ShvImpact &impact)
 {
@@ -498,8 +510,7 @@ void earliest(const ShvImpactBody &first, const ShvImpactBody &second, const Shv
         if (!second.shape->plane()) {
             Box box = seen_from(first, pieces[i], second, settings.step);
             grow(box, slop);
-            candidates.clear();
-            second.shape->tree.find(box, candidates);
+            find_pieces(*second.shape, box, candidates);
         }
         for (const int32_t j : candidates) {
             const ImpactPiece *other = second.shape->plane() ? nullptr : &others[static_cast<size_t>(j)];
@@ -555,51 +566,6 @@ bool usable(const ShvImpactSettings &settings)
            settings.tolerance <= 0.01 && settings.slowest >= 0.0;
 }
 
-// Appends the pairs of each box with later ones; boxes without end are tried with all.
-void pairs_of(const double *boxes, int32_t count, std::vector<int32_t> &pairs)
-{
-    std::vector<Box> finite_boxes;
-    std::vector<int32_t> items, endless, found;
-    std::vector<Box> all(static_cast<size_t>(count));
-    for (int32_t i = 0; i < count; i++) {
-        const double *b = boxes + 6 * static_cast<int64_t>(i);
-        Box &box = all[static_cast<size_t>(i)];
-        box = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-        if (finite(b, 6)) {
-            finite_boxes.push_back(box);
-            items.push_back(i);
-        } else {
-            endless.push_back(i);
-        }
-    }
-    BoxTree tree;
-    tree.build(finite_boxes);
-    for (int32_t i = 0; i < count; i++) {
-        const Box &box = all[static_cast<size_t>(i)];
-        found.clear();
-        tree.find(box, found);
-        for (int32_t &item : found) item = items[static_cast<size_t>(item)];
-        for (const int32_t j : endless)
-            if (meet(box, all[static_cast<size_t>(j)])) found.push_back(j);
-        std::sort(found.begin(), found.end());
-        for (const int32_t j : found)
-            if (j > i) pairs.insert(pairs.end(), {i, j});
-    }
-}
-
-// Runs what may throw.
-template <typename Work> ShvStatus guarded(ShvError *error, const char *what, Work work)
-{
-    try {
-        work();
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for %s", what);
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "no answer for %s: %s", what, problem.what());
-    }
-    return SHV_OK;
-}
-
 } // namespace
 } // namespace shiver
 
@@ -618,36 +584,8 @@ ShvStatus shv_impact_time(const ShvImpactBody *first, const ShvImpactBody *secon
         return shv_fail(error, SHV_BAD_INPUT,
                         "the time of impact needs finite motion and orientations of length 1: a body "
                         "has left its bounds");
-    return shiver::guarded(error, "the time of impact",
-                           [=] { shiver::solve(*first, *second, *settings, *found, *impact); });
-}
-
-void shv_impact_swept_box(const ShvImpactBody *body, const ShvImpactSettings *settings, double box[6])
-{
-    const ShvImpactShape &shape = *body->shape;
-    if (shape.plane()) {
-        for (int i = 0; i < 6; i++) box[i] = i < 3 ? -HUGE_VAL : HUGE_VAL;
-        return;
-    }
-    const shiver::Pose pose = shiver::pose_at(body->motion, 0.0);
-    shiver::Box swept = shiver::carried(shape.box, pose.rotation, pose.position);
-    shiver::sweep(swept, pose.velocity, shiver::vector(body->motion.acceleration), settings->step);
-    shiver::grow(swept, shiver::chord(shiver::turning(*body).rate * settings->step) * shape.arm +
-                            settings->tolerance * shape.size);
-    for (int i = 0; i < 3; i++) {
-        box[i] = swept.low[i];
-        box[3 + i] = swept.high[i];
-    }
-}
-
-ShvStatus shv_impact_candidates(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity,
-                                int64_t *count, ShvError *error)
-{
-    *count = 0;
-    return shiver::guarded(error, "pairs of boxes", [=] {
-        std::vector<int32_t> all;
-        shiver::pairs_of(boxes, box_count, all);
-        *count = static_cast<int64_t>(all.size() / 2);
-        std::copy(all.begin(), all.begin() + 2 * std::min(*count, capacity), pairs);
+    return shiver::guarded(error, [&] {
+        shiver::solve(*first, *second, *settings, *found, *impact);
+        return SHV_OK;
     });
 }

@@ -73,14 +73,6 @@ typedef struct ShvImpact {
 ShvStatus shv_impact_time(const ShvImpactBody *first, const ShvImpactBody *second, const ShvImpactSettings *settings,
                           bool *found, ShvImpact *impact, ShvError *error);
 
-/* Box that holds the body throughout the step, with the tolerance of contact: low x, y, z, high x, y, z; infinite for a plane. */
-void shv_impact_swept_box(const ShvImpactBody *body, const ShvImpactSettings *settings, double box[6]);
-
-/* Pairs of boxes (6 doubles each, as above) that meet: lower index first, in ascending order. `pairs` has room for `capacity`
-   pairs (2 indices each); *count is the number there are, of which those that have room are stored. */
-ShvStatus shv_impact_candidates(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity,
-                                int64_t *count, ShvError *error);
-
 #ifdef __cplusplus
 }
 #endif

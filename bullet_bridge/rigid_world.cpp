@@ -440,8 +440,8 @@ static void collide_plainly(ShvBulletWorld *world, const ShvBulletBody &first, c
     const auto place = [&](const ShvBulletBody &body) {
         const bool plane = body.kind == SHV_BULLET_PLANE; // in the world's frame
         const btVector3 origin = plane ? btVector3(0, 0, 0) : body.position;
-        body.body->setWorldTransform(btTransform(plane ? btMatrix3x3::getIdentity() : body.axes,
-                                                 (origin - first.position) * world->scale));
+        body.body->setWorldTransform(
+            btTransform(plane ? btMatrix3x3::getIdentity() : body.axes, (origin - first.position) * world->scale));
     };
     place(first);
     place(second);

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <memory>
-#include <utility>
 #include <vector>
 
-#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/narrowphase/distance.h>
 
@@ -52,59 +50,6 @@ Nearest nearest(const fcl::Convexd &one, const fcl::Transform3d &pose, const fcl
     return {std::max(0.0, seen), result.nearest_points[0], result.nearest_points[1]};
 }
 
-// A box that is nothing but a box.
-class Extent final : public fcl::CollisionGeometryd
-{
-  public:
-    explicit Extent(const double *box)
-        : given_(fcl::Vector3d(box[0], box[1], box[2]), fcl::Vector3d(box[3], box[4], box[5]))
-    {
-    }
-    void computeLocalAABB() override
-    {
-        aabb_local = given_;
-        aabb_center = given_.center();
-        aabb_radius = (given_.max_ - aabb_center).norm();
-    }
-
-  private:
-    fcl::AABBd given_;
-};
-
-struct Found {
-    std::vector<std::pair<int32_t, int32_t>> pairs;
-};
-
-int32_t index_of(const fcl::CollisionObjectd *object)
-{
-    return *static_cast<const int32_t *>(object->getUserData());
-}
-
-bool note(fcl::CollisionObjectd *one, fcl::CollisionObjectd *other, void *data)
-{
-    static_cast<Found *>(data)->pairs.push_back(std::minmax({index_of(one), index_of(other)}));
-    return false; // go on
-}
-
-Found pairs_of(const double *boxes, int32_t box_count)
-{
-    std::vector<int32_t> indices(static_cast<size_t>(box_count));
-    std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
-    fcl::DynamicAABBTreeCollisionManagerd manager;
-    for (int32_t i = 0; i < box_count; i++) {
-        int32_t &index = indices[static_cast<size_t>(i)];
-        index = i;
-        objects.emplace_back(new fcl::CollisionObjectd(std::make_shared<Extent>(boxes + 6 * static_cast<int64_t>(i))));
-        objects.back()->setUserData(&index);
-        manager.registerObject(objects.back().get());
-    }
-    manager.setup();
-    Found found;
-    manager.collide(&found, note);
-    std::sort(found.pairs.begin(), found.pairs.end());
-    return found;
-}
-
 } // namespace
 
 ShvStatus shv_oracle_distance(const ShvConvex *first, const ShvConvex *second, bool *apart, double *distance,
@@ -138,19 +83,6 @@ ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, con
             const double closing = (gap.first - gap.second).normalized().dot(way);
             if (closing <= 0.0) break; // the distance is convex in the share: it only grows from here
             *share += gap.distance / closing;
-        }
-    });
-}
-
-ShvStatus shv_oracle_pairs(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity, int64_t *count,
-                           ShvError *error)
-{
-    return shiver::guarded(error, [&] {
-        const Found found = pairs_of(boxes, box_count);
-        *count = static_cast<int64_t>(found.pairs.size());
-        for (int64_t i = 0; i < std::min(*count, capacity); i++) {
-            pairs[2 * i] = found.pairs[static_cast<size_t>(i)].first;
-            pairs[2 * i + 1] = found.pairs[static_cast<size_t>(i)].second;
         }
     });
 }

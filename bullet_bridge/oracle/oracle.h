@@ -20,10 +20,6 @@ ShvStatus shv_oracle_distance(const ShvConvex *first, const ShvConvex *second, b
    1e-9 m of each other, if *found. */
 ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, const double move[3], bool *found,
                             double *share, ShvError *error);
-/* FCL's dynamic AABB tree: arguments and answer as shv_impact_candidates, finite boxes only. */
-ShvStatus shv_oracle_pairs(const double *boxes, int32_t box_count, int32_t *pairs, int64_t capacity, int64_t *count,
-                           ShvError *error);
-
 /* libccd's GJK: whether the bodies meet. Closer than √(its round-off), 1.5e-8 m, they do; flat ones that overlap by less than
    1e-5 of their size may not. */
 ShvStatus shv_oracle_overlap(const ShvConvex *first, const ShvConvex *second, bool *overlap, ShvError *error);

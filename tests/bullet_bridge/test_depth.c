@@ -159,8 +159,8 @@ static void test_support_function(void **unused)
         ShvConvex egg = body_of(NULL, 0, shv_vec3(0.2, 0.1, height + gap), turn);
         egg.support = ellipsoid;
         egg.data = axes;
-        /* quadratic near the optimum: √1e-15 of a radian costs 1e-15, and rounding stops GJK near 1e-8 rad */
-        check_near(gap_of(&floor, &egg).gap, gap, 1e-11);
+        /* 1e-12 of the slab's 20 m: on a smooth body GJK ends where Bullet takes four corners near each other for flat */
+        check_near(gap_of(&floor, &egg).gap, gap, 2e-11);
     }
 }
 

@@ -444,58 +444,6 @@ static void test_pieces_of_one_body(void **unused)
     for (int i = 0; i < 2; i++) shv_impact_shape_release(shapes[i]);
 }
 
-static void test_candidates(void **unused)
-{
-    (void)unused;
-    enum { COUNT = 300 };
-    static double boxes[6 * COUNT];
-    static int32_t pairs[2 * COUNT * COUNT];
-    uint64_t index = 0;
-    ShvImpactShape *brick = box(0.1, 0.2, 0.3), *ground = floor_plane();
-    const ShvImpactSettings settings = {.step = 0.1, .tolerance = tolerance, .slowest = 0.0};
-    for (int i = 0; i < COUNT; i++) {
-        ShvImpactBody body =
-            body_of(i % 100 == 7 ? ground : brick, shv_scale(draw_vector(17, &index), 3.0), shv_vec3(0.0, 0.0, 0.0));
-        shv_store3(body.motion.velocity, draw_vector(17, &index));
-        shv_store3(body.motion.acceleration, shv_scale(draw_vector(17, &index), 20.0));
-        shv_store3(body.motion.angular_velocity, shv_scale(draw_vector(17, &index), 20.0));
-        shv_impact_swept_box(&body, &settings, boxes + 6 * i);
-        for (int k = 0; k <= 100 && body.shape == brick; k++) { /* every corner on its way is inside */
-            const double t = 1e-3 * k;
-            const ShvQuat turn = shv_quat_exponential(shv_scale(shv_load3(body.motion.angular_velocity), t));
-            const ShvVec3 arm = shv_rotate(turn, shv_vec3(k & 1 ? 0.1 : -0.1, k & 2 ? 0.2 : -0.2, k & 4 ? 0.3 : -0.3));
-            const ShvVec3 moved = shv_madd(shv_load3(body.motion.position), t, shv_load3(body.motion.velocity));
-            double at[3];
-            shv_store3(at, shv_add(arm, shv_madd(moved, 0.5 * t * t, shv_load3(body.motion.acceleration))));
-            for (int axis = 0; axis < 3; axis++)
-                assert_true(at[axis] >= boxes[6 * i + axis] && at[axis] <= boxes[6 * i + 3 + axis]);
-        }
-    }
-    int64_t count, few;
-    ShvError error;
-    check_ok(shv_impact_candidates(boxes, COUNT, pairs, (int64_t)COUNT * COUNT, &count, &error), error);
-    int64_t expected = 0;
-    for (int i = 0; i < COUNT; i++)
-        for (int j = i + 1; j < COUNT; j++) {
-            bool meet = true;
-            for (int axis = 0; axis < 3; axis++)
-                meet = meet && boxes[6 * i + axis] <= boxes[6 * j + 3 + axis] &&
-                       boxes[6 * j + axis] <= boxes[6 * i + 3 + axis];
-            if (!meet) continue;
-            assert_int_equal(pairs[2 * expected], i);
-            assert_int_equal(pairs[2 * expected + 1], j);
-            expected++;
-        }
-    assert_int_equal(count, expected);
-    assert_true(expected > 1000);
-    int32_t first[20];
-    check_ok(shv_impact_candidates(boxes, COUNT, first, 10, &few, &error), error);
-    assert_int_equal(few, expected);
-    assert_memory_equal(first, pairs, sizeof first);
-    shv_impact_shape_release(brick);
-    shv_impact_shape_release(ground);
-}
-
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -573,7 +521,6 @@ int main(void)
         cmocka_unit_test(test_contact_at_the_start),
         cmocka_unit_test(test_mesh_and_compound_equal_box),
         cmocka_unit_test(test_pieces_of_one_body),
-        cmocka_unit_test(test_candidates),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_speed),
     };

@@ -1,4 +1,4 @@
-/* Gap, depth, time of impact and candidate pairs against FCL and libccd, which share no code with ours. */
+/* Gap, depth and time of impact against FCL and libccd, which share no code with ours. */
 #include "check.h"
 
 #include "base/random.h"
@@ -209,31 +209,6 @@ static void test_impacts(void **unused)
     assert_true(hits > PAIRS / 4 && misses > PAIRS / 10);
 }
 
-/* Coordinates from a grid in every second crowd, so that many boxes touch without overlap; some boxes are flat. */
-static void test_candidates(void **unused)
-{
-    (void)unused;
-    enum { BOXES = 300, ROOM = BOXES * BOXES };
-    static double boxes[6 * BOXES];
-    static int32_t ours[2 * ROOM], theirs[2 * ROOM];
-    uint64_t index = 0;
-    for (int crowd = 0; crowd < 10; crowd++) {
-        for (int i = 0; i < BOXES; i++)
-            for (int axis = 0; axis < 3; axis++) {
-                const double low = 5.0 * draw(35, &index), size = fabs(draw(35, &index)) * (i % 30 ? 1.5 : 8.0);
-                boxes[6 * i + axis] = crowd % 2 ? floor(low) : low;
-                boxes[6 * i + 3 + axis] = crowd % 2 ? floor(low) + floor(2.0 * size) : low + size;
-            }
-        int64_t count, expected;
-        ShvError error;
-        check_ok(shv_impact_candidates(boxes, BOXES, ours, ROOM, &count, &error), error);
-        check_ok(shv_oracle_pairs(boxes, BOXES, theirs, ROOM, &expected, &error), error);
-        assert_int_equal(count, expected);
-        assert_true(count > BOXES / 2);
-        assert_memory_equal(ours, theirs, 2 * (size_t)count * sizeof *ours);
-    }
-}
-
 /* The judges, judged by two tets whose faces x + y + z = 1 and = 2 look at each other. */
 static void test_oracles_by_hand(void **unused)
 {
@@ -265,7 +240,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_oracles_by_hand), cmocka_unit_test(test_distances), cmocka_unit_test(test_overlaps),
-        cmocka_unit_test(test_depths),          cmocka_unit_test(test_impacts),   cmocka_unit_test(test_candidates),
+        cmocka_unit_test(test_depths),          cmocka_unit_test(test_impacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
