@@ -312,6 +312,7 @@ static const ShvTable repeat_table = {.name = "objects.<name>.repeat",
                                       .sentence = "A row or stack of equal objects.",
                                       .keys = repeat_keys,
                                       .key_count = LENGTH_OF(repeat_keys)};
+static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
 static const ShvKey object_keys[] = {
     {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
      .sentence = "Its tetrahedra."},
@@ -327,6 +328,11 @@ static const ShvKey object_keys[] = {
          "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
          "to the velocity. Such an object starts in fracture mode."},
     {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
+    {"plane_strain", SHV_KEY_CHOICE, .choices = axis_choices, .offset = offsetof(ShvObjectItem, plane_strain),
+     .absent = "none",
+     .sentence =
+         "World axis along which none of its nodes ever moves: a slice of a body that is long that way. The same "
+         "as a support of all its nodes along that axis."},
     {"waits", SHV_KEY_BOOLEAN, .offset = OBJECT(waits),
      .sentence = "Whether it is not in the scene until a program brings it (shv_simulation_enter, docs/library.md)."},
 };

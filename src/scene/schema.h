@@ -97,6 +97,7 @@ typedef struct ShvObjectItem {
     double repeat_spread[3]; /* m: each is shifted at random by up to half of it */
     bool repeat_turn;        /* each is turned at random */
     uint64_t repeat_seed;
+    int plane_strain; /* axis along which none of its nodes moves: 1 + index; 0: none */
 } ShvObjectItem;
 
 typedef struct ShvConditionItem {

@@ -176,7 +176,14 @@ static void check_heap(const ShvSceneDefinition *scene)
 static void check_conditions(const ShvSceneDefinition *scene)
 {
     const ShvConditionDefinition *c = scene->conditions;
-    assert_int_equal(scene->condition_count, 6);
+    assert_int_equal(scene->condition_count, 7);
+    /* `plane_strain` is a support of all nodes, always. */
+    assert_string_equal(c[6].name, "part.plane_strain");
+    assert_string_equal(c[6].object, "part");
+    assert_int_equal(c[6].kind, SHV_CONDITION_SUPPORT);
+    assert_int_equal(c[6].selection.kind, SHV_SELECT_ALL);
+    assert_true(!c[6].axes[0] && !c[6].axes[1] && c[6].axes[2]);
+    assert_true(c[6].start == 0.0 && isinf(c[6].end));
     assert_string_equal(c[0].name, "clamp");
     assert_string_equal(c[0].object, "beam");
     assert_int_equal(c[0].kind, SHV_CONDITION_SUPPORT);
