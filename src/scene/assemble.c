@@ -45,6 +45,19 @@ static ShvObjectDefinition finished_object(const ShvObjectItem *item)
     return object;
 }
 
+static void assemble_cracks(ShvObjectDefinition *object, const ShvItems *items, ShvPool *pool)
+{
+    const ShvCrackItem *from = items->data;
+    ShvCrackDefinition *cracks = shv_pool_take(pool, (size_t)items->count, sizeof *cracks);
+    if (!cracks) return;
+    for (int32_t i = 0; i < items->count; i++) {
+        cracks[i] = from[i].definition;
+        make_unit(cracks[i].plane.plane_normal);
+    }
+    object->cracks = cracks;
+    object->crack_count = items->count;
+}
+
 static const char *copy_name(ShvPool *pool, const char *name, int32_t number)
 {
     char text[96];
@@ -109,6 +122,7 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
             ShvObjectDefinition *object = &objects[count];
             sources[count++] = item;
             *object = finished_object(item);
+            if (item->cracks.count > 0) assemble_cracks(object, &item->cracks, pool);
             if (copies == 0) continue;
             object->name = copy_name(pool, item->head.name, k + 1);
             place_copy(&object->placement, item, k);

@@ -89,6 +89,11 @@ typedef struct ShvMaterialItem {
     const char *library; /* NULL: none; its numbers are in the tree already */
 } ShvMaterialItem;
 
+typedef struct ShvCrackItem {
+    ShvItemHead head;
+    ShvCrackDefinition definition;
+} ShvCrackItem;
+
 typedef struct ShvObjectItem {
     ShvItemHead head;
     ShvObjectDefinition definition;
@@ -97,6 +102,7 @@ typedef struct ShvObjectItem {
     double repeat_spread[3]; /* m: each is shifted at random by up to half of it */
     bool repeat_turn;        /* each is turned at random */
     uint64_t repeat_seed;
+    ShvItems cracks;
     int plane_strain; /* axis along which none of its nodes moves: 1 + index; 0: none */
 } ShvObjectItem;
 

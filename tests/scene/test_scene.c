@@ -123,6 +123,12 @@ static void check_meshes(const ShvSceneDefinition *scene)
 {
     const ShvObjectDefinition *o = scene->objects + 3;
     assert_int_equal(scene->object_count, 13);
+    assert_int_equal(o[0].crack_count, 0);
+    assert_int_equal(o[4].crack_count, 1);
+    same(o[4].cracks[0].plane.plane_normal[2], 1.0);
+    same(o[4].cracks[0].plane.plane_offset, 0.01);
+    same(o[4].cracks[0].plane.tolerance, 1e-6);
+    check_vector(o[4].cracks[0].box.box_max, 4.0, 5.0, 6.0);
     assert_int_equal(o[0].mesh.kind, SHV_MESH_BALL);
     assert_string_equal(o[0].material, "steel");
     same(o[0].mesh.radius, 0.05);
