@@ -119,16 +119,6 @@ typedef struct ShvPlacement {
     double stretch_rate[3];     /* 1/s, objects: velocity rate × (x − centre of mass) along each world axis on top */
 } ShvPlacement;
 
-typedef struct ShvObjectDefinition {
-    uint32_t cookie;
-    const char *name;
-    ShvMeshDefinition mesh;
-    const char *material;
-    ShvPlacement placement;
-    bool waits; /* it is not in the scene until shv_simulation_enter brings it */
-} ShvObjectDefinition;
-ShvObjectDefinition shv_object_default(void);
-
 typedef enum ShvSelectionKind { SHV_SELECT_ALL, SHV_SELECT_BOX, SHV_SELECT_PLANE } ShvSelectionKind;
 
 /* Nodes (or, for a traction, boundary facets whose three nodes are all chosen) of one object, judged on its placed
@@ -139,6 +129,23 @@ typedef struct ShvSelection {
     double plane_normal[3], plane_offset; /* |n·x − offset| ≤ tolerance, n of unit length */
     double tolerance;                     /* m */
 } ShvSelection;
+
+/* A crack that is there from the start: facets whose corners are all chosen by `plane` and whose middle by `box`. */
+typedef struct ShvCrackDefinition {
+    ShvSelection plane, box; /* a plane; a box, or all */
+} ShvCrackDefinition;
+
+typedef struct ShvObjectDefinition {
+    uint32_t cookie;
+    const char *name;
+    ShvMeshDefinition mesh;
+    const char *material;
+    ShvPlacement placement;
+    bool waits; /* it is not in the scene until shv_simulation_enter brings it */
+    const ShvCrackDefinition *cracks;
+    int32_t crack_count;
+} ShvObjectDefinition;
+ShvObjectDefinition shv_object_default(void);
 
 typedef enum ShvConditionKind {
     SHV_CONDITION_SUPPORT,  /* the chosen components keep zero velocity */

@@ -14,6 +14,8 @@ void shv_gather_release(ShvGather *gather)
     shv_bodies_release(&gather->bodies);
     shv_release(gather->corners);
     shv_release(gather->fragments);
+    shv_release(gather->damage);
+    gather->damage = NULL;
     gather->corners = NULL;
     gather->fragments = NULL;
 }
@@ -161,6 +163,7 @@ ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, S
     add_motion(outcome, frame);
     shv_gather_ledger(outcome, &frame->ledger);
     SHV_TRY(add_corners(gather, simulation, error));
+    SHV_TRY(shv_gather_tip(gather, simulation, error));
     add_probes(outcome, frame);
     count_events(outcome, frame);
     if (gather->tracked) track(gather, frame);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "mesh/generate.h"
+#include "model/precrack.h"
 
 /* A corner is numbered 4 × element + corner in 32 bits. */
 static const int64_t element_limit = INT32_MAX / 4;
@@ -143,7 +144,8 @@ static ShvStatus make_part(ShvMesh *part, ShvMemory *memory, const ShvObjectDefi
     const ShvStatus status = shv_mesh_generate(part, memory, &object->mesh, folder, error);
     if (status != SHV_OK) return shv_fail_within(error, status, "object '%s'", object->name);
     place(part, &object->placement);
-    return check_placed(part, object->name, error);
+    SHV_TRY(check_placed(part, object->name, error));
+    return shv_precrack_open(part, object, error);
 }
 
 /* Gives every object its ranges in the joint mesh. */

@@ -1,6 +1,7 @@
 #include "scene/assemble.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/deterministic.h"
 #include "base/random.h"
@@ -42,6 +43,19 @@ static ShvObjectDefinition finished_object(const ShvObjectItem *item)
         object.mesh.thickness = 0.0;
     }
     return object;
+}
+
+static void assemble_cracks(ShvObjectDefinition *object, const ShvItems *items, ShvPool *pool)
+{
+    const ShvCrackItem *from = items->data;
+    ShvCrackDefinition *cracks = shv_pool_take(pool, (size_t)items->count, sizeof *cracks);
+    if (!cracks) return;
+    for (int32_t i = 0; i < items->count; i++) {
+        cracks[i] = from[i].definition;
+        make_unit(cracks[i].plane.plane_normal);
+    }
+    object->cracks = cracks;
+    object->crack_count = items->count;
 }
 
 static const char *copy_name(ShvPool *pool, const char *name, int32_t number)
@@ -122,6 +136,7 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
             *object = finished_object(item);
             object->mesh.profile = profile;
             object->mesh.profile_count = item->profile.count;
+            if (item->cracks.count > 0) assemble_cracks(object, &item->cracks, pool);
             if (copies == 0) continue;
             object->name = copy_name(pool, item->head.name, k + 1);
             place_copy(&object->placement, item, k);
@@ -133,11 +148,32 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
     assembly->definition.object_count = count;
 }
 
-static void assemble_conditions(ShvSceneDefinition *definition, const ShvSceneItem *scene, ShvPool *pool)
+/* A slice is held along one axis, all of it. */
+static void hold_slices(ShvAssembly *assembly, ShvConditionDefinition *conditions, ShvPool *pool)
 {
+    static const char ending[] = ".plane_strain";
+    ShvSceneDefinition *definition = &assembly->definition;
+    for (int32_t i = 0; i < definition->object_count; i++) {
+        const int axis = assembly->object_sources[i]->plane_strain;
+        const char *object = definition->objects[i].name;
+        if (axis == 0) continue;
+        char *name = shv_pool_take(pool, strlen(object) + sizeof ending, 1);
+        if (!name) return;
+        ShvConditionDefinition *condition = &conditions[definition->condition_count++];
+        *condition = shv_condition_default();
+        condition->name = strcat(strcpy(name, object), ending);
+        condition->object = object;
+        condition->kind = SHV_CONDITION_SUPPORT;
+        for (int k = 0; k < 3; k++) condition->axes[k] = k == axis - 1;
+    }
+}
+
+static void assemble_conditions(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *pool)
+{
+    ShvSceneDefinition *definition = &assembly->definition;
     const ShvItems *groups[] = {&scene->supports, &scene->velocities, &scene->tractions};
-    const size_t total =
-        (size_t)scene->supports.count + (size_t)scene->velocities.count + (size_t)scene->tractions.count;
+    const size_t total = (size_t)scene->supports.count + (size_t)scene->velocities.count +
+                         (size_t)scene->tractions.count + (size_t)definition->object_count;
     ShvConditionDefinition *conditions = shv_pool_take(pool, total, sizeof *conditions);
     if (!conditions) return;
     for (int g = 0; g < 3; g++) {
@@ -149,6 +185,7 @@ static void assemble_conditions(ShvSceneDefinition *definition, const ShvSceneIt
             make_unit(condition->selection.plane_normal);
         }
     }
+    hold_slices(assembly, conditions, pool);
     definition->conditions = conditions;
 }
 
@@ -230,7 +267,7 @@ void shv_assemble(ShvAssembly *assembly, const ShvSceneItem *scene, ShvPool *poo
     confine_fracture(&assembly->definition.fracture.on);
     assemble_materials(&assembly->definition, scene, pool);
     assemble_objects(assembly, scene, pool, work, diagnostics);
-    assemble_conditions(&assembly->definition, scene, pool);
+    assemble_conditions(assembly, scene, pool);
     assemble_obstacles(&assembly->definition, scene, pool);
     assemble_events(&assembly->definition, scene, pool);
     assemble_probes(&assembly->definition, scene, pool);

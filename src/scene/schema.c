@@ -341,36 +341,7 @@ static const ShvTable repeat_table = {.name = "objects.<name>.repeat",
                                       .sentence = "A row or stack of equal objects.",
                                       .keys = repeat_keys,
                                       .key_count = LENGTH_OF(repeat_keys)};
-static const ShvKey object_keys[] = {
-    {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
-     .sentence = "Its tetrahedra."},
-    {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
-     .sentence = "Name of its material."},
-    POSITION_KEY(OBJECT(placement), "Where the origin of the mesh is at the start."),
-    ROTATION_KEY(OBJECT(placement), object_rotation_table),
-    VELOCITY_KEY(OBJECT(placement)),
-    ANGULAR_VELOCITY_KEY(OBJECT(placement)),
-    {"stretch_rate", SHV_KEY_VECTOR, SHV_DIMENSION_FREQUENCY,
-     .offset = OBJECT(placement) + offsetof(ShvPlacement, stretch_rate),
-     .sentence =
-         "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
-         "to the velocity. Such an object starts in fracture mode."},
-    {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
-    {"waits", SHV_KEY_BOOLEAN, .offset = OBJECT(waits),
-     .sentence = "Whether it is not in the scene until a program brings it (shv_simulation_enter, docs/library.md)."},
-};
-static void start_object(void *item)
-{
-    *(ShvObjectItem *)item = (ShvObjectItem){.definition = shv_object_default()};
-}
-static const ShvTable object_table = {.name = "objects.<name>",
-                                      .sentence = "A body of tetrahedra, which may break.",
-                                      .keys = object_keys,
-                                      .key_count = LENGTH_OF(object_keys),
-                                      .size = sizeof(ShvObjectItem),
-                                      .start = start_object};
-
-/* ---- conditions --------------------------------------------------------------------------------------- */
+/* ---- cracks that are there ---- */
 
 #define SELECTION(member) offsetof(ShvSelection, member)
 static const ShvKey select_box_keys[] = {
@@ -387,6 +358,78 @@ static const ShvKey select_plane_keys[] = {
     {"tolerance", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED, &not_negative, .offset = SELECTION(tolerance),
      .sentence = "How far from the plane still counts."},
 };
+static const ShvTable crack_plane_table = {.name = "objects.<name>.cracks.<index>.plane",
+                                           .sentence = "The plane, in the world at the start.",
+                                           .keys = select_plane_keys,
+                                           .key_count = LENGTH_OF(select_plane_keys)};
+static const ShvTable crack_box_table = {.name = "objects.<name>.cracks.<index>.box",
+                                         .sentence = "The part of the plane that is cracked.",
+                                         .keys = select_box_keys,
+                                         .key_count = LENGTH_OF(select_box_keys)};
+static const ShvKey crack_keys[] = {
+    {"plane", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &crack_plane_table,
+     .offset = offsetof(ShvCrackItem, definition.plane), .sentence = "Facets with all corners near it."},
+    {"box", SHV_KEY_MAPPING, .table = &crack_box_table, .offset = offsetof(ShvCrackItem, definition.box),
+     .absent = "all of the plane", .sentence = "Those of them whose middle is in this box."},
+};
+static void start_crack(void *item)
+{
+    ShvCrackItem *crack = item;
+    *crack = (ShvCrackItem){.definition.plane.kind = SHV_SELECT_PLANE, .definition.box.kind = SHV_SELECT_BOX};
+    for (int k = 0; k < 3; k++) {
+        crack->definition.box.box_min[k] = -HUGE_VAL;
+        crack->definition.box.box_max[k] = HUGE_VAL;
+    }
+}
+static const ShvTable crack_table = {.name = "objects.<name>.cracks.<index>",
+                                     .sentence =
+                                         "A crack that is there from the start: a slit of no width along facets of "
+                                         "the mesh, whose lips have nodes of their own. One that meets no facet "
+                                         "is an error.",
+                                     .keys = crack_keys,
+                                     .key_count = LENGTH_OF(crack_keys),
+                                     .size = sizeof(ShvCrackItem),
+                                     .start = start_crack};
+
+static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
+static const ShvKey object_keys[] = {
+    {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
+     .sentence = "Its tetrahedra."},
+    {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
+     .sentence = "Name of its material."},
+    POSITION_KEY(OBJECT(placement), "Where the origin of the mesh is at the start."),
+    ROTATION_KEY(OBJECT(placement), object_rotation_table),
+    VELOCITY_KEY(OBJECT(placement)),
+    ANGULAR_VELOCITY_KEY(OBJECT(placement)),
+    {"stretch_rate", SHV_KEY_VECTOR, SHV_DIMENSION_FREQUENCY,
+     .offset = OBJECT(placement) + offsetof(ShvPlacement, stretch_rate),
+     .sentence =
+         "Rates at which it stretches along the world axes at the start: adds rate × distance from the centre of mass "
+         "to the velocity. Such an object starts in fracture mode."},
+    {"repeat", SHV_KEY_MAPPING, .table = &repeat_table, .sentence = "Several of it."},
+    {"cracks", SHV_KEY_LIST, .table = &crack_table, .offset = offsetof(ShvObjectItem, cracks),
+     .sentence = "Patches of planes that are cracked from the start."},
+    {"plane_strain", SHV_KEY_CHOICE, .choices = axis_choices, .offset = offsetof(ShvObjectItem, plane_strain),
+     .absent = "none",
+     .sentence =
+         "World axis along which none of its nodes ever moves: a slice of a body that is long that way. The same "
+         "as a support of all its nodes along that axis."},
+    {"waits", SHV_KEY_BOOLEAN, .offset = OBJECT(waits),
+     .sentence = "Whether it is not in the scene until a program brings it (shv_simulation_enter, docs/library.md)."},
+};
+static void start_object(void *item)
+{
+    *(ShvObjectItem *)item = (ShvObjectItem){.definition = shv_object_default()};
+}
+static const ShvTable object_table = {.name = "objects.<name>",
+                                      .sentence = "A body of tetrahedra, which may break.",
+                                      .keys = object_keys,
+                                      .key_count = LENGTH_OF(object_keys),
+                                      .size = sizeof(ShvObjectItem),
+                                      .start = start_object};
+
+/* ---- conditions --------------------------------------------------------------------------------------- */
+
 #define SELECTION_TABLES(conditions, label)                                                                            \
     static const ShvTable conditions##_box_table = {.name = label ".on.box",                                           \
                                                     .sentence = "Nodes within a box of world coordinates.",            \

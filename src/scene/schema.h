@@ -94,6 +94,11 @@ typedef struct ShvCornerItem {
     double radius, height;
 } ShvCornerItem;
 
+typedef struct ShvCrackItem {
+    ShvItemHead head;
+    ShvCrackDefinition definition;
+} ShvCrackItem;
+
 typedef struct ShvObjectItem {
     ShvItemHead head;
     ShvObjectDefinition definition;
@@ -103,6 +108,8 @@ typedef struct ShvObjectItem {
     bool repeat_turn;        /* each is turned at random */
     uint64_t repeat_seed;
     ShvItems profile; /* of a turned mesh */
+    ShvItems cracks;
+    int plane_strain; /* axis along which none of its nodes moves: 1 + index; 0: none */
 } ShvObjectItem;
 
 typedef struct ShvConditionItem {

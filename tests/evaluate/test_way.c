@@ -128,7 +128,8 @@ static void test_failed_run(void **state)
                                        "rigid.engine=analytic",
                                        "duration=0.1",
                                        "obstacles={}",
-                                       "output.rate=10", "reference={law: rest}"};
+                                       "output.rate=10",
+                                       "reference={law: rest}"};
     ShvScene *scene = parse(BOUNCE, fast, 7);
     ShvStatus status;
     ShvOutcome outcome = run(scene, NULL, &status);

@@ -258,6 +258,8 @@ static void materials(void **state)
 static void objects(void **state)
 {
     (void)state;
+    check_one(WITH_OBJECT("material: m, mesh: {box: {size: [1, 1, 1], edge: 1}}, plane_strain: true"),
+              "s.yaml:4:75: error: plane_strain is 'true'; expected none, x, y or z");
     check_one(WITH_MESH("jitter: 0.1"),
               "s.yaml:4:26: error: objects.o.mesh has none of box, ball, hollow_ball, cylinder, "
               "notched_beam, gmsh, tetgen, shell, stl, turned or memory; give exactly one");

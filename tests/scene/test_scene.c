@@ -123,6 +123,12 @@ static void check_meshes(const ShvSceneDefinition *scene)
 {
     const ShvObjectDefinition *o = scene->objects + 3;
     assert_int_equal(scene->object_count, 14);
+    assert_int_equal(o[0].crack_count, 0);
+    assert_int_equal(o[4].crack_count, 1);
+    same(o[4].cracks[0].plane.plane_normal[2], 1.0);
+    same(o[4].cracks[0].plane.plane_offset, 0.01);
+    same(o[4].cracks[0].plane.tolerance, 1e-6);
+    check_vector(o[4].cracks[0].box.box_max, 4.0, 5.0, 6.0);
     assert_int_equal(o[0].mesh.kind, SHV_MESH_BALL);
     assert_string_equal(o[0].material, "steel");
     same(o[0].mesh.radius, 0.05);
@@ -182,7 +188,14 @@ static void check_heap(const ShvSceneDefinition *scene)
 static void check_conditions(const ShvSceneDefinition *scene)
 {
     const ShvConditionDefinition *c = scene->conditions;
-    assert_int_equal(scene->condition_count, 6);
+    assert_int_equal(scene->condition_count, 7);
+    /* `plane_strain` is a support of all nodes, always. */
+    assert_string_equal(c[6].name, "part.plane_strain");
+    assert_string_equal(c[6].object, "part");
+    assert_int_equal(c[6].kind, SHV_CONDITION_SUPPORT);
+    assert_int_equal(c[6].selection.kind, SHV_SELECT_ALL);
+    assert_true(!c[6].axes[0] && !c[6].axes[1] && c[6].axes[2]);
+    assert_true(c[6].start == 0.0 && isinf(c[6].end));
     assert_string_equal(c[0].name, "clamp");
     assert_string_equal(c[0].object, "beam");
     assert_int_equal(c[0].kind, SHV_CONDITION_SUPPORT);
