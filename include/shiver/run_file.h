@@ -24,9 +24,10 @@ typedef struct ShvRecordDefinition {
     uint64_t scene_hash;
     uint64_t
         resume_hash; /* of what a run that goes on from a checkpoint must have in common with the one that took it */
-    int32_t threads; /* stored in the file */
-    bool nodes;      /* corner positions and facet damage of every frame */
-    double sync_interval; /* s of run time from one time that everything is brought to the disk to the next; 5 */
+    const char *rigid_engine; /* shv_rigid_engine_name of the scene's; stored in the file */
+    int32_t threads;          /* stored in the file */
+    bool nodes;               /* corner positions and facet damage of every frame */
+    double sync_interval;     /* s of run time from one time that everything is brought to the disk to the next; 5 */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
 ShvRecordDefinition shv_record_default(void);
@@ -63,7 +64,7 @@ ShvStatus shv_record_resume(ShvRecord **record, const ShvRecordDefinition *defin
 typedef struct ShvRunFile ShvRunFile;
 typedef struct ShvRunFileInfo {
     int32_t format;
-    const char *code_version, *status, *message, *scene_text, *scene_name, *processor;
+    const char *code_version, *status, *message, *scene_text, *scene_name, *processor, *rigid_engine;
     const char *overrides; /* one a line */
     bool nodes;            /* corners and damage were recorded */
     bool live;             /* another process was writing the file: it has the frames of that moment */

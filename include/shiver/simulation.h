@@ -193,8 +193,9 @@ typedef struct ShvMaterialView {
     double nominal_energy, energy;     /* J/m², likewise */
     double cohesive_zone, snap_back;   /* m: (π/8) E/(1−ν²) G/σ² and 2 E G/σ², in effect */
     double tip_toughness;              /* times G: estimate of what a crack tip costs on this mesh, at least 1 */
-    double tip_strength;               /* Pa: c √(E G/mesh_edge), for `tip_strength`; 0 in run files */
-    double shear_strength;             /* Pa, mode II, in effect; 0 in run files */
+    double youngs_modulus, poissons_ratio; /* Pa */
+    double tip_strength;                   /* Pa: c √(E G/mesh_edge), for `tip_strength`; 0 in run files */
+    double shear_strength;                 /* Pa, mode II, in effect; 0 in run files */
 } ShvMaterialView;
 
 /* An object's half-open ranges in the joint mesh. */

@@ -12,6 +12,7 @@
 #include "cli/progress.h"
 #include "cli/reserve.h"
 #include "cli/resume.h"
+#include "shiver/study.h"
 
 enum { OUTPUT, FORCE, JSON, AUDIT_WAKE, RESUME, UNTIL, CHECKPOINT };
 
@@ -335,6 +336,7 @@ static ShvRecordDefinition define_record(const ShvArguments *arguments, const Sh
     recording.scene_name = definition->name;
     recording.scene_hash = shv_scene_hash(scene);
     recording.resume_hash = shv_resume_hash(scene);
+    recording.rigid_engine = shv_rigid_engine_name(definition->rigid.engine);
     recording.threads = shv_simulation_threads(simulation);
     recording.nodes = definition->output.nodes;
     return recording;

@@ -19,6 +19,7 @@ static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
            shv_attribute_put_number(file, "scene_hash", H5T_STD_U64LE, H5T_NATIVE_UINT64, &definition->scene_hash) &&
            shv_attribute_put_number(file, "threads", H5T_STD_I32LE, H5T_NATIVE_INT32, &definition->threads) &&
            shv_attribute_put_text(file, "processor", processor, 1) &&
+           shv_attribute_put_text(file, "rigid_engine", definition->rigid_engine ? definition->rigid_engine : "", 1) &&
            shv_attribute_put_text(file, "status", "running", SHV_RECORD_STATUS) &&
            shv_attribute_put_text(file, "message", "", SHV_RECORD_MESSAGE) &&
            shv_attribute_put_text(file, "units", "SI", 1) && shv_attribute_put_text(file, "up", "z, right-handed", 1) &&

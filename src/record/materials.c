@@ -5,6 +5,8 @@
 #include "record/run_file.h"
 
 const ShvMaterialColumn shv_material_columns[SHV_MATERIAL_COLUMNS] = {
+    {"/materials/youngs_modulus", offsetof(ShvMaterialView, youngs_modulus)},
+    {"/materials/poissons_ratio", offsetof(ShvMaterialView, poissons_ratio)},
     {"/materials/mesh_edge", offsetof(ShvMaterialView, mesh_edge)},
     {"/materials/zone_edges", offsetof(ShvMaterialView, zone_edges)},
     {"/materials/resolved_edge", offsetof(ShvMaterialView, resolved_edge)},
@@ -29,6 +31,8 @@ static ShvStatus read_numbers(const ShvRunFile *file, ShvError *error)
     if (!column) return shv_fail_memory(error, "materials", (size_t)file->material_count * sizeof *column);
     ShvStatus status = SHV_OK;
     for (int k = 0; status == SHV_OK && k < SHV_MATERIAL_COLUMNS; k++) {
+        /* Files of earlier versions do not have all: what is not known is 0. */
+        if (H5Lexists(file->file, shv_material_columns[k].path, H5P_DEFAULT) <= 0) continue;
         status = shv_run_read_array(file, shv_material_columns[k].path, file->material_count, 0, true, column, error);
         for (int32_t i = 0; status == SHV_OK && i < file->material_count; i++)
             memcpy((char *)&file->materials[i] + shv_material_columns[k].offset, &column[i], sizeof *column);

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-enum { SHV_MATERIAL_COLUMNS = 10 };
+enum { SHV_MATERIAL_COLUMNS = 12 };
 
 typedef struct ShvMaterialColumn {
     const char *path;

@@ -112,12 +112,17 @@ static ShvStatus read_attributes(ShvRunFile *file, ShvError *error)
         get_text(file, "processor", texts->processor, sizeof texts->processor) &&
         shv_attribute_get_number(file->file, "scene_hash", H5T_NATIVE_UINT64, H5T_INTEGER, &file->info.scene_hash) &&
         shv_attribute_get_number(file->file, "threads", H5T_NATIVE_INT32, H5T_INTEGER, &file->info.threads);
+    /* Files of earlier versions do not tell. */
+    if (H5Aexists(file->file, "rigid_engine") <= 0 ||
+        !get_text(file, "rigid_engine", texts->rigid_engine, sizeof texts->rigid_engine))
+        texts->rigid_engine[0] = '\0';
     if (!good) return shv_run_fail_damaged(file, "an attribute of its root", error);
     file->info.code_version = texts->code_version;
     file->info.status = texts->status;
     file->info.message = texts->message;
     file->info.scene_name = texts->scene_name;
     file->info.processor = texts->processor;
+    file->info.rigid_engine = texts->rigid_engine;
     if (strcmp(texts->status, "running") != 0) return SHV_OK;
     file->info.live = file->snapshot != NULL;
     file->info.message = file->info.live

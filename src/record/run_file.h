@@ -7,7 +7,7 @@
 #include "shiver/run_file.h"
 
 typedef struct ShvRunTexts {
-    char code_version[64], status[32], message[1100], scene_name[1024], processor[256];
+    char code_version[64], status[32], message[1100], scene_name[1024], processor[256], rigid_engine[32];
 } ShvRunTexts;
 
 typedef struct ShvObstacleBodies ShvObstacleBodies;

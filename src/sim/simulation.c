@@ -410,6 +410,8 @@ ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t
         .cohesive_zone = shv_material_cohesive_zone(material),
         .snap_back = shv_material_snap_back(material),
         .tip_toughness = shv_material_tip_toughness(material, material->mesh_edge),
+        .youngs_modulus = material->youngs_modulus,
+        .poissons_ratio = material->poissons_ratio,
         .tip_strength = material->mesh_edge > 0.0 ? shv_material_tip_strength(material, material->mesh_edge) : 0.0,
         .shear_strength = material->strength[SHV_SHEAR],
     };

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs one program over what the exports write: run.sh SHIVER SOURCE_FOLDER tables|usd|paraview|blender|browser
+# Runs one program over what the exports write: run.sh SHIVER SOURCE_FOLDER tables|usd|paraview|blender|browser|many
 # What it reads is compared with the run file, which h5py reads. Ends with 77 where a program is not installed. Debian's packages:
 # python3-h5py; nodejs and npm, with three.js; paraview and python3-paraview; blender; chromium (`./bootstrap interop` installs
 # what is missing and runs all).
@@ -17,7 +17,9 @@ python=
 for candidate in python3 /usr/bin/python3; do
     if [ -z "$python" ] && $candidate -c 'import h5py' 2>/dev/null; then python=$candidate; fi
 done
-[ -n "$python" ] || [ "$which" = browser ] || skip "no h5py: install Debian's package python3-h5py"
+judged=yes
+case $which in browser | many) judged= ;; esac
+[ -n "$python" ] || [ -z "$judged" ] || skip "no h5py: install Debian's package python3-h5py"
 case $which in
 tables) ;;
 usd)
@@ -25,15 +27,17 @@ usd)
     ;;
 paraview) command -v pvpython >/dev/null 2>&1 || skip "no pvpython: install Debian's package paraview" ;;
 blender) command -v blender >/dev/null 2>&1 || skip "no blender: install Debian's package blender" ;;
-browser)
+browser | many)
     command -v chromium >/dev/null 2>&1 || skip "no chromium: install Debian's package chromium"
     [ -d "$source/src/view/web/node_modules/playwright-core" ] || skip "no playwright-core: run npm ci in src/view/web"
     ;;
 esac
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$shiver" run "$source/tests/interop/scene.yaml" --output "$folder/run.h5" --quiet
-[ "$which" = browser ] || $python "$source/tests/interop/judge.py" "$folder"
+scene=scene
+[ "$which" != many ] || scene=many
+"$shiver" run "$source/tests/interop/$scene.yaml" --output "$folder/run.h5" --quiet
+[ -z "$judged" ] || $python "$source/tests/interop/judge.py" "$folder"
 case $which in
 tables)
     "$shiver" export csv "$folder/run.h5" >/dev/null
@@ -54,8 +58,12 @@ blender)
     blender --background --python-exit-code 1 --python "$source/tests/interop/blender_reads.py" -- "$folder" | tee "$folder/log"
     grep -q '^as in the run file:' "$folder/log"
     ;;
-browser)
+browser | many)
     "$shiver" view "$folder/run.h5" >/dev/null || [ $? -ne 2 ] || skip "this shiver was built without the page"
+    if [ "$which" = many ]; then
+        node "$source/tests/interop/browser_times.mjs" "$folder/run.html" "$source" 8
+        exit
+    fi
     "$shiver" export csv "$folder/run.h5" >/dev/null
     node "$source/tests/interop/browser_plays.mjs" "$folder" "$source"
     ;;

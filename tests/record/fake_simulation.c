@@ -286,6 +286,8 @@ ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t
     return (ShvMaterialView){.name = "glass",
                              .breakable = true,
                              .unresolved = SHV_UNRESOLVED_SCALE_STRENGTH,
+                             .youngs_modulus = 70e9,
+                             .poissons_ratio = 0.2,
                              .mesh_edge = 3e-3,
                              .zone_edges = 5.0,
                              .resolved_edge = 2.9e-5,

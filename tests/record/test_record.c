@@ -23,6 +23,7 @@ static ShvRecordDefinition define(const char *path)
     definition.overrides = overrides;
     definition.override_count = 2;
     definition.scene_hash = UINT64_C(0xfedcba9876543210);
+    definition.rigid_engine = "pbd";
     definition.threads = 3;
     return definition;
 }
@@ -54,6 +55,7 @@ static void check_head(const ShvRunFile *file)
     assert_string_equal(info->scene_text, "shiver: 1\nname: ä wall\n");
     assert_string_equal(info->overrides, "duration=2\noutput.rate=60\n");
     assert_true(info->scene_hash == UINT64_C(0xfedcba9876543210));
+    assert_string_equal(info->rigid_engine, "pbd");
     assert_int_equal(info->threads, 3);
     assert_true(strlen(info->processor) > 0);
     assert_int_equal(info->node_count, 40);
@@ -67,6 +69,7 @@ static void check_head(const ShvRunFile *file)
     assert_true(glass.breakable && !steel.breakable);
     assert_int_equal(glass.unresolved, SHV_UNRESOLVED_SCALE_STRENGTH);
     assert_int_equal(steel.unresolved, SHV_UNRESOLVED_KEEP);
+    assert_true(glass.youngs_modulus == 70e9 && glass.poissons_ratio == 0.2);
     assert_true(glass.mesh_edge == 3e-3 && glass.zone_edges == 5.0 && glass.resolved_edge == 2.9e-5);
     assert_true(glass.nominal_strength == 40e6 && glass.strength == 4e6 && glass.nominal_energy == 8.0);
     assert_true(glass.energy == 8.0 && glass.cohesive_zone == 0.015 && glass.snap_back == 0.07);
