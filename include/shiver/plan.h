@@ -16,6 +16,8 @@ typedef struct ShvPreflight {
     double mass, volume; /* lumped mass, kg; m³ */
     double shortest_edge, mean_edge, longest_edge, smallest_altitude;
     double worst_aspect;                  /* 3 × inradius / circumradius */
+    double smallest_dihedral;             /* degrees */
+    bool ordered;                         /* a box whose nodes stand in rank and file, and could stand without */
     double stable_step;                   /* s, smallest exact element step */
     int32_t stable_element;               /* of the joint mesh: the tet that sets it */
     double stable_centroid[3];            /* m, world at the start */

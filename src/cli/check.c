@@ -22,6 +22,22 @@ static void warn_mesh(const ShvPreflight *p)
                p->cohesive_zone, p->cohesive_zone / p->mean_edge);
 }
 
+/* Of shear strength, tip_strength warns by itself. */
+static void warn_order(const ShvPreflight *p)
+{
+    const ShvMaterialView *m = &p->cohesion;
+    if (!p->breakable) return;
+    if (p->ordered)
+        printf("  note: its nodes stand in rank and file: cracks follow their planes, and begin at up to 1.4 times the "
+               "strength;\n"
+               "        'pattern: unstructured' has no such planes (docs/glass.md)\n");
+    if (m->shear_strength <= m->strength && m->unresolved != SHV_UNRESOLVED_TIP_STRENGTH)
+        printf("  warning: it is no stronger in shear (%.3g Pa) than in tension (%.3g Pa), and grinds to crumbs where "
+               "it is\n"
+               "           struck; brittle materials hold several times as much: give cohesive_strength_shear\n",
+               m->shear_strength, m->strength);
+}
+
 static void warn_bonds(const ShvPreflight *p)
 {
     if (!p->never_parts) return;
@@ -64,8 +80,10 @@ static void warn_obstacle(const ShvPreflight *p)
 static void print_object(const ShvPreflight *p)
 {
     printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
-    printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f\n",
-           p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect);
+    printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f, least "
+           "dihedral angle %.0f degrees\n",
+           p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect,
+           p->smallest_dihedral);
     printf("  stable step %.4g s, set by tet %d at (%.4g, %.4g, %.4g); step %.4g s, Courant number %.3f\n",
            p->stable_step, (int)p->stable_element, p->stable_centroid[0], p->stable_centroid[1], p->stable_centroid[2],
            p->step, p->courant);
@@ -83,6 +101,7 @@ static void print_object(const ShvPreflight *p)
                p->overshoot_each_step);
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
+    warn_order(p);
     warn_bonds(p);
     warn_step(p);
     warn_obstacle(p);

@@ -27,6 +27,7 @@ static void measure_mesh(ShvPreflight *preflight, const ShvModel *model, const S
     preflight->longest_edge = quality.longest_edge;
     preflight->smallest_altitude = quality.smallest_altitude;
     preflight->worst_aspect = quality.worst_aspect;
+    preflight->smallest_dihedral = quality.smallest_dihedral;
     ShvVec3 low = shv_mesh_position(&model->mesh, object->node_begin), high = low;
     for (int32_t i = object->node_begin; i < object->node_end; i++) {
         const ShvVec3 x = shv_mesh_position(&model->mesh, i);
@@ -140,6 +141,8 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
                                 .material = material->name,
                                 .cohesion = shv_simulation_material(simulation, body->material)};
     measure_mesh(preflight, &hybrid->model, body);
+    const ShvMeshDefinition *mesh = &hybrid->scene->objects[object].mesh;
+    preflight->ordered = mesh->kind == SHV_MESH_BOX && mesh->pattern != SHV_PATTERN_UNSTRUCTURED;
     preflight->mass = preflight->volume * material->density;
     measure_step(preflight, hybrid, body);
     measure_cohesion(preflight, material, hybrid->model.can_break);
