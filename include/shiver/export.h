@@ -18,6 +18,7 @@ typedef struct ShvExportOptions {
     uint32_t cookie;
     bool force;     /* replace existing files */
     bool animation; /* only frames on the animation grid, not those of the fracture phase between them */
+    int32_t every;  /* of these (by their numbers in the run) every so many, and the last frame of the run; 1: all */
     const ShvElasticity *elasticity; /* one an object: VTK gets stresses; NULL: none */
     struct ShvMemory *memory;        /* may be NULL */
 } ShvExportOptions;

@@ -106,6 +106,8 @@ ShvStatus shv_cli_scene_output(char path[SHV_CLI_PATH], const ShvArguments *argu
 ShvStatus shv_cli_scenes(char path[SHV_CLI_PATH], const char *folder, ShvError *error);
 /* SHV_BAD_INPUT when the output is the input, which no --force may replace. */
 ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error);
+/* The number of --every, 1 or more; *every stays where it was not given (NULL). */
+ShvStatus shv_cli_every(const char *text, int32_t *every, ShvError *error);
 /* Tells on standard error that what was read of the file is not its end: another process is writing it. */
 void shv_cli_tell_live(const ShvRunFile *file, const char *path);
 /* A text to a terminal: its control characters but the line break become '?'. */

@@ -10,7 +10,7 @@
 #include "cli/pictures.h"
 #include "shiver/export.h"
 
-enum { OUTPUT, FORCE, ANIMATION, FRAMES, TIME, SIZE, COLOUR, LASTS, STRETCH };
+enum { OUTPUT, FORCE, ANIMATION, EVERY, FRAMES, TIME, SIZE, COLOUR, LASTS, STRETCH };
 
 enum { MOST_PANELS = 24, PICTURE_WIDTH = 1280, LAST = 10 }; /* pixels; s */
 
@@ -22,11 +22,12 @@ typedef struct Request {
     double frames[MOST_PANELS], times[MOST_PANELS];
     int32_t frame_count, time_count;
     double size, lasts; /* 0: not given */
+    int32_t every;
 } Request;
 
 typedef struct Format {
     const char *name, *result; /* what is written, behind the prefix */
-    const char *options;       /* letters of those it takes: animation, frames, time, size, colour, lasts, stretch */
+    const char *options; /* letters of those it takes: animation, every, frames, time, size, colour, lasts, stretch */
     ShvStatus (*write)(const Request *request, ShvError *error);
 } Format;
 
@@ -61,6 +62,7 @@ static ShvStatus read_single(const char *option, const char *text, double *value
 static ShvStatus read_options(Request *request, ShvError *error)
 {
     const char *const *values = request->values;
+    SHV_TRY(shv_cli_every(values[EVERY], &request->every, error));
     if (values[FRAMES])
         SHV_TRY(read_numbers("--frames", values[FRAMES], request->frames, &request->frame_count, error));
     for (int32_t i = 0; i < request->frame_count; i++)
@@ -84,6 +86,7 @@ static ShvStatus export_with(const Request *request, Export write, const ShvElas
     ShvExportOptions options = shv_export_default();
     options.force = request->values[FORCE] != NULL;
     options.animation = request->values[ANIMATION] != NULL;
+    options.every = request->every;
     options.elasticity = elasticity;
     return write(request->file, request->prefix, &options, error);
 }
@@ -137,6 +140,7 @@ static ShvPictures pictures_of(const Request *request)
                          .force = request->values[FORCE] != NULL,
                          .stretch = request->values[STRETCH] != NULL,
                          .colour = request->values[COLOUR],
+                         .every = request->every,
                          .frames = request->frames,
                          .times = request->times,
                          .frame_count = request->frame_count,
@@ -164,14 +168,14 @@ static ShvStatus write_webp(const Request *request, ShvError *error)
 }
 
 static const Format FORMATS[] = {
-    {"csv", "_*", "a", write_csv},        {"xdmf", "_*", "a", write_xdmf},    {"vtk", ".pvd", "a", write_vtk},
-    {"gltf", ".glb", "a", write_gltf},    {"usd", ".usda", "a", write_usd},   {"svg", ".svg", "fts", write_svg},
-    {"png", "_*.png", "ftsc", write_png}, {"mp4", ".mp4", "sclx", write_mp4}, {"webp", ".webp", "sclx", write_webp}};
+    {"csv", "_*", "ae", write_csv},       {"xdmf", "_*", "ae", write_xdmf},    {"vtk", ".pvd", "ae", write_vtk},
+    {"gltf", ".glb", "ae", write_gltf},   {"usd", ".usda", "ae", write_usd},   {"svg", ".svg", "fts", write_svg},
+    {"png", "_*.png", "ftsc", write_png}, {"mp4", ".mp4", "esclx", write_mp4}, {"webp", ".webp", "esclx", write_webp}};
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof FORMATS[0] };
 
 static ShvStatus find_format(const char *name, const char *const *values, const Format **format, ShvError *error)
 {
-    static const char letters[] = "aftsclx";
+    static const char letters[] = "aeftsclx";
     for (int i = 0; i < FORMAT_COUNT; i++) {
         if (strcmp(FORMATS[i].name, name) != 0) continue;
         *format = &FORMATS[i];
@@ -198,7 +202,7 @@ static int run(const ShvArguments *arguments)
     char prefix[SHV_CLI_PATH];
     ShvError error;
     const Format *format = NULL;
-    Request request = {.prefix = prefix, .values = arguments->values};
+    Request request = {.prefix = prefix, .values = arguments->values, .every = 1};
     ShvStatus status = arguments->values[OUTPUT]
                            ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
                            : shv_cli_default_path(prefix, arguments->positional[1], true, "", &error);
@@ -246,6 +250,7 @@ const ShvCommand shv_command_export = {
     .options = {{"--output", "PREFIX", "beginning of the file names; the run file's name without .h5 unless given"},
                 {"--force", NULL, "replace existing files"},
                 {"--animation", NULL, "csv, xdmf, vtk, gltf, usd: only frames on the animation grid"},
+                {"--every", "N", "all but svg, png: only every N-th frame and the last: for runs of very many"},
                 {"--frames", "A,B,…",
                  "svg, png: numbers of the frames, from 0; svg: four over the run unless given, png: all"},
                 {"--time", "A,B,…", "svg, png: times of the frames instead, s"},

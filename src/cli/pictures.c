@@ -98,7 +98,9 @@ static ShvStatus write_page(Studio *studio, ShvError *error)
     ShvElasticity *elasticity = NULL;
     SHV_TRY(shv_cli_elasticity(studio->file, &elasticity, error));
     const ShvViewRun run = {.file = studio->file, .elasticity = elasticity};
-    const ShvStatus status = shv_view_write(&run, 1, studio->page, NULL, error);
+    ShvViewOptions options = shv_view_default();
+    options.every = studio->pictures->every;
+    const ShvStatus status = shv_view_write(&run, 1, studio->page, &options, error);
     shv_release(elasticity);
     return status;
 }

@@ -11,6 +11,7 @@ typedef struct ShvPictures {
     const double *frames; /* png: numbers of frames; also times, s; without both all frames */
     const double *times;
     int32_t frame_count, time_count;
+    int32_t every; /* films: every so many frames of the run; 1: all */
     int32_t width; /* pixels; the height is 9/16 of it */
     double lasts;  /* s: films */
 } ShvPictures;

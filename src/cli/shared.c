@@ -300,3 +300,15 @@ void shv_cli_print_materials_json(ShvMaterialList materials)
     }
     printf("}");
 }
+
+ShvStatus shv_cli_every(const char *text, int32_t *every, ShvError *error)
+{
+    int64_t number = 0;
+    if (!text) return SHV_OK;
+    ShvError ignored;
+    if (shv_parse_int64(text, strlen(text), &number, &ignored) == SHV_OK && number >= 1 && number <= INT32_MAX) {
+        *every = (int32_t)number;
+        return SHV_OK;
+    }
+    return shv_fail(error, SHV_BAD_INPUT, "--every takes a whole number from 1 on; '%s' is none", text);
+}

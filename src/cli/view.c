@@ -10,23 +10,12 @@
 
 enum { OUTPUT, TWO, EVERY, FORCE };
 
-static ShvStatus read_every(const char *text, int32_t *every, ShvError *error)
-{
-    int64_t number = 0;
-    ShvError ignored;
-    if (shv_parse_int64(text, strlen(text), &number, &ignored) == SHV_OK && number >= 1 && number <= INT32_MAX) {
-        *every = (int32_t)number;
-        return SHV_OK;
-    }
-    return shv_fail(error, SHV_BAD_INPUT, "--every takes a whole number from 1 on; '%s' is none", text);
-}
-
 static ShvStatus write_page(const ShvArguments *arguments, const char *path, ShvRunFile *const files[2], int32_t count,
                             ShvError *error)
 {
     ShvViewOptions options = shv_view_default();
     options.force = arguments->values[FORCE] != NULL;
-    if (arguments->values[EVERY]) SHV_TRY(read_every(arguments->values[EVERY], &options.every, error));
+    SHV_TRY(shv_cli_every(arguments->values[EVERY], &options.every, error));
     ShvElasticity *elasticity[2] = {NULL, NULL};
     ShvViewRun runs[2];
     ShvStatus status = SHV_OK;

@@ -38,7 +38,7 @@ static ShvStatus put_poses(ShvRunFile *file, const ShvExportOptions *options, FI
 {
     const ShvRunFileInfo *info = shv_run_file_info(file);
     for (int64_t frame = 0; frame < info->frame_count; frame++) {
-        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        if (!shv_output_takes(options, file, frame)) continue;
         double time;
         SHV_TRY(shv_run_file_frame(file, frame, &time, NULL, poses->alive, poses->position, poses->orientation,
                                    poses->velocity, poses->angular, error));
@@ -116,7 +116,7 @@ static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, F
         "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
         "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
     for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {
-        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        if (!shv_output_takes(options, file, frame)) continue;
         ShvLedgerView row;
         SHV_TRY(shv_run_file_ledger(file, frame, &row, error));
         const double values[] = {row.time,
@@ -216,7 +216,7 @@ static ShvStatus put_obstacle_rows(ShvRunFile *file, const ShvExportOptions *opt
     const ShvRunFileInfo *info = shv_run_file_info(file);
     for (int64_t frame = 0; frame < info->frame_count; frame++) {
         char time[SHV_OUTPUT_NUMBER];
-        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        if (!shv_output_takes(options, file, frame)) continue;
         shv_output_format(time, shv_run_file_times(file)[frame]);
         SHV_TRY(shv_run_file_obstacles(file, frame, poses, error));
         for (int32_t i = 0; i < info->obstacle_count; i++) {

@@ -10,7 +10,7 @@
 
 ShvExportOptions shv_export_default(void)
 {
-    return (ShvExportOptions){.cookie = SHV_DEFINITION_COOKIE};
+    return (ShvExportOptions){.cookie = SHV_DEFINITION_COOKIE, .every = 1};
 }
 
 ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error)
@@ -18,7 +18,15 @@ ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *op
     *options = given ? *given : shv_export_default();
     if (options->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the export options did not start from shv_export_default()");
+    if (options->every < 1)
+        return shv_fail(error, SHV_BAD_INPUT, "every 1st, 2nd, … frame is written; %d was given", (int)options->every);
     return SHV_OK;
+}
+
+bool shv_output_takes(const ShvExportOptions *options, const ShvRunFile *file, int64_t frame)
+{
+    const bool thinned = frame % options->every != 0 && frame + 1 < shv_run_file_info(file)->frame_count;
+    return !thinned && (!options->animation || shv_run_file_animation(file)[frame]);
 }
 
 char *shv_output_path(const ShvExportOptions *options, const char *prefix, const char *suffix)

@@ -37,6 +37,9 @@ void shv_output_number(FILE *stream, double value);
 /* A member of a JSON object, without a comma: null where the number is not finite. */
 void shv_output_member(FILE *stream, const char *name, double value);
 
+/* Whether a frame is asked for. */
+bool shv_output_takes(const ShvExportOptions *options, const ShvRunFile *file, int64_t frame);
+
 /* The options given, checked: the defaults for NULL. */
 ShvStatus shv_export_options(const ShvExportOptions *given, ShvExportOptions *options, ShvError *error);
 

@@ -49,7 +49,7 @@ static ShvStatus read_frames(ShvTracks *tracks, const ShvExportOptions *options,
     ShvRunFile *file = tracks->lines.pieces.file;
     int64_t index = 0;
     for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {
-        if (options->animation && !shv_run_file_animation(file)[frame]) continue;
+        if (!shv_output_takes(options, file, frame)) continue;
         tracks->times[index] = shv_run_file_times(file)[frame];
         SHV_TRY(read_frame(tracks, frame, index++, views, error));
     }
@@ -60,7 +60,7 @@ static int64_t count_frames(const ShvRunFile *file, const ShvExportOptions *opti
 {
     const int64_t all = shv_run_file_info(file)->frame_count;
     int64_t count = 0;
-    for (int64_t frame = 0; frame < all; frame++) count += !options->animation || shv_run_file_animation(file)[frame];
+    for (int64_t frame = 0; frame < all; frame++) count += shv_output_takes(options, file, frame);
     return count;
 }
 

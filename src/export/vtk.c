@@ -204,11 +204,6 @@ static void name_file(char suffix[48], bool obstacles, int64_t frame)
     shv_format(suffix, 48, obstacles ? "_obstacles_%06lld.vtu" : "_%06lld.vtu", (long long)frame);
 }
 
-static bool is_taken(const Vtk *vtk, int64_t frame)
-{
-    return !vtk->options.animation || shv_run_file_animation(vtk->file)[frame];
-}
-
 static ShvStatus write_one(Vtk *vtk, const char *prefix, bool obstacles, int64_t frame, ShvError *error)
 {
     char suffix[48];
@@ -226,7 +221,7 @@ static ShvStatus write_one(Vtk *vtk, const char *prefix, bool obstacles, int64_t
 static void withdraw_frames(const Vtk *vtk, const char *prefix)
 {
     for (int64_t frame = 0; frame < vtk->written; frame++)
-        for (int part = 0; part < 2 && is_taken(vtk, frame); part++) {
+        for (int part = 0; part < 2 && shv_output_takes(&vtk->options, vtk->file, frame); part++) {
             char suffix[48];
             name_file(suffix, part == 1, frame);
             shv_output_withdraw(prefix, suffix);
@@ -236,7 +231,7 @@ static void withdraw_frames(const Vtk *vtk, const char *prefix)
 static ShvStatus write_frames(Vtk *vtk, const char *prefix, ShvError *error)
 {
     for (int64_t frame = 0; frame < vtk->info->frame_count; frame++) {
-        if (!is_taken(vtk, frame)) continue;
+        if (!shv_output_takes(&vtk->options, vtk->file, frame)) continue;
         SHV_TRY(shv_lines_move(&vtk->lines, frame, error));
         SHV_TRY(shv_run_file_frame(vtk->file, frame, NULL, NULL, NULL, NULL, NULL, vtk->velocity, NULL, error));
         if (vtk->corners) SHV_TRY(shv_run_file_corners(vtk->file, frame, vtk->corners, vtk->damage, NULL, error));
@@ -260,7 +255,9 @@ static ShvStatus write_collection(const Vtk *vtk, const char *prefix, ShvError *
     if (status == SHV_OK) {
         fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n", output.stream);
         for (int64_t frame = 0; frame < vtk->info->frame_count; frame++)
-            for (int part = 0; part < (vtk->triangle_count > 0 ? 2 : 1) && is_taken(vtk, frame); part++) {
+            for (int part = 0;
+                 part < (vtk->triangle_count > 0 ? 2 : 1) && shv_output_takes(&vtk->options, vtk->file, frame);
+                 part++) {
                 name_file(suffix, part == 1, frame);
                 shv_print(output.stream, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s%s\"/>\n",
                           shv_run_file_times(vtk->file)[frame], part, name, suffix);

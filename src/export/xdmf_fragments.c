@@ -98,7 +98,7 @@ static ShvStatus put_frames(const ShvXdmf *xdmf, Points *points, ShvError *error
 {
     SHV_TRY(shv_run_file_fragments(xdmf->file, points->fragments, error));
     for (int64_t frame = 0; frame < xdmf->info->frame_count; frame++) {
-        if (xdmf->options.animation && !shv_run_file_animation(xdmf->file)[frame]) continue;
+        if (!shv_output_takes(&xdmf->options, xdmf->file, frame)) continue;
         SHV_TRY(put_frame(xdmf, points, frame, error));
     }
     return SHV_OK;

@@ -82,11 +82,6 @@ static ShvStatus put_points(const ShvXdmf *xdmf, int64_t frame, int64_t count, c
     return SHV_OK;
 }
 
-static bool is_skipped(const ShvXdmf *xdmf, int64_t frame)
-{
-    return xdmf->options.animation && !shv_run_file_animation(xdmf->file)[frame];
-}
-
 /* ---- rigid ---- */
 
 /* The lines of the owners, which take the owners' place; NULL: those of that frame are there already. */
@@ -124,7 +119,7 @@ static ShvStatus put_rigid_frames(const ShvXdmf *xdmf, Rigid *rigid, ShvError *e
 {
     int64_t written = -1;
     for (int64_t frame = 0; frame < xdmf->info->frame_count; frame++) {
-        if (is_skipped(xdmf, frame)) continue;
+        if (!shv_output_takes(&xdmf->options, xdmf->file, frame)) continue;
         SHV_TRY(shv_pieces_move(&rigid->pieces, frame, error));
         move_points(rigid);
         begin_grid(xdmf, frame);
@@ -199,7 +194,7 @@ static ShvStatus put_deformed(const ShvXdmf *xdmf, const Deformed *mesh, ShvErro
     for (int64_t i = 0; i < 4 * count; i++) mesh->cells[i] = (int32_t)i;
     SHV_TRY(shv_xdmf_put(xdmf, "/mesh/cells", SHV_XDMF_INT, count, 4, mesh->cells, error));
     for (int64_t frame = 0; frame < xdmf->info->frame_count; frame++)
-        if (!is_skipped(xdmf, frame)) SHV_TRY(put_deformed_frame(xdmf, mesh, frame, error));
+        if (shv_output_takes(&xdmf->options, xdmf->file, frame)) SHV_TRY(put_deformed_frame(xdmf, mesh, frame, error));
     return SHV_OK;
 }
 

@@ -92,7 +92,7 @@ static ShvStatus put_all(const ShvXdmf *xdmf, Surfaces *surfaces, const ShvPiece
     SHV_TRY(put_cells(xdmf, surfaces, error));
     int64_t written = -1;
     for (int64_t frame = 0; frame < xdmf->info->frame_count; frame++)
-        if (!xdmf->options.animation || shv_run_file_animation(xdmf->file)[frame])
+        if (shv_output_takes(&xdmf->options, xdmf->file, frame))
             SHV_TRY(put_frame(xdmf, surfaces, frame, &written, error));
     return SHV_OK;
 }

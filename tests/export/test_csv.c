@@ -191,6 +191,30 @@ static void test_animation_frames_only(void **state)
     shv_run_file_close(file);
 }
 
+/* Every third frame, and the last. */
+static void test_thinned(void **state)
+{
+    ShvError error;
+    ShvExportOptions options = shv_export_default();
+    options.every = 3;
+    ShvRunFile *file = record_run(file_in(*state, "run.h5"));
+    check_ok(shv_export_csv(file, file_in(*state, "out"), &options, &error), error);
+    char *ledger = read_bytes(file_in(*state, "out_ledger.csv"));
+    int lines = 1;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        char start[16];
+        snprintf(start, sizeof start, "\n%d,", frame);
+        const bool taken = frame % 3 == 0 || frame == FRAMES - 1;
+        assert_int_equal(strstr(ledger, start) != NULL, taken);
+        lines += taken;
+    }
+    assert_int_equal(count_lines(ledger), lines);
+    free(ledger);
+    options.every = 0;
+    check_fails(shv_export_csv(file, file_in(*state, "none"), &options, &error), SHV_BAD_INPUT, error, "0 was given");
+    shv_run_file_close(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -199,6 +223,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_columns_fit_their_names, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_existing_tables_are_kept, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_animation_frames_only, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_thinned, make_folder, remove_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 
 const SHARE = 0.02, SAMPLES = 24, MARGIN = 1.3; // mass that may be out of view on each side; frames looked at at most; room around it
+const NOTHING = 1; // m in view where no piece is
 const NEAR = 0.25; // how far a free obstacle may be from the pieces to be in view too, in diagonals of these
 
 function percentile(entries, share) {
@@ -80,6 +81,7 @@ export function frameOf(runs, from, to) {
       high[k] = Math.max(high[k], percentile(entries[k], 1 - SHARE));
     }
   }
+  if (!(Math.max(...high.map((h, k) => h - low[k])) > 0)) for (let k = 0; k < 3; k++) { low[k] -= NOTHING / 2; high[k] += NOTHING / 2; } // no piece is there
   const near = { low: [...low], high: [...high], far: NEAR * Math.hypot(...low.map((l, k) => high[k] - l)) };
   for (const run of runs) for (const frame of sampled(run, from, to)) includeObstacles(run, frame, low, high, near);
   const centre = new THREE.Vector3(), half = low.map((l, k) => (high[k] - l) / 2);
