@@ -12,7 +12,7 @@
 #include "cli/progress.h"
 #include "cli/reserve.h"
 #include "cli/resume.h"
-#include "shiver/study.h"
+#include "shiver/scene.h"
 
 enum { OUTPUT, FORCE, JSON, AUDIT_WAKE, RESUME, UNTIL, CHECKPOINT };
 
