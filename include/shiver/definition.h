@@ -88,7 +88,7 @@ typedef struct ShvMeshDefinition {
     double notch_offset;    /* notched beam: along x from midspan, m */
     double notch_edge;      /* notched beam: edge length at the notch, m; graded to `edge` away from it; 0: `edge` */
     double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
-    ShvMeshPattern pattern; /* box, ball, cylinder, notched beam */
+    ShvMeshPattern pattern; /* box, notched beam */
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
     uint64_t seed;    /* of the jitter */
