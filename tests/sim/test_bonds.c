@@ -154,6 +154,7 @@ static void damage_outlives_flight(void **unused)
     stage_make_breaking_bar(&stage);
     stage.objects[0].placement.velocity[2] = -0.26;
     stage.scene.fracture.criterion = SHV_CRITERION_TRACTION; /* disks of this coarse lattice would hold */
+    stage.scene.fracture.longest = 0.02; /* so that it flies for most of the time until it is thrown */
     stage.scene.fracture.threshold = 0.9;
     stage.scene.duration = 0.2;
     ShvEventDefinition *event = stage_event(&stage, 0.1, SHV_EVENT_SET_VELOCITY, "bar");
