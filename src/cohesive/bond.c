@@ -87,6 +87,15 @@ bool shv_cohesive_is_failing(const ShvCohesive *cohesive, const ShvState *state,
     return false;
 }
 
+bool shv_cohesive_holds_cracks(const ShvCohesive *cohesive, const int32_t *elements, int32_t count)
+{
+    for (int32_t i = 0; i < 4 * count; i++) {
+        const int32_t index = cohesive_facet_of(cohesive, elements[i / 4], i % 4);
+        if (index >= 0 && cohesive->bonded[index]) return true;
+    }
+    return false;
+}
+
 double shv_cohesive_dissipated(const ShvCohesive *cohesive, const int32_t *elements, int32_t count)
 {
     double sum = 0.0;

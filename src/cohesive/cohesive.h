@@ -304,6 +304,8 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
 /* Facets of the list of live ones between awake fragments (per fragment index, NULL: all) that have lost their bond since the
    last look go to cohesive->failed; once a step, after shv_cohesive_begin. */
 void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger);
+/* Whether some cohesive facet of these elements still bonds. */
+bool shv_cohesive_holds_cracks(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
 /* Whether some bond inside these elements fails by the present moment, half a step after the last look. */
 bool shv_cohesive_is_failing(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements,
                              int32_t count);

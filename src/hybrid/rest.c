@@ -34,14 +34,16 @@ static double last_change(const ShvFragment *fragment)
 }
 
 /* How long a body may tremble before it rests whatever it carries, in transits of the bending wave; and how many times as long
-   where a crack has moved since it woke: such cracks go on, a little, for about a hundred transits. */
+   where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. */
 static const double longest_transits = 20.0, cracked_window = 5.0;
 
 static double window(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
-    const bool cracks = hybrid->fragments.bonds && fragment->last_crack > -HUGE_VAL;
     const bool chosen = hybrid->scene->fracture.longest > 0.0;
-    return cracks && !chosen ? cracked_window * fragment->longest : fragment->longest;
+    if (chosen || !hybrid->fragments.bonds || !(fragment->last_crack > -HUGE_VAL)) return fragment->longest;
+    const bool held = shv_cohesive_holds_cracks(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
+                                                fragment->element_count);
+    return held ? cracked_window * fragment->longest : fragment->longest;
 }
 
 /* The energy against which what a body carries is small or not: that with which it woke and, where cracks have moved since,
@@ -117,7 +119,7 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     const double age = hybrid->state.time - last_change(fragment);
-    if (age >= window(hybrid, fragment)) return SHV_REASON_LONGEST;
+    if (age >= fragment->longest && age >= window(hybrid, fragment)) return SHV_REASON_LONGEST;
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
