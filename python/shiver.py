@@ -148,14 +148,15 @@ class _SimulationOptions(ctypes.Structure):
 class _RecordDefinition(ctypes.Structure):
     _fields_ = [("cookie", c_uint32), ("path", c_char_p), ("force", c_bool), ("scene_name", c_char_p),
                 ("scene_text", c_char_p), ("overrides", POINTER(c_char_p)), ("override_count", c_int32),
-                ("scene_hash", c_uint64), ("resume_hash", c_uint64), ("threads", c_int32), ("nodes", c_bool),
-                ("sync_interval", c_double), ("memory", c_void_p)]
+                ("scene_hash", c_uint64), ("resume_hash", c_uint64), ("rigid_engine", c_char_p), ("threads", c_int32),
+                ("nodes", c_bool), ("sync_interval", c_double), ("memory", c_void_p)]
 
 
 class _RunFileInfo(ctypes.Structure):
     _fields_ = [("format", c_int32), ("code_version", c_char_p), ("status", c_char_p), ("message", c_char_p),
-                ("scene_text", c_char_p), ("scene_name", c_char_p), ("processor", c_char_p), ("overrides", c_char_p),
-                ("nodes", c_bool), ("live", c_bool), ("scene_hash", c_uint64), ("threads", c_int32), ("node_count", c_int32),
+                ("scene_text", c_char_p), ("scene_name", c_char_p), ("processor", c_char_p), ("rigid_engine", c_char_p),
+                ("overrides", c_char_p), ("nodes", c_bool), ("live", c_bool), ("scene_hash", c_uint64),
+                ("threads", c_int32), ("node_count", c_int32),
                 ("element_count", c_int32), ("object_count", c_int32), ("obstacle_count", c_int32),
                 ("fragment_count", c_int32), ("probe_count", c_int32), ("frame_count", c_int64), ("event_count", c_int64),
                 ("probe_row_count", c_int64), ("first_time", c_double), ("last_time", c_double),
