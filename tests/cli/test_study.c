@@ -1,13 +1,8 @@
 /* `shiver study` as its users meet it: tables, files, going on after a kill, tasks, picks. */
+#include "bounce.h"
 #include "cli/json.h"
 #include "cli/shell.h"
 
-static const char bounce_scene[] =
-    "shiver: 1\nname: bounce\n"
-    "materials: {m: {density: 1000, youngs_modulus: 1e6, poissons_ratio: 0.3, breakable: false}}\n"
-    "objects: {box: {mesh: {box: {size: [0.1, 0.1, 0.1], edge: 0.1}}, material: m, position: [0, 0, 0.25]}}\n"
-    "obstacles: {floor: {plane: {normal: [0, 0, 1]}, restitution: 0.5}}\n"
-    "duration: 0.3\noutput: {rate: 100}\nreference: {law: bounce, body: box, on: floor}\nthreads: 1\n";
 /* The errors of PBD are above a centimetre, those of the others below a micrometre. */
 static const char bounce_study[] = "shiver_study: 1\nname: bounce study\n"
                                    "vary: {rigid.engine: [analytic, pbd], rigid.time_step: [1e-2, 1e-3]}\n"

@@ -1,4 +1,5 @@
 /* Studies of small scenes: what a study file means, going on where it stopped, tasks, ensembles, fronts. */
+#include "bounce.h"
 #include "check.h"
 
 #include <stdlib.h>
@@ -11,12 +12,6 @@
 
 static char folder[] = "/tmp/shiver-study-XXXXXX";
 
-static const char bounce_scene[] =
-    "shiver: 1\nname: bounce\n"
-    "materials: {m: {density: 1000, youngs_modulus: 1e6, poissons_ratio: 0.3, breakable: false}}\n"
-    "objects: {box: {mesh: {box: {size: [0.1, 0.1, 0.1], edge: 0.1}}, material: m, position: [0, 0, 0.25]}}\n"
-    "obstacles: {floor: {plane: {normal: [0, 0, 1]}, restitution: 0.5}}\n"
-    "duration: 0.3\noutput: {rate: 100}\nreference: {law: bounce, body: box, on: floor}\nthreads: 1\n";
 static const char bounce_study[] = "shiver_study: 1\nname: bounce & <study>\n"
                                    "vary: {rigid.engine: [bullet, analytic], rigid.time_step: [1e-2, 2 ms, 1e-3]}\n"
                                    "reference: closed form\nmeasures: [surface, energy, moment]\nrepeats: 2\n";
