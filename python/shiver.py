@@ -148,8 +148,8 @@ class _SimulationOptions(ctypes.Structure):
 class _RecordDefinition(ctypes.Structure):
     _fields_ = [("cookie", c_uint32), ("path", c_char_p), ("force", c_bool), ("scene_name", c_char_p),
                 ("scene_text", c_char_p), ("overrides", POINTER(c_char_p)), ("override_count", c_int32),
-                ("scene_hash", c_uint64), ("resume_hash", c_uint64), ("rigid_engine", c_char_p), ("threads", c_int32),
-                ("nodes", c_bool), ("sync_interval", c_double), ("memory", c_void_p)]
+                ("scene_hash", c_uint64), ("resume_hash", c_uint64), ("threads", c_int32), ("nodes", c_bool),
+                ("sync_interval", c_double), ("memory", c_void_p)]
 
 
 class _RunFileInfo(ctypes.Structure):

@@ -253,6 +253,8 @@ typedef enum ShvRigidEngine {
     SHV_RIGID_BULLET, /* convex pieces in Bullet: contacts with obstacles and between fragments; flight in closed form */
     SHV_RIGID_BULLET_PLAIN /* the same pieces in a stock Bullet world, which integrates, detects and solves by itself */
 } ShvRigidEngine;
+/* The word of a scene for an engine: "bullet". */
+const char *shv_rigid_engine_name(ShvRigidEngine engine);
 
 typedef enum ShvBarForm {
     SHV_BARS_EDGE,   /* each edge once a sweep */

@@ -24,10 +24,9 @@ typedef struct ShvRecordDefinition {
     uint64_t scene_hash;
     uint64_t
         resume_hash; /* of what a run that goes on from a checkpoint must have in common with the one that took it */
-    const char *rigid_engine; /* shv_rigid_engine_name of the scene's; stored in the file */
-    int32_t threads;          /* stored in the file */
-    bool nodes;               /* corner positions and facet damage of every frame */
-    double sync_interval;     /* s of run time from one time that everything is brought to the disk to the next; 5 */
+    int32_t threads; /* stored in the file */
+    bool nodes;      /* corner positions and facet damage of every frame */
+    double sync_interval; /* s of run time from one time that everything is brought to the disk to the next; 5 */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
 ShvRecordDefinition shv_record_default(void);

@@ -70,9 +70,6 @@ int32_t shv_diagnostics_errors(const ShvDiagnostics *diagnostics);
 int32_t shv_diagnostics_warnings(const ShvDiagnostics *diagnostics);
 void shv_diagnostics_destroy(ShvDiagnostics *diagnostics);
 
-/* The word of a scene for an engine: "bullet". */
-const char *shv_rigid_engine_name(ShvRigidEngine engine);
-
 #ifdef __cplusplus
 }
 #endif

@@ -108,3 +108,9 @@ ShvSceneDefinition shv_scene_default(void)
                                 .survival = {.broken = 0.95},
                                 .duration = unset};
 }
+
+const char *shv_rigid_engine_name(ShvRigidEngine engine)
+{
+    static const char *const names[] = {"analytic", "pbd", "bullet", "bullet_plain"};
+    return names[engine];
+}

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "cli/command.h"
-#include "shiver/scene.h"
+#include "shiver/definition.h"
 
 static bool find_moduli(const ShvRunFile *file, const char *material, ShvElasticity *elasticity)
 {

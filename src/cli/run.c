@@ -336,7 +336,6 @@ static ShvRecordDefinition define_record(const ShvArguments *arguments, const Sh
     recording.scene_name = definition->name;
     recording.scene_hash = shv_scene_hash(scene);
     recording.resume_hash = shv_resume_hash(scene);
-    recording.rigid_engine = shv_rigid_engine_name(definition->rigid.engine);
     recording.threads = shv_simulation_threads(simulation);
     recording.nodes = definition->output.nodes;
     return recording;

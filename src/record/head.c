@@ -8,7 +8,7 @@
 #include "record/processor.h"
 #include "record/record.h"
 
-static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
+static bool write_attributes(hid_t file, const ShvRecordDefinition *definition, const ShvSimulation *simulation)
 {
     const int32_t format = SHV_RUN_FILE_FORMAT;
     char processor[256];
@@ -19,7 +19,7 @@ static bool write_attributes(hid_t file, const ShvRecordDefinition *definition)
            shv_attribute_put_number(file, "scene_hash", H5T_STD_U64LE, H5T_NATIVE_UINT64, &definition->scene_hash) &&
            shv_attribute_put_number(file, "threads", H5T_STD_I32LE, H5T_NATIVE_INT32, &definition->threads) &&
            shv_attribute_put_text(file, "processor", processor, 1) &&
-           shv_attribute_put_text(file, "rigid_engine", definition->rigid_engine ? definition->rigid_engine : "", 1) &&
+           shv_attribute_put_text(file, "rigid_engine", shv_simulation_rigid_engine(simulation), 1) &&
            shv_attribute_put_text(file, "status", "running", SHV_RECORD_STATUS) &&
            shv_attribute_put_text(file, "message", "", SHV_RECORD_MESSAGE) &&
            shv_attribute_put_text(file, "units", "SI", 1) && shv_attribute_put_text(file, "up", "z, right-handed", 1) &&
@@ -74,13 +74,13 @@ bool shv_record_rewrite_overrides(hid_t file, const ShvRecordDefinition *definit
            H5Ldelete(file, "/scene/overrides", H5P_DEFAULT) >= 0 && write_overrides(file, definition);
 }
 
-bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition)
+bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition, const ShvSimulation *simulation)
 {
     static const char *const groups[] = {"/scene", "/mesh", "/trajectory", "/obstacles", "/fragments", "/cost"};
     for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++)
         if (!shv_group_put(file, groups[i])) return false;
     if (definition->nodes && !shv_group_put(file, "/nodes")) return false;
-    return write_attributes(file, definition) &&
+    return write_attributes(file, definition, simulation) &&
            shv_dataset_put_text(file, "/scene/text", definition->scene_text ? definition->scene_text : "") &&
            write_overrides(file, definition);
 }

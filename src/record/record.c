@@ -95,7 +95,8 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
     SHV_TRY(shv_publish_check(definition->path, definition->force, error));
     SHV_TRY(shv_record_allocate(record, definition, &mesh, error));
     SHV_TRY(open_file(record, error));
-    if (!shv_record_write_badge(record->file, &record->badge) || !shv_record_write_head(record->file, definition) ||
+    if (!shv_record_write_badge(record->file, &record->badge) ||
+        !shv_record_write_head(record->file, definition, simulation) ||
         !shv_record_write_mesh(record->file, &mesh, &record->owners) ||
         !shv_record_write_materials(record->file, simulation))
         return shv_record_fail(record, error);

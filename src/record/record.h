@@ -53,7 +53,7 @@ ShvStatus shv_record_allocate(ShvRecord *record, const ShvRecordDefinition *defi
 void shv_record_release(ShvRecord *record);
 
 /* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */
-bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition);
+bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition, const ShvSimulation *simulation);
 bool shv_record_write_mesh(hid_t file, const ShvMeshView *mesh, hid_t *owners);
 /* Room for the journal's badge, and where it is. */
 bool shv_record_write_badge(hid_t file, uint64_t *address);

@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "shiver/scene.h"
-
 #define LENGTH_OF(array) ((int)(sizeof(array) / sizeof *(array)))
 #define INFINITE         ((double)INFINITY)
 
@@ -742,10 +740,6 @@ static const ShvChoice engine_choices[] = {{"bullet", SHV_RIGID_BULLET},
                                            {"analytic", SHV_RIGID_ANALYTIC},
                                            {"pbd", SHV_RIGID_PBD},
                                            {NULL, 0}};
-const char *shv_rigid_engine_name(ShvRigidEngine engine)
-{
-    return shv_choice_name(engine_choices, (int)engine);
-}
 static const ShvChoice wake_choices[] = {{"stress", SHV_WAKE_STRESS}, {"contact", SHV_WAKE_CONTACT}, {NULL, 0}};
 static const ShvChoice dust_choices[] = {
     {"keep", SHV_DUST_KEEP}, {"particles", SHV_DUST_PARTICLE}, {"bin", SHV_DUST_BIN}, {NULL, 0}};

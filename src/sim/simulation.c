@@ -428,6 +428,11 @@ int32_t shv_simulation_threads(const ShvSimulation *simulation)
     return simulation->hybrid.model.threads;
 }
 
+const char *shv_simulation_rigid_engine(const ShvSimulation *simulation)
+{
+    return shv_rigid_engine_name(simulation->hybrid.scene->rigid.engine);
+}
+
 ShvMomentView shv_simulation_moment(const ShvSimulation *simulation)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;

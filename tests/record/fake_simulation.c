@@ -231,6 +231,12 @@ ShvStatus shv_simulation_load(ShvSimulation *simulation, int descriptor, uint64_
     return SHV_OK;
 }
 
+const char *shv_simulation_rigid_engine(const ShvSimulation *simulation)
+{
+    (void)simulation;
+    return "pbd";
+}
+
 uint64_t shv_simulation_geometry_hash(const ShvSimulation *simulation)
 {
     return (uint64_t)simulation->setup.bricks;

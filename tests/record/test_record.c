@@ -23,7 +23,6 @@ static ShvRecordDefinition define(const char *path)
     definition.overrides = overrides;
     definition.override_count = 2;
     definition.scene_hash = UINT64_C(0xfedcba9876543210);
-    definition.rigid_engine = "pbd";
     definition.threads = 3;
     return definition;
 }

@@ -527,6 +527,19 @@ static void overrides_take_the_place_of_keys(void **state)
     release(&parsed);
 }
 
+static void engines_have_one_word(void **state)
+{
+    (void)state;
+    for (int engine = SHV_RIGID_ANALYTIC; engine <= SHV_RIGID_BULLET_PLAIN; engine++) {
+        char text[64];
+        snprintf(text, sizeof text, "rigid.engine=%s", shv_rigid_engine_name((ShvRigidEngine)engine));
+        const char *const overrides[] = {text};
+        Parsed parsed = parse_good(SMALL_SCENE, overrides, 1);
+        assert_int_equal(shv_scene_definition(parsed.scene)->rigid.engine, engine);
+        release(&parsed);
+    }
+}
+
 /* An override changes the one place it names, not what an alias shares with it. */
 static void overrides_do_not_leak_through_aliases(void **state)
 {
@@ -701,6 +714,7 @@ int main(void)
         cmocka_unit_test(unknown_library_material_is_reported),
         cmocka_unit_test(what_is_left_out_has_its_default),
         cmocka_unit_test(overrides_take_the_place_of_keys),
+        cmocka_unit_test(engines_have_one_word),
         cmocka_unit_test(overrides_do_not_leak_through_aliases),
         cmocka_unit_test(tiny_and_huge_directions_count),
         cmocka_unit_test(line_ends_and_byte_order_mark_do_not_matter),
