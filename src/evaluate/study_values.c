@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -94,9 +95,13 @@ bool shv_study_check_keys(ShvDiagnostics *diagnostics, const ShvNode *node, cons
 bool shv_study_number(ShvDiagnostics *diagnostics, const ShvNode *node, const char *name, double low, double high,
                       bool whole, double *value)
 {
+    double number = 0.0;
     const bool read = node->kind == SHV_NODE_SCALAR && !node->null &&
-                      shv_parse_double(node->text, strlen(node->text), false, value, NULL) == SHV_OK;
-    if (read && *value >= low && *value <= high && (!whole || *value == (double)(int64_t)*value)) return true;
+                      shv_parse_double(node->text, strlen(node->text), false, &number, NULL) == SHV_OK;
+    if (read && number >= low && number <= high && (!whole || number == floor(number))) {
+        *value = number;
+        return true;
+    }
     shv_error(diagnostics, node->place, "'%s' must be a %s from %g to %g", name, whole ? "whole number" : "number", low,
               high);
     return false;

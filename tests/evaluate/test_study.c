@@ -165,6 +165,7 @@ static void test_bad_plans(void **state)
          "study.yaml:3:12: error: there is no measure 'energie'; did you mean energy?"},
         {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energy, energy]\n", "given twice"},
         {"shiver_study: 1\nrepeats: 0\n" REST, "'repeats' must be"},
+        {"shiver_study: 1\nrepeats: 99999999999\n" REST, "'repeats' must be a whole number"},
         {"shiver_study: 1\nrepeats: 1.5\n" REST, "'repeats' must be a whole number"},
         {"shiver_study: 1\nname: [a]\n" REST, "'name' must be a text"},
         {"shiver_study: 1\nset: [a]\n" REST, "'set' must be a mapping"},
