@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-enum { SHV_OBSTACLE_COLOUR = 0xa9a59c, SHV_STONE_COLOUR = 0xd9d1c2 };
+enum { SHV_OBSTACLE_COLOUR = 0xa9a59c, SHV_STONE_COLOUR = 0xd9d1c2, SHV_CRACK_COLOUR = 0x5a3d33 };
 
 /* 0xRRGGBB; src/view/web/colours.js has the same. Multiplicative hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads
    neighbouring numbers. */

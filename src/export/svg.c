@@ -31,6 +31,7 @@ typedef struct Svg {
     ShvObstacleMesh *obstacles;
     ShvObstacleView *views;
     double *corners; /* 12 × tets where the run recorded nodes, else NULL */
+    uint8_t *bonds;  /* 4 × tets, likewise: whether the tet is held across a facet */
     ShvCamera camera;
     Patch *patches;
     int64_t patch_count;
@@ -141,6 +142,19 @@ static int32_t bare_face(const Svg *svg, int64_t face, ShvVec3 corner[3])
     return carrier;
 }
 
+/* Whether a crack that parts no piece yet lies beside the tet. */
+static bool is_cracked(const Svg *svg, int64_t tet)
+{
+    const ShvPieces *pieces = &svg->lines.pieces;
+    for (int64_t face = 4 * tet; svg->bonds && face < 4 * tet + 4; face++) {
+        const int32_t other = svg->lines.neighbour[face];
+        if (!svg->bonds[face] && other >= 0 &&
+            pieces->carrier[pieces->owner[other]] == pieces->carrier[pieces->owner[tet]])
+            return true;
+    }
+    return false;
+}
+
 static void add_pieces(Svg *svg)
 {
     const ShvPieces *pieces = &svg->lines.pieces;
@@ -152,8 +166,9 @@ static void add_pieces(Svg *svg)
         ShvVec3 corner[3];
         const int32_t fragment = bare_face(svg, svg->lines.face[f], corner);
         if (fragment < 0) continue;
-        add_patch(svg, corner,
-                  fragment == heaviest ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(pieces->lineage[fragment]));
+        const uint32_t whole =
+            fragment == heaviest ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(pieces->lineage[fragment]);
+        add_patch(svg, corner, is_cracked(svg, svg->lines.face[f] / 4) ? (uint32_t)SHV_CRACK_COLOUR : whole);
     }
 }
 
@@ -293,7 +308,9 @@ static ShvStatus move(Svg *svg, int64_t frame, ShvError *error)
 {
     SHV_TRY(shv_lines_move(&svg->lines, frame, error));
     if (svg->info->obstacle_count > 0) SHV_TRY(shv_run_file_obstacles(svg->file, frame, svg->views, error));
-    return svg->corners ? shv_run_file_corners(svg->file, frame, svg->corners, NULL, NULL, error) : SHV_OK;
+    if (!svg->info->nodes) return SHV_OK;
+    SHV_TRY(shv_run_file_bonds(svg->file, frame, svg->bonds, error));
+    return shv_run_file_corners(svg->file, frame, svg->corners, NULL, NULL, error);
 }
 
 static ShvStatus print_panel(Svg *svg, const Page *page, int32_t index, int64_t frame, ShvError *error)
@@ -366,9 +383,11 @@ static ShvStatus draw(Svg *svg, const ShvExportOptions *output, ShvError *error)
     most += (size_t)svg->lines.begin[svg->lines.count] + 1;
     svg->views = shv_allocate(memory, SHV_PART_RECORD, obstacles, sizeof *svg->views);
     svg->patches = shv_allocate(memory, SHV_PART_RECORD, most, sizeof *svg->patches);
-    if (svg->info->nodes)
+    if (svg->info->nodes) {
         svg->corners = shv_allocate(memory, SHV_PART_RECORD, 12 * (size_t)svg->info->element_count, sizeof(double));
-    const bool good = svg->views && svg->patches && (svg->corners || !svg->info->nodes);
+        svg->bonds = shv_allocate(memory, SHV_PART_RECORD, 4 * (size_t)svg->info->element_count, 1);
+    }
+    const bool good = svg->views && svg->patches && ((svg->corners && svg->bonds) || !svg->info->nodes);
     return good ? print_page(svg, output, error) : shv_fail_memory(error, "triangles", most * sizeof *svg->patches);
 }
 
@@ -392,6 +411,7 @@ ShvStatus shv_export_svg(ShvRunFile *file, const char *prefix, const ShvSvgOptio
     shv_lines_release(&svg.lines);
     shv_release(svg.views);
     shv_release(svg.corners);
+    shv_release(svg.bonds);
     shv_release(svg.patches);
     return status;
 }
