@@ -45,11 +45,12 @@ static const char *const DAMPED =
     "duration: 0.1\n"
     "output: {rate: 200}\n";
 
-/* A beam that is held and pulled until it breaks, a plate that falls, and what happens meanwhile. */
+/* A beam that is held and pulled until it breaks, a plate that falls, and what happens meanwhile; cracks grow at strengths that
+   are lowered ahead of their fronts. */
 static const char *const HELD =
     "shiver: 1\n"
     "materials: {stone: {density: 2400, youngs_modulus: 3e8, poissons_ratio: 0.2, fracture_energy: 5, "
-    "cohesive_strength: 1e6, weibull: {modulus: 8}}}\n"
+    "cohesive_strength: 1e6, weibull: {modulus: 8}, unresolved: tip_strength}}\n"
     "objects:\n"
     "  beam: {mesh: {box: {size: [0.08, 0.02, 0.02], edge: 10 mm}, jitter: 0.1, seed: 1}, material: stone, "
     "position: [0, 0, 0.2]}\n"
