@@ -110,21 +110,28 @@ ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvErro
     return SHV_OK;
 }
 
+ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const char *quantity)
+{
+    const double none = (double)NAN;
+    return (ShvVerifyRow){.run = run->title,
+                          .quantity = quantity,
+                          .unit = "",
+                          .source = verifier->made->view.source,
+                          .note = "",
+                          .compare = SHV_VERIFY_SHOWN,
+                          .value = none,
+                          .reference = none,
+                          .error = none,
+                          .tolerance = none,
+                          .seconds = run->seconds};
+}
+
 ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error)
 {
     const char *note = shv_pool_text(&verifier->made->texts, why->message, strlen(why->message));
-    const ShvVerifyRow row = {.run = verifier->now->title,
-                              .quantity = quantity,
-                              .unit = "",
-                              .source = verifier->made->view.source,
-                              .note = note ? note : "",
-                              .compare = SHV_VERIFY_SHOWN,
-                              .verdict = SHV_VERDICT_FAILED,
-                              .value = (double)NAN,
-                              .reference = (double)NAN,
-                              .error = (double)NAN,
-                              .tolerance = (double)NAN,
-                              .seconds = verifier->now->seconds};
+    ShvVerifyRow row = shv_verify_row(verifier, verifier->now, quantity);
+    row.verdict = SHV_VERDICT_FAILED;
+    if (note) row.note = note;
     return shv_verify_append(verifier, &row, error);
 }
 
@@ -167,14 +174,11 @@ static void set_error(ShvVerifyRow *row, const ShvCaseQuantity *quantity)
 
 static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, const ShvCaseQuantity *quantity)
 {
-    return (ShvVerifyRow){.run = run->title,
-                          .quantity = quantity->name,
-                          .unit = quantity->unit ? quantity->unit : "",
-                          .source = quantity->source ? quantity->source : verifier->made->view.source,
-                          .note = "",
-                          .compare = quantity->compare,
-                          .reference = (double)NAN,
-                          .seconds = run->seconds};
+    ShvVerifyRow row = shv_verify_row(verifier, run, quantity->name);
+    if (quantity->unit) row.unit = quantity->unit;
+    if (quantity->source) row.source = quantity->source;
+    row.compare = quantity->compare;
+    return row;
 }
 
 static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
