@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "evaluate/line.h"
+
 /* ---- windows ---- */
 
 typedef struct Window {
@@ -24,14 +26,10 @@ typedef struct Summary {
     double least, largest, mean, root_mean_square, slope, integral, sum, rise, fall, first, last;
 } Summary;
 
-typedef struct Sums {
-    double number, time, time_time, time_value, value_value;
-} Sums;
-
-static void add(Summary *summary, Sums *sums, double time, double value, double since)
+static void add(Summary *summary, ShvLine *line, double time, double value, double since)
 {
     const double change = value - summary->last;
-    if (sums->number == 0.0) {
+    if (line->number == 0.0) {
         summary->first = value;
         summary->integral = summary->rise = summary->fall = 0.0;
     } else {
@@ -41,30 +39,27 @@ static void add(Summary *summary, Sums *sums, double time, double value, double 
     }
     summary->least = fmin(summary->least, value);
     summary->largest = fmax(summary->largest, value);
-    summary->sum += value;
     summary->last = value;
-    sums->number += 1.0;
-    sums->time += time;
-    sums->time_time += time * time;
-    sums->time_value += time * value;
-    sums->value_value += value * value;
+    shv_line_add(line, time, value);
 }
 
 static Summary summarise(const ShvFormulaValue *s, Window window)
 {
     const double none = (double)NAN;
     Summary summary = {none, none, none, none, none, none, 0.0, none, none, none, none};
-    Sums sums = {0.0, 0.0, 0.0, 0.0, 0.0};
-    double before = 0.0;
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
+    double before = 0.0, squares = 0.0;
     for (int64_t i = 0; i < s->count; i++) {
         if (!is_in(s, i, window)) continue;
-        add(&summary, &sums, s->times[i], s->values[i], s->times[i] - before);
+        add(&summary, &line, s->times[i], s->values[i], s->times[i] - before);
+        squares += s->values[i] * s->values[i];
         before = s->times[i];
     }
-    const double spread = sums.number * sums.time_time - sums.time * sums.time;
-    if (sums.number > 0.0) summary.mean = summary.sum / sums.number;
-    if (sums.number > 0.0) summary.root_mean_square = sqrt(sums.value_value / sums.number);
-    if (spread > 0.0) summary.slope = (sums.number * sums.time_value - sums.time * summary.sum) / spread;
+    summary.sum = line.y;
+    summary.slope = shv_line_slope(&line);
+    if (line.number == 0.0) return summary;
+    summary.mean = line.y / line.number;
+    summary.root_mean_square = sqrt(squares / line.number);
     return summary;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "evaluate/line.h"
 #include "evaluate/run.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
@@ -219,20 +220,14 @@ static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
 /* Slope of log|error| over log step through all runs, least squares; NaN with fewer than two. */
 static double observed_order(const Verifier *verifier, int32_t index)
 {
-    double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int32_t i = 0; i < verifier->run_count; i++) {
         const KeptRun *run = &verifier->runs[i];
         const double step = log(run->steps[index]);
         const double error = log(fabs(run->values[index] / run->references[index] - 1.0));
-        if (!isfinite(step) || !isfinite(error)) continue;
-        count += 1.0;
-        x += step;
-        y += error;
-        xx += step * step;
-        xy += step * error;
+        if (isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
     }
-    const double spread = count * xx - x * x;
-    return count > 1.0 && spread > 0.0 ? (count * xy - x * y) / spread : (double)NAN;
+    return shv_line_slope(&line);
 }
 
 /* Judged when all runs of the case were made. */
