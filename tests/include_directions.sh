@@ -21,7 +21,7 @@ allowed()
     record) echo base record ;;
     export) echo base record export ;;
     view) echo base rigid export view ;;
-    evaluate) echo base scene record export evaluate ;;
+    evaluate) echo base shape scene record export evaluate ;;
     stability) echo base mesh model solid hybrid export evaluate stability ;;
     survive) echo base scene export evaluate survive ;;
     cli) echo base mesh cli ;;

@@ -374,6 +374,15 @@ typedef struct ShvAuditDefinition {
     double hull_error; /* space that convex pieces hold without tets, and tets in none of them, of the volume */
 } ShvAuditDefinition;
 
+/* Which node positions are recorded with `nodes`; damage, bonds and fragments of tets are, of all. */
+typedef struct ShvNodesWithin {
+    double from, to;  /* s: of frames in between; 0 and infinity: all */
+    int64_t every;    /* of every so many frames of the run file, the first counted; ≥ 1 */
+    ShvSelection box; /* of tets with a corner in it at the start; infinite: all */
+} ShvNodesWithin;
+/* Whether that leaves anything out. */
+bool shv_nodes_limited(const ShvNodesWithin *within);
+
 typedef struct ShvOutputDefinition {
     const char *file;       /* run file; NULL: from the scene's name */
     double rate;            /* frames a second */
@@ -381,6 +390,7 @@ typedef struct ShvOutputDefinition {
     bool nodes;             /* node positions and facet damage of every frame */
     int64_t probe_every;    /* probes are sampled every so many steps of fracture mode, ≥ 1; 1 */
     double probe_interval;  /* s: instead, at the first step at or after every multiple of it; 0: off */
+    ShvNodesWithin nodes_within;
 } ShvOutputDefinition;
 
 /* A motion that is known in closed form and follows from the scene's own numbers: what `shiver compare` measures errors from. */

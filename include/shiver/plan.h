@@ -8,6 +8,15 @@
 extern "C" {
 #endif
 
+/* Where the mesh of an object must resolve cracks. */
+typedef enum ShvBreaking {
+    SHV_BREAKING_ANYWHERE,
+    SHV_BREAKING_PLANE, /* beside facets on the plane that cracks keep to */
+    SHV_BREAKING_TIPS   /* at edges that the body goes round by more than 300 degrees: tips of notches and cracks */
+} ShvBreaking;
+/* "anywhere", "plane", "tips". */
+const char *shv_breaking_name(ShvBreaking breaking);
+
 /* Physics of one object, SI. */
 typedef struct ShvPreflight {
     const char *object, *material;
@@ -27,6 +36,9 @@ typedef struct ShvPreflight {
     bool breakable;
     double cohesive_zone; /* m: (π/8) E/(1−ν²) G/σ²; 5-10 elements resolve it */
     double snap_back;     /* m: 2 E G/σ²; elements longer than this snap back */
+    ShvBreaking breaking; /* where it is expected to break; */
+    int32_t breaking_tets;
+    double breaking_mean_edge, breaking_longest_edge; /* m, there; the latter of all tets where cracks may run on */
     bool
         never_parts; /* bonds are to hold pieces together, and facets fail only when open by more than an edge, or never */
     double final_opening;       /* m */

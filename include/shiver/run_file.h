@@ -25,7 +25,7 @@ typedef struct ShvRecordDefinition {
     uint64_t
         resume_hash; /* of what a run that goes on from a checkpoint must have in common with the one that took it */
     int32_t threads; /* stored in the file */
-    bool nodes;      /* corner positions and facet damage of every frame */
+    bool nodes;      /* corner positions (within the scene's output.nodes_within) and facet damage of every frame */
     double sync_interval; /* s of run time from one time that everything is brought to the disk to the next; 5 */
     struct ShvMemory *memory;
 } ShvRecordDefinition;
@@ -143,7 +143,8 @@ ShvStatus shv_run_file_mesh(ShvRunFile *file, double *positions, int32_t *elemen
 /* Of a frame with `nodes`: whether each tet is held across each of its facets (4 per element, as of shv_simulation_bonds). */
 ShvStatus shv_run_file_bonds(ShvRunFile *file, int64_t frame, uint8_t *bonds, ShvError *error);
 /* Corner positions (12 per element), facet damage (4 per element) and owner of each element at a frame recorded with `nodes`;
-   SHV_UNSUPPORTED without. Any pointer may be NULL. */
+   SHV_UNSUPPORTED without. Corners that output.nodes_within left out are those of the undeformed tet in its fragment's pose. Any
+   pointer may be NULL. */
 ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners, double *damage,
                                int32_t *element_fragment, ShvError *error);
 

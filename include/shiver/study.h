@@ -45,7 +45,7 @@ typedef struct ShvStudyRow {
     const double *errors_low, *errors_high; /* least and most of the members */
     const bool *on_front; /* nothing cheaper is as good: an error is only smaller by more than the scatter */
     double stable_step, step, courant; /* s, s, –; of the first member */
-    const double *costs;               /* s by part, of the first member: shv_study_cost_name */
+    const double *costs;               /* s by part, of the first member, as ShvFrameView.costs */
 } ShvStudyRow;
 
 typedef struct ShvStudy ShvStudy;
@@ -69,10 +69,8 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream);
 
 int32_t shv_study_row_count(const ShvStudy *study);
 const ShvStudyRow *shv_study_row(const ShvStudy *study, int32_t index);
-const char *shv_study_name(const ShvStudy *study);
 /* What errors are taken from, in words. */
 const char *shv_study_reference(const ShvStudy *study);
-const char *shv_study_processor(const ShvStudy *study);
 /* Whether run times can be compared: one run at a time, all on processors of one kind. */
 bool shv_study_timings_valid(const ShvStudy *study);
 int32_t shv_study_measure_count(const ShvStudy *study);
@@ -83,8 +81,6 @@ const char *shv_study_error_unit(const ShvStudy *study, int32_t measure);
 double shv_study_scatter(const ShvStudy *study, int32_t measure);
 /* Index of the cheapest row whose error in that measure is at most `error`, −1 if there is none. Not the reference. */
 int32_t shv_study_pick(const ShvStudy *study, int32_t measure, double largest);
-int32_t shv_study_cost_count(void);
-const char *shv_study_cost_name(int32_t cost);
 
 #ifdef __cplusplus
 }

@@ -104,7 +104,13 @@ ShvSceneDefinition shv_scene_default(void)
                                 .bullet_plain = {.unit = 1.0, .margin = 0.04},
                                 .fracture = fracture_default(),
                                 .audit = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
-                                .output = {.rate = 240.0, .probe_every = 1},
+                                .output = {.rate = 240.0,
+                                           .probe_every = 1,
+                                           .nodes_within = {.to = HUGE_VAL,
+                                                            .every = 1,
+                                                            .box = {.kind = SHV_SELECT_BOX,
+                                                                    .box_min = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+                                                                    .box_max = {HUGE_VAL, HUGE_VAL, HUGE_VAL}}}},
                                 .survival = {.broken = 0.95},
                                 .duration = unset};
 }
@@ -113,4 +119,11 @@ const char *shv_rigid_engine_name(ShvRigidEngine engine)
 {
     static const char *const names[] = {"analytic", "pbd", "bullet", "bullet_plain"};
     return names[engine];
+}
+
+bool shv_nodes_limited(const ShvNodesWithin *within)
+{
+    bool limited = within->from > 0.0 || !isinf(within->to) || within->every > 1;
+    for (int k = 0; k < 3; k++) limited |= !isinf(within->box.box_min[k]) || !isinf(within->box.box_max[k]);
+    return limited;
 }

@@ -52,6 +52,19 @@ int shv_print(FILE *file, const char *format, ...)
     return length;
 }
 
+void shv_print_json_text(FILE *file, const char *text)
+{
+    shv_print(file, "\"");
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c < 0x20)
+            shv_print(file, "\\u%04x", (unsigned)c);
+        else
+            shv_print(file, c == '"' || c == '\\' ? "\\%c" : "%c", c);
+    }
+    shv_print(file, "\"");
+}
+
 double shv_text_to_double(const char *text, char **end)
 {
     const CLocale c = enter_c_locale();

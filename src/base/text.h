@@ -11,6 +11,8 @@ int shv_format(char *buffer, size_t size, const char *format, ...);
 int shv_format_list(char *buffer, size_t size, const char *format, va_list arguments);
 /* As fprintf: a negative result is a write error. */
 int shv_print(FILE *file, const char *format, ...);
+/* A string of JSON with its quotes. */
+void shv_print_json_text(FILE *file, const char *text);
 
 /* strtod of the C locale. `text` must start with a number of that locale. */
 double shv_text_to_double(const char *text, char **end);

@@ -8,18 +8,18 @@ enum { JSON };
 static void warn_mesh(const ShvPreflight *p)
 {
     if (!p->breakable) return;
-    if (p->longest_edge > p->snap_back)
+    if (p->breaking_longest_edge > p->snap_back)
         printf(
             "  warning: edges up to %.3g m are longer than the snap-back length %.3g m: a facet that opens beside such "
             "a\n"
             "           tet releases more energy than G; cracks cost too much or run unstably. Use a finer mesh or a\n"
             "           larger fracture_energy\n",
-            p->longest_edge, p->snap_back);
-    if (p->mean_edge > p->cohesive_zone / 5.0)
+            p->breaking_longest_edge, p->snap_back);
+    if (p->breaking_mean_edge > p->cohesive_zone / 5.0)
         printf("  warning: the cohesive zone (%.3g m) spans %.2g mean edges; 5 to 10 resolve it: the strength of crack "
                "tips\n"
                "           depends on the mesh\n",
-               p->cohesive_zone, p->cohesive_zone / p->mean_edge);
+               p->cohesive_zone, p->cohesive_zone / p->breaking_mean_edge);
 }
 
 /* Of shear strength, tip_strength warns by itself. */
@@ -46,7 +46,7 @@ static void warn_bonds(const ShvPreflight *p)
            "           that happens, and nothing comes apart. Give a smaller fracture_energy or a larger "
            "cohesive_strength,\n"
            "           or 'fracture: {connectivity: nodes}', under which a crack cuts as soon as it is inserted\n",
-           p->final_opening, p->mean_edge);
+           p->final_opening, p->breaking_mean_edge);
 }
 
 static void warn_step(const ShvPreflight *p)
@@ -77,6 +77,16 @@ static void warn_obstacle(const ShvPreflight *p)
         p->small_obstacle, p->small_obstacle_size, p->mean_edge);
 }
 
+static void print_breaking(const ShvPreflight *p)
+{
+    if (p->breaking == SHV_BREAKING_PLANE)
+        printf("  cracks keep to a plane: %d tets beside it, edges %.3g … %.3g m (mean, longest)\n",
+               (int)p->breaking_tets, p->breaking_mean_edge, p->breaking_longest_edge);
+    if (p->breaking == SHV_BREAKING_TIPS)
+        printf("  tips of notches and cracks: %d tets, edges %.3g m on the mean\n", (int)p->breaking_tets,
+               p->breaking_mean_edge);
+}
+
 static void print_object(const ShvPreflight *p)
 {
     printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
@@ -84,6 +94,7 @@ static void print_object(const ShvPreflight *p)
            "dihedral angle %.0f degrees\n",
            p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect,
            p->smallest_dihedral);
+    print_breaking(p);
     printf("  stable step %.4g s, set by tet %d at (%.4g, %.4g, %.4g); step %.4g s, Courant number %.3f\n",
            p->stable_step, (int)p->stable_element, p->stable_centroid[0], p->stable_centroid[1], p->stable_centroid[2],
            p->step, p->courant);
@@ -126,6 +137,8 @@ static void print_object_json(const ShvPreflight *p)
                    {"dilatational_speed", p->dilatational_speed},
                    {"cohesive_zone", p->cohesive_zone},
                    {"snap_back", p->snap_back},
+                   {"breaking_mean_edge", p->breaking_mean_edge},
+                   {"breaking_longest_edge", p->breaking_longest_edge},
                    {"final_opening", p->final_opening},
                    {"opening_speed", p->opening_speed},
                    {"cohesive_step", p->cohesive_step},
@@ -137,8 +150,8 @@ static void print_object_json(const ShvPreflight *p)
     shv_cli_print_json_text(p->object);
     printf(", \"material\": ");
     shv_cli_print_json_text(p->material);
-    printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s", (int)p->tets, (int)p->nodes,
-           (int)p->stable_element, p->breakable ? "true" : "false");
+    printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s, \"breaking\": \"%s\"", (int)p->tets,
+           (int)p->nodes, (int)p->stable_element, p->breakable ? "true" : "false", shv_breaking_name(p->breaking));
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
@@ -178,7 +191,10 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times. Warns where the mesh or the step does not resolve them. Objects that overlap\n"
+        "facet, characteristic times. Warns where the mesh or the step does not resolve them: at the tips of notches "
+        "and\n"
+        "cracks, on the plane that cracks are to keep to, or on the mean of an object without either. Objects that "
+        "overlap\n"
         "each other or obstacles at the start are refused, as by every command that runs a scene: which, how deep,\n"
         "and what parts them. With 'overlaps: keep' in the scene they are warned of: what the run does about it.",
     .least_positional = 1,

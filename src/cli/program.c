@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/names.h"
+#include "base/text.h"
 
 const ShvCommand *const shv_commands[SHV_COMMANDS] = {
     &shv_command_run,     &shv_command_check,     &shv_command_plan,      &shv_command_mesh,    &shv_command_info,
@@ -119,16 +120,7 @@ int shv_cli_failed(ShvStatus status, const ShvError *error)
 
 void shv_cli_print_json_text(const char *text)
 {
-    putchar('"');
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
-        if (*c == '"' || *c == '\\')
-            printf("\\%c", *c);
-        else if (*c < 0x20)
-            printf("\\u%04x", *c);
-        else
-            putchar(*c);
-    }
-    putchar('"');
+    shv_print_json_text(stdout, text);
 }
 
 void shv_cli_print_json_number(double value)

@@ -101,12 +101,6 @@ static ShvStatus list_cases(const ShvArguments *arguments, Paths *paths, ShvErro
 
 /* ---- text ---- */
 
-static const char *relation_of(const ShvVerifyRow *row)
-{
-    static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
-    return (row->strict ? strict : relations)[row->compare];
-}
-
 static void print_row(const ShvVerifyRow *row)
 {
     const double scale = row->absolute ? 1.0 : 100.0;
@@ -119,7 +113,8 @@ static void print_row(const ShvVerifyRow *row)
     if (!isnan(row->value) || !isnan(row->reference))
         printf("%.6g%s%s", row->value, row->unit[0] ? " " : "", row->unit);
     if (!isnan(row->reference))
-        printf(", reference %s%.6g, error %+.3g%s", relation_of(row), row->reference, scale * row->error, percent);
+        printf(", reference %s%.6g, error %+.3g%s", shv_verify_relation(row), row->reference, scale * row->error,
+               percent);
     if (row->verdict == SHV_VERDICT_SHOWN) {
         printf("\n");
         return;
@@ -243,20 +238,13 @@ static ShvStatus write_pages(const Work *work, ShvError *error)
 
 static int32_t finish(const Work *work)
 {
-    int32_t passes = 0, explained = 0, misses = 0;
-    double seconds = 0.0;
-    for (int32_t i = 0; i < work->count; i++) {
-        passes += work->cases[i]->passes;
-        explained += work->cases[i]->explained;
-        misses += work->cases[i]->misses;
-        seconds += work->cases[i]->seconds;
-    }
+    const ShvVerifyCase sum = shv_verify_sum(work->cases, work->count);
     if (work->arguments->values[JSON])
         print_json(work->cases, work->count);
     else
         printf("%d cases: %d pass, %d miss with an explanation, %d miss without one; %.1f s\n", (int)work->count,
-               (int)passes, (int)explained, (int)misses, seconds);
-    return misses;
+               (int)sum.passes, (int)sum.explained, (int)sum.misses, sum.seconds);
+    return sum.misses;
 }
 
 static int run(const ShvArguments *arguments)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "shape/triangle.h"
 
 /* ---- which facets ---- */
 
@@ -117,37 +118,9 @@ double shv_crack_overlap(const ShvCrackSurface *a, const ShvCrackSurface *b)
 
 /* ---- distance ---- */
 
-/* Nearest point of a triangle by the region of the point's projection (Ericson, Real-Time Collision Detection, 5.1.5). */
 double shv_distance_to_facet(ShvVec3 point, const ShvCrackFacet *facet)
 {
-    const ShvVec3 a = facet->corners[0], ab = shv_sub(facet->corners[1], a), ac = shv_sub(facet->corners[2], a);
-    const ShvVec3 ap = shv_sub(point, a), bp = shv_sub(ap, ab), cp = shv_sub(ap, ac);
-    const double d1 = shv_dot(ab, ap), d2 = shv_dot(ac, ap), d3 = shv_dot(ab, bp), d4 = shv_dot(ac, bp);
-    const double d5 = shv_dot(ab, cp), d6 = shv_dot(ac, cp);
-    const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-    double v, w;
-    if (d1 <= 0.0 && d2 <= 0.0) {
-        v = w = 0.0;
-    } else if (d3 >= 0.0 && d4 <= d3) {
-        v = 1.0;
-        w = 0.0;
-    } else if (d6 >= 0.0 && d5 <= d6) {
-        v = 0.0;
-        w = 1.0;
-    } else if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-        v = d1 / (d1 - d3);
-        w = 0.0;
-    } else if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-        v = 0.0;
-        w = d2 / (d2 - d6);
-    } else if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-        w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        v = 1.0 - w;
-    } else {
-        v = vb / (va + vb + vc);
-        w = vc / (va + vb + vc);
-    }
-    return shv_norm(shv_sub(ap, shv_madd(shv_scale(ab, v), w, ac)));
+    return shv_norm(shv_sub(point, shv_triangle_closest(point, facet->corners).point));
 }
 
 static ShvVec3 centroid(const ShvCrackFacet *facet)

@@ -89,16 +89,8 @@ static ShvStatus expect_line(Verifier *verifier, char *line, const ShvCaseRun *r
 {
     const KeptRun *now = verifier->now;
     ShvPool *texts = &verifier->made->texts;
-    ShvVerifyRow row = {.run = now->title,
-                        .quantity = shv_pool_text(texts, line, strlen(line)),
-                        .unit = "",
-                        .source = verifier->made->view.source,
-                        .note = "",
-                        .value = (double)NAN,
-                        .reference = (double)NAN,
-                        .error = (double)NAN,
-                        .tolerance = (double)NAN,
-                        .seconds = now->seconds};
+    ShvVerifyRow row = shv_verify_row(verifier, now, shv_pool_text(texts, line, strlen(line)));
+    row.compare = SHV_VERIFY_NEAR;
     const char *message = shv_pool_text(texts, now->outcome.message, strlen(now->outcome.message));
     if (!row.quantity || !message) return shv_fail_memory(error, "rows", 0);
     const int so = ended_so(&now->outcome, line);

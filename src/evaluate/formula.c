@@ -140,7 +140,7 @@ static ShvStatus measure(Parser *parser, const ShvReduction *found, const ShvFor
         if (arguments[i].series) return fail(parser, "only the first argument can be a series");
         numbers[i - 1] = arguments[i].number;
     }
-    *value = (ShvFormulaValue){.number = found->take(&arguments[0], numbers, count)};
+    *value = (ShvFormulaValue){.number = shv_reduction_take(found, &arguments[0], numbers, count)};
     return SHV_OK;
 }
 

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "evaluate/line.h"
+
 /* ---- windows ---- */
 
 typedef struct Window {
@@ -19,121 +21,49 @@ static bool is_in(const ShvFormulaValue *s, int64_t i, Window window)
     return !isnan(s->values[i]) && s->times[i] >= window.from && s->times[i] <= window.to;
 }
 
-static double extreme(const ShvFormulaValue *s, Window window, bool upper)
+/* Of the values in a window: NaN where there is nothing to take it from. */
+typedef struct Summary {
+    double least, largest, mean, root_mean_square, slope, integral, sum, rise, fall, first, last;
+} Summary;
+
+static void add(Summary *summary, ShvLine *line, double time, double value, double since)
 {
-    double found = (double)NAN;
-    for (int64_t i = 0; i < s->count; i++)
-        if (is_in(s, i, window)) found = upper ? fmax(found, s->values[i]) : fmin(found, s->values[i]);
-    return found;
+    const double change = value - summary->last;
+    if (line->number == 0.0) {
+        summary->first = value;
+        summary->integral = summary->rise = summary->fall = 0.0;
+    } else {
+        summary->integral += 0.5 * (value + summary->last) * since;
+        summary->rise += fmax(0.0, change);
+        summary->fall += fmax(0.0, -change);
+    }
+    summary->least = fmin(summary->least, value);
+    summary->largest = fmax(summary->largest, value);
+    summary->last = value;
+    shv_line_add(line, time, value);
 }
 
-static double least(const ShvFormulaValue *s, const double *arguments, int count)
+static Summary summarise(const ShvFormulaValue *s, Window window)
 {
-    return extreme(s, window_of(arguments, count), false);
-}
-
-static double largest(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    return extreme(s, window_of(arguments, count), true);
-}
-
-typedef struct Sums {
-    double number, time, value, time_time, time_value, value_value;
-} Sums;
-
-static Sums sums_of(const ShvFormulaValue *s, Window window)
-{
-    Sums sums = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    const double none = (double)NAN;
+    Summary summary = {none, none, none, none, none, none, 0.0, none, none, none, none};
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
+    double before = 0.0, squares = 0.0;
     for (int64_t i = 0; i < s->count; i++) {
         if (!is_in(s, i, window)) continue;
-        sums.number += 1.0;
-        sums.time += s->times[i];
-        sums.value += s->values[i];
-        sums.time_time += s->times[i] * s->times[i];
-        sums.time_value += s->times[i] * s->values[i];
-        sums.value_value += s->values[i] * s->values[i];
+        add(&summary, &line, s->times[i], s->values[i], s->times[i] - before);
+        squares += s->values[i] * s->values[i];
+        before = s->times[i];
     }
-    return sums;
-}
-
-static double mean(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    const Sums sums = sums_of(s, window_of(arguments, count));
-    return sums.number > 0.0 ? sums.value / sums.number : (double)NAN;
-}
-
-static double root_mean_square(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    const Sums sums = sums_of(s, window_of(arguments, count));
-    return sums.number > 0.0 ? sqrt(sums.value_value / sums.number) : (double)NAN;
-}
-
-static double slope(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    const Sums sums = sums_of(s, window_of(arguments, count));
-    const double spread = sums.number * sums.time_time - sums.time * sums.time;
-    return spread > 0.0 ? (sums.number * sums.time_value - sums.time * sums.value) / spread : (double)NAN;
-}
-
-static double integral(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    const Window window = window_of(arguments, count);
-    double sum = 0.0;
-    int64_t before = -1;
-    for (int64_t i = 0; i < s->count; i++) {
-        if (!is_in(s, i, window)) continue;
-        if (before >= 0) sum += 0.5 * (s->values[i] + s->values[before]) * (s->times[i] - s->times[before]);
-        before = i;
-    }
-    return before >= 0 ? sum : (double)NAN;
-}
-
-static double sum(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    return sums_of(s, window_of(arguments, count)).value;
-}
-
-/* Σ of the rises from value to value, or of the falls. */
-static double way_up(const ShvFormulaValue *s, Window window, double sign)
-{
-    double total = 0.0, before = (double)NAN;
-    for (int64_t i = 0; i < s->count; i++) {
-        if (!is_in(s, i, window)) continue;
-        if (!isnan(before)) total += fmax(0.0, sign * (s->values[i] - before));
-        before = s->values[i];
-    }
-    return isnan(before) ? before : total;
-}
-
-static double rise(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    return way_up(s, window_of(arguments, count), 1.0);
-}
-
-static double fall(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    return way_up(s, window_of(arguments, count), -1.0);
+    summary.sum = line.y;
+    summary.slope = shv_line_slope(&line);
+    if (line.number == 0.0) return summary;
+    summary.mean = line.y / line.number;
+    summary.root_mean_square = sqrt(squares / line.number);
+    return summary;
 }
 
 /* ---- moments ---- */
-
-static double first(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    (void)arguments;
-    (void)count;
-    for (int64_t i = 0; i < s->count; i++)
-        if (!isnan(s->values[i])) return s->values[i];
-    return (double)NAN;
-}
-
-static double last(const ShvFormulaValue *s, const double *arguments, int count)
-{
-    (void)arguments;
-    (void)count;
-    for (int64_t i = s->count - 1; i >= 0; i--)
-        if (!isnan(s->values[i])) return s->values[i];
-    return (double)NAN;
-}
 
 /* Time at which the line between two samples meets a level. */
 static double crossing(const ShvFormulaValue *s, int64_t before, int64_t after, double level)
@@ -213,7 +143,7 @@ static double duration(const ShvFormulaValue *s, const double *arguments, int co
 
 static double frequency(const ShvFormulaValue *s, const double *arguments, int count)
 {
-    const double level = count == 2 ? arguments[0] : mean(s, NULL, 1);
+    const double level = count == 2 ? arguments[0] : summarise(s, window_of(NULL, 1)).mean;
     double begin = (double)NAN, end = (double)NAN;
     int64_t crossings = 0, before = -1;
     for (int64_t i = 0; i < s->count; i++) {
@@ -227,26 +157,37 @@ static double frequency(const ShvFormulaValue *s, const double *arguments, int c
     return crossings > 1 ? (double)(crossings - 1) / (end - begin) : (double)NAN;
 }
 
-static const ShvReduction measures[] = {{"min", 1, 3, least},
-                                        {"max", 1, 3, largest},
-                                        {"mean", 1, 3, mean},
-                                        {"slope", 1, 3, slope},
-                                        {"rms", 1, 3, root_mean_square},
-                                        {"integral", 1, 3, integral},
-                                        {"sum", 1, 3, sum},
-                                        {"rise", 1, 3, rise},
-                                        {"fall", 1, 3, fall},
-                                        {"first", 1, 1, first},
-                                        {"last", 1, 1, last},
-                                        {"at", 2, 2, value_at},
-                                        {"arrival", 2, 2, arrival},
-                                        {"departure", 2, 2, departure},
-                                        {"duration", 2, 2, duration},
-                                        {"frequency", 1, 2, frequency}};
+#define PART(member) offsetof(Summary, member), NULL
+static const ShvReduction reductions[] = {{"min", 1, 3, PART(least)},
+                                          {"max", 1, 3, PART(largest)},
+                                          {"mean", 1, 3, PART(mean)},
+                                          {"slope", 1, 3, PART(slope)},
+                                          {"rms", 1, 3, PART(root_mean_square)},
+                                          {"integral", 1, 3, PART(integral)},
+                                          {"sum", 1, 3, PART(sum)},
+                                          {"rise", 1, 3, PART(rise)},
+                                          {"fall", 1, 3, PART(fall)},
+                                          {"first", 1, 1, PART(first)},
+                                          {"last", 1, 1, PART(last)},
+                                          {"at", 2, 2, 0, value_at},
+                                          {"arrival", 2, 2, 0, arrival},
+                                          {"departure", 2, 2, 0, departure},
+                                          {"duration", 2, 2, 0, duration},
+                                          {"frequency", 1, 2, 0, frequency}};
 
 const ShvReduction *shv_reduction_find(const char *name)
 {
-    for (size_t i = 0; i < sizeof measures / sizeof measures[0]; i++)
-        if (strcmp(measures[i].name, name) == 0) return &measures[i];
+    for (size_t i = 0; i < sizeof reductions / sizeof reductions[0]; i++)
+        if (strcmp(reductions[i].name, name) == 0) return &reductions[i];
     return NULL;
+}
+
+double shv_reduction_take(const ShvReduction *reduction, const ShvFormulaValue *series, const double *arguments,
+                          int count)
+{
+    if (reduction->take) return reduction->take(series, arguments, count);
+    const Summary summary = summarise(series, window_of(arguments, count));
+    double number;
+    memcpy(&number, (const char *)&summary + reduction->part, sizeof number);
+    return number;
 }

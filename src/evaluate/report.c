@@ -17,12 +17,18 @@ typedef struct Cells {
     char reference[CELL], value[CELL], error[CELL], tolerance[CELL], seconds[CELL];
 } Cells;
 
-static void put_number(char *cell, const char *before, double value, const char *after)
+const char *shv_verify_relation(const ShvVerifyRow *row)
+{
+    static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
+    return (row->strict ? strict : relations)[row->compare];
+}
+
+static void put_number(char *cell, const char *before, double value)
 {
     if (isnan(value))
         shv_format(cell, CELL, "%s", "");
     else
-        shv_format(cell, CELL, "%s%.6g%s", before, value, after);
+        shv_format(cell, CELL, "%s%.6g", before, value);
 }
 
 /* Shares of the reference in percent. */
@@ -38,10 +44,9 @@ static void put_share(char *cell, double value, bool absolute, bool sign)
 
 static Cells cells_of(const ShvVerifyRow *row)
 {
-    static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
     Cells cells;
-    put_number(cells.reference, (row->strict ? strict : relations)[row->compare], row->reference, "");
-    put_number(cells.value, "", row->value, "");
+    put_number(cells.reference, shv_verify_relation(row), row->reference);
+    put_number(cells.value, "", row->value);
     put_share(cells.error, row->error, row->absolute, true);
     put_share(cells.tolerance, row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : row->tolerance, row->absolute, false);
     if (isnan(row->seconds))
@@ -51,26 +56,21 @@ static Cells cells_of(const ShvVerifyRow *row)
     return cells;
 }
 
-typedef struct Totals {
-    int32_t passes, misses, explained;
-    double seconds;
-} Totals;
-
-static Totals totals_of(const ShvVerifyCase *const *cases, int32_t count)
+ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
 {
-    Totals totals = {0, 0, 0, 0.0};
+    ShvVerifyCase sum = {.name = ""};
     for (int32_t i = 0; i < count; i++) {
-        totals.passes += cases[i]->passes;
-        totals.misses += cases[i]->misses;
-        totals.explained += cases[i]->explained;
-        totals.seconds += cases[i]->seconds;
+        sum.passes += cases[i]->passes;
+        sum.misses += cases[i]->misses;
+        sum.explained += cases[i]->explained;
+        sum.seconds += cases[i]->seconds;
     }
-    return totals;
+    return sum;
 }
 
 static void summarise(char *text, size_t size, const ShvVerifyCase *const *cases, int32_t count)
 {
-    const Totals totals = totals_of(cases, count);
+    const ShvVerifyCase totals = shv_verify_sum(cases, count);
     shv_format(text, size,
                "%d cases; %d quantities pass, %d miss with an explanation, %d miss without one; %.0f s of run time.",
                (int)count, (int)totals.passes, (int)totals.explained, (int)totals.misses, totals.seconds);

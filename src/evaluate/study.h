@@ -60,7 +60,8 @@ ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, c
 
 /* study_finest.c: the finest setting. */
 ShvStatus shv_study_finest(const ShvStudy *study, int32_t *finest, ShvError *error);
-/* study_front.c: marks rows for one measure. */
+/* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
+bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
 /* study_report.c, study_tables.c */

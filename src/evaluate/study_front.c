@@ -1,6 +1,6 @@
 #include "evaluate/study.h"
 
-static bool counts(const ShvStudyRow *row, int32_t measure)
+bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
 {
     return row->status == SHV_OK && !row->is_reference && isfinite(row->errors[measure]) && isfinite(row->seconds);
 }
@@ -12,7 +12,8 @@ static int32_t next_row(const ShvStudy *study, int32_t measure, int32_t after, d
     const double least = after < 0 ? -HUGE_VAL : study->results[after].row.seconds;
     for (int32_t i = 0; i < study->setting_count; i++) {
         const ShvStudyRow *row = &study->results[i].row;
-        if (!counts(row, measure) || !(row->errors[measure] < limit) || row->seconds < least || i == after) continue;
+        if (!shv_study_counts(row, measure) || !(row->errors[measure] < limit) || row->seconds < least || i == after)
+            continue;
         const bool first = best < 0 || row->seconds < study->results[best].row.seconds;
         const bool better = best >= 0 && row->seconds == study->results[best].row.seconds &&
                             row->errors[measure] < study->results[best].row.errors[measure];
@@ -38,7 +39,7 @@ int32_t shv_study_pick(const ShvStudy *study, int32_t measure, double largest)
     int32_t best = -1;
     for (int32_t i = 0; i < shv_study_row_count(study); i++) {
         const ShvStudyRow *row = &study->results[i].row;
-        if (!counts(row, measure) || row->errors[measure] > largest) continue;
+        if (!shv_study_counts(row, measure) || row->errors[measure] > largest) continue;
         if (best < 0 || row->seconds < study->results[best].row.seconds) best = i;
     }
     return best;

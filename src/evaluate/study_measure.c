@@ -417,19 +417,9 @@ const ShvStudyRow *shv_study_row(const ShvStudy *study, int32_t index)
     return &study->results[index].row;
 }
 
-const char *shv_study_name(const ShvStudy *study)
-{
-    return study->plan.name;
-}
-
 const char *shv_study_reference(const ShvStudy *study)
 {
     return study->reference_name;
-}
-
-const char *shv_study_processor(const ShvStudy *study)
-{
-    return study->processor;
 }
 
 bool shv_study_timings_valid(const ShvStudy *study)
@@ -455,14 +445,4 @@ const char *shv_study_error_unit(const ShvStudy *study, int32_t measure)
 double shv_study_scatter(const ShvStudy *study, int32_t measure)
 {
     return study->scatter[measure];
-}
-
-int32_t shv_study_cost_count(void)
-{
-    return SHV_COST_COUNT;
-}
-
-const char *shv_study_cost_name(int32_t cost)
-{
-    return shv_cost_name((ShvCost)cost);
 }

@@ -15,17 +15,12 @@ typedef struct Figure {
     double least; /* an error of zero has a place here, below all others */
 } Figure;
 
-static bool shows(const ShvStudyRow *row, int32_t measure)
-{
-    return row->status == SHV_OK && !row->is_reference && isfinite(row->errors[measure]) && isfinite(row->seconds);
-}
-
 static double least_error(const ShvStudy *study, int32_t measure)
 {
     double least = HUGE_VAL;
     for (int32_t i = 0; i < study->setting_count; i++) {
         const ShvStudyRow *row = &study->results[i].row;
-        if (shows(row, measure) && row->errors[measure] > 0.0) least = fmin(least, row->errors[measure]);
+        if (shv_study_counts(row, measure) && row->errors[measure] > 0.0) least = fmin(least, row->errors[measure]);
     }
     return isfinite(least) ? 0.1 * least : 1e-16;
 }
@@ -33,7 +28,7 @@ static double least_error(const ShvStudy *study, int32_t measure)
 static ShvPlotPoint point_of(const ShvStudyRow *row, int32_t measure, double least)
 {
     const bool zero = row->errors[measure] <= least;
-    ShvPlotPoint point = {.x = shows(row, measure) ? row->seconds : (double)NAN,
+    ShvPlotPoint point = {.x = shv_study_counts(row, measure) ? row->seconds : (double)NAN,
                           .y = fmax(row->errors[measure], least)};
     shv_format(point.label, sizeof point.label, "%.18s%s", row->label, zero ? " (0)" : "");
     return point;
@@ -49,7 +44,7 @@ static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figu
         const ShvStudyRow *row = &study->results[i].row;
         if (row->is_reference || strcmp(row->series, name) != 0) continue;
         points[count++] = point_of(row, measure, figure->least);
-        if (study->plan.members == 1 || !shows(row, measure)) continue;
+        if (study->plan.members == 1 || !shv_study_counts(row, measure)) continue;
         figure->spans[figure->span_count++] = (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least),
                                                             row->errors_high[measure], figure->line_count};
     }

@@ -157,25 +157,10 @@ void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
 
 /* ---- JSON ---- */
 
-static void put_text(FILE *stream, const char *text)
-{
-    shv_print(stream, "\"");
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\')
-            shv_print(stream, "\\%c", c);
-        else if (c < 0x20)
-            shv_print(stream, "\\u%04x", (unsigned)c);
-        else
-            shv_print(stream, "%c", c);
-    }
-    shv_print(stream, "\"");
-}
-
 static void put_pair(FILE *stream, const char *name, const char *text)
 {
     shv_print(stream, "\"%s\": ", name);
-    put_text(stream, text);
+    shv_print_json_text(stream, text);
 }
 
 static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
@@ -204,9 +189,9 @@ static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
     for (int32_t i = 0; i < study->plan.key_count; i++) {
         if (setting->values[i][0] == '\0') continue;
         shv_print(stream, "%s", first ? "" : ", ");
-        put_text(stream, study->plan.keys[i]);
+        shv_print_json_text(stream, study->plan.keys[i]);
         shv_print(stream, ": ");
-        put_text(stream, setting->values[i]);
+        shv_print_json_text(stream, setting->values[i]);
         first = false;
     }
     shv_print(stream, "}, \"reference\": %s, ", row->is_reference ? "true" : "false");

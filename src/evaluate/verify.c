@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "evaluate/line.h"
 #include "evaluate/run.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
@@ -110,21 +111,28 @@ ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvErro
     return SHV_OK;
 }
 
+ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const char *quantity)
+{
+    const double none = (double)NAN;
+    return (ShvVerifyRow){.run = run->title,
+                          .quantity = quantity,
+                          .unit = "",
+                          .source = verifier->made->view.source,
+                          .note = "",
+                          .compare = SHV_VERIFY_SHOWN,
+                          .value = none,
+                          .reference = none,
+                          .error = none,
+                          .tolerance = none,
+                          .seconds = run->seconds};
+}
+
 ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error)
 {
     const char *note = shv_pool_text(&verifier->made->texts, why->message, strlen(why->message));
-    const ShvVerifyRow row = {.run = verifier->now->title,
-                              .quantity = quantity,
-                              .unit = "",
-                              .source = verifier->made->view.source,
-                              .note = note ? note : "",
-                              .compare = SHV_VERIFY_SHOWN,
-                              .verdict = SHV_VERDICT_FAILED,
-                              .value = (double)NAN,
-                              .reference = (double)NAN,
-                              .error = (double)NAN,
-                              .tolerance = (double)NAN,
-                              .seconds = verifier->now->seconds};
+    ShvVerifyRow row = shv_verify_row(verifier, verifier->now, quantity);
+    row.verdict = SHV_VERDICT_FAILED;
+    if (note) row.note = note;
     return shv_verify_append(verifier, &row, error);
 }
 
@@ -167,14 +175,11 @@ static void set_error(ShvVerifyRow *row, const ShvCaseQuantity *quantity)
 
 static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, const ShvCaseQuantity *quantity)
 {
-    return (ShvVerifyRow){.run = run->title,
-                          .quantity = quantity->name,
-                          .unit = quantity->unit ? quantity->unit : "",
-                          .source = quantity->source ? quantity->source : verifier->made->view.source,
-                          .note = "",
-                          .compare = quantity->compare,
-                          .reference = (double)NAN,
-                          .seconds = run->seconds};
+    ShvVerifyRow row = shv_verify_row(verifier, run, quantity->name);
+    if (quantity->unit) row.unit = quantity->unit;
+    if (quantity->source) row.source = quantity->source;
+    row.compare = quantity->compare;
+    return row;
 }
 
 static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
@@ -215,20 +220,14 @@ static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
 /* Slope of log|error| over log step through all runs, least squares; NaN with fewer than two. */
 static double observed_order(const Verifier *verifier, int32_t index)
 {
-    double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int32_t i = 0; i < verifier->run_count; i++) {
         const KeptRun *run = &verifier->runs[i];
         const double step = log(run->steps[index]);
         const double error = log(fabs(run->values[index] / run->references[index] - 1.0));
-        if (!isfinite(step) || !isfinite(error)) continue;
-        count += 1.0;
-        x += step;
-        y += error;
-        xx += step * step;
-        xy += step * error;
+        if (isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
     }
-    const double spread = count * xx - x * x;
-    return count > 1.0 && spread > 0.0 ? (count * xy - x * y) / spread : (double)NAN;
+    return shv_line_slope(&line);
 }
 
 /* Judged when all runs of the case were made. */

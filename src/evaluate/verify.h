@@ -36,6 +36,8 @@ typedef struct Verifier {
 
 /* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
 char *shv_next_line(ShvPool *pool, const char **at);
+/* Of nothing yet; not judged. */
+ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const char *quantity);
 ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvError *error);
 ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error);
 /* The verdict by error and tolerance. */

@@ -137,6 +137,7 @@ static bool put_bonds(ShvRecord *record, const ShvSimulation *simulation)
 static bool put_nodes(ShvRecord *record, const ShvSimulation *simulation)
 {
     shv_simulation_corner_positions(simulation, record->corners);
+    shv_within_blank(record, shv_simulation_frame(simulation)->time);
     shv_simulation_element_state(simulation, record->element_fragment, record->values);
     return put(record, SHV_SERIES_CORNERS, record->element_count, record->corners) &&
            put(record, SHV_SERIES_DAMAGE, record->element_count, record->values) && put_bonds(record, simulation) &&

@@ -74,12 +74,25 @@ bool shv_record_rewrite_overrides(hid_t file, const ShvRecordDefinition *definit
            H5Ldelete(file, "/scene/overrides", H5P_DEFAULT) >= 0 && write_overrides(file, definition);
 }
 
+/* Readers know by the attribute that corners may be missing. */
+static bool put_nodes_group(hid_t file, const ShvSimulation *simulation)
+{
+    const ShvNodesWithin within = shv_simulation_nodes_within(simulation);
+    const int32_t partial = shv_nodes_limited(&within);
+    if (!shv_group_put(file, "/nodes")) return false;
+    const hid_t group = H5Gopen2(file, "/nodes", H5P_DEFAULT);
+    const bool good =
+        group >= 0 && shv_attribute_put_number(group, "partial", H5T_STD_I32LE, H5T_NATIVE_INT32, &partial);
+    if (group >= 0) H5Gclose(group);
+    return good;
+}
+
 bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition, const ShvSimulation *simulation)
 {
     static const char *const groups[] = {"/scene", "/mesh", "/trajectory", "/obstacles", "/fragments", "/cost"};
     for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++)
         if (!shv_group_put(file, groups[i])) return false;
-    if (definition->nodes && !shv_group_put(file, "/nodes")) return false;
+    if (definition->nodes && !put_nodes_group(file, simulation)) return false;
     return write_attributes(file, definition, simulation) &&
            shv_dataset_put_text(file, "/scene/text", definition->scene_text ? definition->scene_text : "") &&
            write_overrides(file, definition);

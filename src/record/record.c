@@ -85,6 +85,7 @@ void shv_record_release(ShvRecord *record)
     shv_release(record->values);
     shv_release(record->element_fragment);
     shv_release(record->corners);
+    shv_release(record->chosen);
     shv_release(record);
 }
 
@@ -94,6 +95,7 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     SHV_TRY(shv_publish_check(definition->path, definition->force, error));
     SHV_TRY(shv_record_allocate(record, definition, &mesh, error));
+    SHV_TRY(shv_within_prepare(record, simulation, &mesh, error));
     SHV_TRY(open_file(record, error));
     if (!shv_record_write_badge(record->file, &record->badge) ||
         !shv_record_write_head(record->file, definition, simulation) ||

@@ -37,6 +37,8 @@ struct ShvRecord {
     double *values;                /* one frame of one series */
     size_t value_capacity;
     int32_t *element_fragment;
+    ShvNodesWithin within;
+    uint8_t *chosen;        /* per element, whether its corners are recorded; NULL: all are */
     double *corners;        /* 12 × element_count with `nodes`, else NULL */
     double start;           /* s, shv_now */
     int64_t last_checksum;  /* of the last frame */
@@ -51,6 +53,11 @@ ShvStatus shv_record_prepare(ShvRecord **record, const ShvRecordDefinition *defi
 ShvStatus shv_record_allocate(ShvRecord *record, const ShvRecordDefinition *definition, const ShvMeshView *mesh,
                               ShvError *error);
 void shv_record_release(ShvRecord *record);
+
+/* within.c: which corners are recorded; and those that are not become NaN in the frame that is written. */
+ShvStatus shv_within_prepare(ShvRecord *record, const ShvSimulation *simulation, const ShvMeshView *mesh,
+                             ShvError *error);
+void shv_within_blank(ShvRecord *record, double time);
 
 /* Groups, root attributes, scene, mesh (head.c); false when HDF5 fails. */
 bool shv_record_write_head(hid_t file, const ShvRecordDefinition *definition, const ShvSimulation *simulation);

@@ -170,6 +170,7 @@ static ShvStatus start(ShvRecord *record, const ShvRecordDefinition *definition,
 {
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     SHV_TRY(shv_record_allocate(record, definition, &mesh, error));
+    SHV_TRY(shv_within_prepare(record, simulation, &mesh, error));
     if (access(record->path, F_OK) != 0) return SHV_OK;
     SHV_TRY(open_file(record, error));
     if (!open_series(record)) return fail_damaged(record, error);

@@ -280,9 +280,21 @@ static ShvStatus read_probes(ShvRunFile *file, ShvError *error)
     return SHV_OK;
 }
 
+/* Files of before have all corners and do not say so. */
+static bool is_partial(const ShvRunFile *file)
+{
+    int32_t partial = 0;
+    const hid_t group = H5Gopen2(file->file, "/nodes", H5P_DEFAULT);
+    const bool told = group >= 0 && H5Aexists(group, "partial") > 0 &&
+                      shv_attribute_get_number(group, "partial", H5T_NATIVE_INT32, H5T_INTEGER, &partial);
+    if (group >= 0) H5Gclose(group);
+    return told && partial != 0;
+}
+
 static ShvStatus open_series(ShvRunFile *file, ShvError *error)
 {
     file->info.nodes = H5Lexists(file->file, "/nodes", H5P_DEFAULT) > 0;
+    file->partial = file->info.nodes && is_partial(file);
     const bool probes = H5Lexists(file->file, "/probes", H5P_DEFAULT) > 0;
     for (int i = 0; i < SHV_SERIES_COUNT; i++) {
         if (shv_series_of_nodes((ShvSeriesName)i) && !file->info.nodes) continue;
@@ -557,6 +569,7 @@ ShvStatus shv_run_file_corners(ShvRunFile *file, int64_t frame, double *corners,
     SHV_TRY(check_nodes(file, frame, error));
     const int64_t count = file->info.element_count;
     SHV_TRY(shv_run_get(file, SHV_SERIES_CORNERS, frame, count, corners, error));
+    if (corners && file->partial) SHV_TRY(shv_within_fill(file, frame, corners, error));
     SHV_TRY(shv_run_get(file, SHV_SERIES_DAMAGE, frame, count, damage, error));
     return shv_run_get(file, SHV_SERIES_NODE_FRAGMENT, frame, count, element_fragment, error);
 }

@@ -13,6 +13,7 @@ typedef struct ShvRunTexts {
 typedef struct ShvObstacleBodies ShvObstacleBodies;
 
 struct ShvRunFile {
+    bool partial; /* corners that were left out are NaN */
     ShvMemory *memory;
     char *path;
     int64_t bytes;         /* of the file */
@@ -46,6 +47,8 @@ ShvStatus shv_run_read_array(const ShvRunFile *file, const char *path, int64_t r
                              void *data, ShvError *error);
 /* Fails where an array of int32_t or double has not so many rows of three. */
 ShvStatus shv_run_check_rows(const ShvRunFile *file, const char *path, bool real, int32_t rows, ShvError *error);
+/* within.c: corners that are NaN become those of the undeformed tet in its fragment's pose. */
+ShvStatus shv_within_fill(ShvRunFile *file, int64_t frame, double *corners, ShvError *error);
 ShvStatus shv_run_obstacle_names(ShvRunFile *file, ShvError *error);
 void shv_obstacle_bodies_release(ShvObstacleBodies *bodies);
 /* *count terminated texts of *size bytes each; rank 0: one text. The caller releases *texts, also after a failure. */

@@ -493,6 +493,23 @@ static void check_bullet_plain(Checker *checker)
     }
 }
 
+static void check_output(Checker *checker)
+{
+    const ShvOutputDefinition *output = &checker->scene->definition.output;
+    const ShvNodesWithin *within = &output->nodes_within;
+    const ShvNode *node = checker->scene->head.node;
+    if (!shv_nodes_limited(within)) return;
+    if (!output->nodes)
+        fault(checker, node, "output.nodes_within",
+              "node positions are not recorded at all; give 'nodes: true' beside it, or leave it out");
+    if (within->to < within->from)
+        fault(checker, node, "output.nodes_within.to", "it is before 'from'; no frame lies between");
+    for (int axis = 0; axis < 3; axis++)
+        if (within->box.box_max[axis] < within->box.box_min[axis])
+            fault(checker, node, "output.nodes_within.box.max", "max is below min along %c; no node lies in such a box",
+                  "xyz"[axis]);
+}
+
 void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, const char *folder, ShvPool *work,
                      ShvDiagnostics *diagnostics)
 {
@@ -510,4 +527,5 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_pbd(&checker);
     check_dust(&checker);
     check_bullet_plain(&checker);
+    check_output(&checker);
 }

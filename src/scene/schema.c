@@ -955,6 +955,26 @@ static const ShvTable audit_table = {
         "run file's events with these figures; one above its bound ends the run as diverged. `.inf` is no bound.",
     .keys = audit_keys,
     .key_count = LENGTH_OF(audit_keys)};
+static const ShvTable nodes_box_table = {.name = "output.nodes_within.box",
+                                         .sentence = "A box of world coordinates, judged at the start.",
+                                         .keys = select_box_keys,
+                                         .key_count = LENGTH_OF(select_box_keys)};
+static const ShvKey nodes_within_keys[] = {
+    {"from", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &not_negative, .offset = SCENE(output.nodes_within.from),
+     .sentence = "Of frames from this time on."},
+    {"to", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_INFINITE, &not_negative, .offset = SCENE(output.nodes_within.to),
+     .sentence = "Of frames up to this time."},
+    {"every", SHV_KEY_INT64, .range = &at_least_one, .offset = SCENE(output.nodes_within.every),
+     .sentence = "Of every so many frames of the run file, counted from its first."},
+    {"box", SHV_KEY_MAPPING, .table = &nodes_box_table, .offset = SCENE(output.nodes_within.box), .absent = "all tets",
+     .sentence = "Of tets with a corner in a box."},
+};
+static const ShvTable nodes_within_table = {
+    .name = "output.nodes_within",
+    .sentence = "Which node positions are recorded, to keep run files small. Everything else of a frame is recorded in "
+                "any case, facet damage too. What is left out is shown undeformed, in the pose of its fragment.",
+    .keys = nodes_within_keys,
+    .key_count = LENGTH_OF(nodes_within_keys)};
 static const ShvKey output_keys[] = {
     {"file", SHV_KEY_TEXT, .offset = SCENE(output.file), .absent = "from the name of the scene file",
      .sentence = "Run file, from the working directory."},
@@ -965,6 +985,8 @@ static const ShvKey output_keys[] = {
      .sentence = "Also records a frame every so many steps of fracture mode; 0 records none."},
     {"nodes", SHV_KEY_BOOLEAN, .offset = SCENE(output.nodes),
      .sentence = "Whether node positions and facet damage are recorded."},
+    {"nodes_within", SHV_KEY_MAPPING, .table = &nodes_within_table, .absent = "all of them",
+     .sentence = "With `nodes`: positions of these frames and tets alone."},
     {"probe_every", SHV_KEY_INT64, .range = &at_least_one, .offset = SCENE(output.probe_every),
      .sentence = "Probes are sampled every so many steps of fracture mode."},
     {"probe_interval", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &not_negative,

@@ -50,6 +50,10 @@ void shv_simulation_forget_told(ShvSimulation *simulation);
 /* Refuses a simulation whose objects overlap at the start, unless its scene keeps that (overlap.c). */
 ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error);
 
+/* Where an object is expected to break, and the edges there; `part` is its part of the mesh (breaking.c). */
+ShvStatus shv_find_breaking(ShvPreflight *preflight, const ShvHybrid *hybrid, const ShvMesh *part, int32_t node_begin,
+                            ShvError *error);
+
 /* The list of parts, with the bytes of each (SHV_PART_COUNT of them), and their sum (plan.c). */
 void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan);
 

@@ -6,10 +6,17 @@ int32_t shv_simulation_object_count(const ShvSimulation *simulation)
     return simulation->hybrid.model.object_count;
 }
 
+const char *shv_breaking_name(ShvBreaking breaking)
+{
+    static const char *const names[] = {"anywhere", "plane", "tips"};
+    return names[breaking];
+}
+
 /* Quality and lumped properties come from the object's own part of the joint mesh, seen as a mesh of its own. */
 static ShvMesh part_of(const ShvModel *model, const ShvObject *object)
 {
-    return (ShvMesh){.node_count = object->node_end,
+    return (ShvMesh){.memory = model->memory,
+                     .node_count = object->node_end,
                      .element_count = object->element_end - object->element_begin,
                      .positions = model->mesh.positions,
                      .elements = model->mesh.elements + 4 * (int64_t)object->element_begin};
@@ -147,7 +154,9 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     measure_step(preflight, hybrid, body);
     measure_cohesion(preflight, material, hybrid->model.can_break);
     measure_waves(preflight, material);
-    preflight->never_parts = preflight->breakable && preflight->final_opening > preflight->mean_edge &&
+    const ShvMesh part = part_of(&hybrid->model, body);
+    SHV_TRY(shv_find_breaking(preflight, hybrid, &part, body->node_begin, error));
+    preflight->never_parts = preflight->breakable && preflight->final_opening > preflight->breaking_mean_edge &&
                              hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
     preflight->overshoot_each_step = overshoot(simulation, object, preflight);
     find_small_obstacle(preflight, &hybrid->obstacles);

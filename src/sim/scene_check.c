@@ -38,6 +38,8 @@ static ShvStatus check_numbers(const ShvSceneDefinition *scene, ShvError *error)
         {"output.fracture_every", (double)scene->output.fracture_every, 0.0, any, false},
         {"output.probe_every", (double)scene->output.probe_every, 1.0, any, false},
         {"output.probe_interval", scene->output.probe_interval, 0.0, any, false},
+        {"output.nodes_within.from", scene->output.nodes_within.from, 0.0, any, false},
+        {"output.nodes_within.every", (double)scene->output.nodes_within.every, 1.0, any, false},
         {"gravity x", scene->gravity[0], -any, any, false},
         {"gravity y", scene->gravity[1], -any, any, false},
         {"gravity z", scene->gravity[2], -any, any, false},

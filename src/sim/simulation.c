@@ -428,6 +428,11 @@ int32_t shv_simulation_threads(const ShvSimulation *simulation)
     return simulation->hybrid.model.threads;
 }
 
+ShvNodesWithin shv_simulation_nodes_within(const ShvSimulation *simulation)
+{
+    return simulation->scene->output.nodes_within;
+}
+
 const char *shv_simulation_rigid_engine(const ShvSimulation *simulation)
 {
     return shv_rigid_engine_name(simulation->hybrid.scene->rigid.engine);

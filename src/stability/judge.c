@@ -1,27 +1,9 @@
 #include <string.h>
 
+#include "evaluate/line.h"
 #include "stability/probe.h"
 
 static const double bound = 100.0, growth = 0.05, gone = 1e-15;
-
-/* Least squares of y over x, from sums. */
-typedef struct Line {
-    double n, x, y, xx, xy;
-} Line;
-
-static void line_add(Line *line, double x, double y)
-{
-    line->n += 1.0;
-    line->x += x;
-    line->y += y;
-    line->xx += x * x;
-    line->xy += x * y;
-}
-
-static double line_slope(const Line *line)
-{
-    return (line->n * line->xy - line->x * line->y) / (line->n * line->xx - line->x * line->x);
-}
 
 /* One step, and the energy of the moment it starts from: strain and Σ ½ m v₋·v₊, which central difference keeps exactly where it
    is linear. With one of the velocities alone the sum would beat, which looks like growth. */
@@ -54,7 +36,7 @@ ShvStabilityClass shv_probe_judge(ShvProbe *probe, const ShvStabilityRow *row, d
     shv_probe_restart(probe, probe->shake, 1.0, row->stiffness, row->iterations);
     const double step = multiple * row->stable_step, start = shv_probe_energy(probe);
     const int32_t third = steps / 3;
-    Line line = {0.0, 0.0, 0.0, 0.0, 0.0};
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int32_t i = 1; i <= steps; i++) {
         double energy;
         if (i % EVERY != 0) {
@@ -65,7 +47,7 @@ ShvStabilityClass shv_probe_judge(ShvProbe *probe, const ShvStabilityRow *row, d
         const double now = energy / start;
         if (now > bound) return follow(probe, step);
         if (now < gone) return SHV_STABLE;
-        if (i > steps - third) line_add(&line, i, log(now));
+        if (i > steps - third) shv_line_add(&line, i, log(now));
     }
-    return line_slope(&line) * third <= log1p(growth) ? SHV_STABLE : SHV_GROWING;
+    return shv_line_slope(&line) * third <= log1p(growth) ? SHV_STABLE : SHV_GROWING;
 }

@@ -231,6 +231,11 @@ ShvStatus shv_simulation_load(ShvSimulation *simulation, int descriptor, uint64_
     return SHV_OK;
 }
 
+ShvNodesWithin shv_simulation_nodes_within(const ShvSimulation *simulation)
+{
+    return simulation->setup.within ? *simulation->setup.within : shv_scene_default().output.nodes_within;
+}
+
 const char *shv_simulation_rigid_engine(const ShvSimulation *simulation)
 {
     (void)simulation;

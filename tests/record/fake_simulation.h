@@ -8,11 +8,12 @@
 
 typedef struct FakeSetup {
     int32_t bricks;
-    int32_t split_every;  /* frames; 0: never */
-    int32_t most;         /* fragments that ever live */
-    int32_t splits;       /* at a time */
-    int32_t probes;       /* at most 2; frame n has n rows of samples */
-    double sync_interval; /* s, of the record */
+    int32_t split_every;          /* frames; 0: never */
+    int32_t most;                 /* fragments that ever live */
+    int32_t splits;               /* at a time */
+    int32_t probes;               /* at most 2; frame n has n rows of samples */
+    double sync_interval;         /* s, of the record */
+    const ShvNodesWithin *within; /* NULL: all nodes */
 } FakeSetup;
 
 ShvSimulation *fake_create(const FakeSetup *setup);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/vector.h"
 #include "crash.h"
 #include "fake_simulation.h"
 #include "files.h"
@@ -266,6 +267,57 @@ static void test_nodes(void **state)
     }
     fake_destroy(again);
     shv_run_file_close(file);
+}
+
+/* Frames 2 and 3, and the tets of the first two bricks: others are in their fragment's pose. */
+static void test_nodes_within(void **state)
+{
+    const char *path = file_in(*state, "run.h5");
+    ShvError error;
+    ShvNodesWithin within = shv_scene_default().output.nodes_within;
+    within.from = 2.0 / 240.0;
+    within.to = 3.0 / 240.0;
+    within.box.box_max[0] = 1.5;
+    FakeSetup setup = BREAKING;
+    setup.within = &within;
+    ShvRecordDefinition definition = define(path);
+    definition.nodes = true;
+    record_frames(&definition, &setup, 5, SHV_OK, NULL);
+    ShvRunFile *file;
+    check_ok(shv_run_file_open(&file, path, NULL, &error), error);
+    check_ok(shv_run_file_verify(file, &error), error);
+    ShvSimulation *again = fake_create(&setup);
+    const ShvMeshView mesh = shv_simulation_mesh(again);
+    for (int i = 0; i < 5; i++) {
+        double corners[192], damage[64], expected[192], expected_damage[64];
+        int32_t owner[16], expected_owner[16];
+        fake_advance(again);
+        shv_simulation_corner_positions(again, expected);
+        shv_simulation_element_state(again, expected_owner, expected_damage);
+        check_ok(shv_run_file_corners(file, i, corners, damage, owner, &error), error);
+        assert_memory_equal(damage, expected_damage, sizeof damage);
+        assert_memory_equal(owner, expected_owner, sizeof owner);
+        for (int k = 0; k < 64; k++) {
+            const ShvFragmentView *fragment = &shv_simulation_frame(again)->fragments[owner[k / 4]];
+            const double *q = fragment->orientation;
+            const ShvVec3 arm =
+                shv_sub(shv_load3(mesh.positions + 3 * mesh.elements[k]), shv_load3(fragment->reference_centre));
+            const ShvVec3 posed =
+                shv_add(shv_load3(fragment->position), shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, arm));
+            const bool chosen = (i == 2 || i == 3) && k < 16;
+            double wanted[3];
+            shv_store3(wanted, chosen ? shv_load3(expected + 3 * (int64_t)k) : posed);
+            for (int axis = 0; axis < 3; axis++) check_near(corners[3 * k + axis], wanted[axis], 1e-14);
+        }
+    }
+    fake_destroy(again);
+    shv_run_file_close(file);
+    within.box.box_min[0] = within.box.box_max[0] = 100.0;
+    definition.force = true;
+    ShvSimulation *nowhere = fake_create(&setup);
+    ShvRecord *record;
+    check_fails(shv_record_create(&record, &definition, nowhere, &error), SHV_BAD_INPUT, error, "output.nodes_within");
+    fake_destroy(nowhere);
 }
 
 static void test_obstacles(void **state)
@@ -556,6 +608,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_everything_comes_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_cost_is_of_the_last_frame, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_nodes, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_nodes_within, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_no_probes, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_obstacles, make_folder, remove_folder),

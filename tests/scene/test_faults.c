@@ -36,9 +36,9 @@ static void values_of_a_wrong_kind(void **state)
     (void)state;
     static const Fault faults[] = {
         {"gravitiy: 3\n", "s.yaml:7:1: error: unknown key 'gravitiy' in the scene; did you mean 'gravity'?"},
-        {"output: {qqq: 3}\n",
-         "s.yaml:7:10: error: unknown key 'qqq' in output; known are file, rate, fracture_every, nodes, probe_every or "
-         "probe_interval"},
+        {"output: {qqq: 3}\n", "s.yaml:7:10: error: unknown key 'qqq' in output; known are file, rate, fracture_every, "
+                               "nodes, nodes_within, probe_every or "
+                               "probe_interval"},
         {"threads: 1.5\n",
          "s.yaml:7:10: error: threads is '1.5'; expected a whole number, at least 0 and at most 1024"},
         {"threads: 99999999999\n",
@@ -46,12 +46,12 @@ static void values_of_a_wrong_kind(void **state)
         {"seed: -1\n", "s.yaml:7:7: error: seed is '-1'; expected a whole number, at least 0"},
         {"seed: 18446744073709551616\n",
          "s.yaml:7:7: error: seed is '18446744073709551616'; expected a whole number, at least 0"},
-        {"output:\n",
-         "s.yaml:7:1: error: output has no value; expected a mapping with keys file, rate, fracture_every, nodes, "
-         "probe_every or probe_interval"},
-        {"output: [1]\n",
-         "s.yaml:7:9: error: output is a list of 1; expected a mapping with keys file, rate, fracture_every, nodes, "
-         "probe_every or probe_interval"},
+        {"output:\n", "s.yaml:7:1: error: output has no value; expected a mapping with keys file, rate, "
+                      "fracture_every, nodes, nodes_within, "
+                      "probe_every or probe_interval"},
+        {"output: [1]\n", "s.yaml:7:9: error: output is a list of 1; expected a mapping with keys file, rate, "
+                          "fracture_every, nodes, nodes_within, "
+                          "probe_every or probe_interval"},
         {"output: {probe_every: 0}\n", "s.yaml:7:23: error: probe_every is '0'; expected a whole number, at least 1"},
         {"probes: {tip: {}}\n",
          "s.yaml:7:15: error: probes.tip has none of point, nodes or obstacle; give exactly one"},
@@ -163,6 +163,12 @@ static void references_and_fits(void **state)
          "s.yaml:7:35: error: supports.a.on has none of box or plane; give exactly one"},
         {"supports: {a: {object: plate, on: {box: {min: [0, 0, 0], max: [1, -1, 1]}}}}\n",
          "s.yaml:7:63: error: max is below min along y; no node lies in such a box"},
+        {"output: {nodes_within: {every: 2}}\n",
+         "s.yaml:7:24: error: node positions are not recorded at all; give 'nodes: true' beside it, or leave it out"},
+        {"output: {nodes: true, nodes_within: {from: 2, to: 1}}\n",
+         "s.yaml:7:51: error: it is before 'from'; no frame lies between"},
+        {"output: {nodes: true, nodes_within: {box: {min: [0, 0, 0], max: [1, -1, 1]}}}\n",
+         "s.yaml:7:65: error: max is below min along y; no node lies in such a box"},
         {"supports: {a: {object: plate}}\ntractions: {a: {object: plate, traction: [1, 1, 1]}}\n",
          "s.yaml:8:13: error: name 'a' stands for two conditions, before at line 7; rename one"},
         {"obstacles: {plate: {sphere: {radius: 1}}}\n",
@@ -373,9 +379,9 @@ static void faults_of_overrides(void **state)
         {"duration=3 kg",
          "--set duration: error: duration has unit 'kg', which is no unit of time; use one of s, ms, us, "
          "\xC2\xB5s, ns, min"},
-        {"output.=3",
-         "--set output.: error: unknown key '' in output; known are file, rate, fracture_every, nodes, probe_every or "
-         "probe_interval"},
+        {"output.=3", "--set output.: error: unknown key '' in output; known are file, rate, fracture_every, nodes, "
+                      "nodes_within, probe_every or "
+                      "probe_interval"},
         {"objects.plate.material=glas",
          "--set objects.plate.material: error: material 'glas' is no material of the scene; did you mean 'glass'?"},
         {"materials.glass.cohesive_strength=.nan", "--set materials.glass.cohesive_strength: error: cohesive_strength "

@@ -336,6 +336,10 @@ static void check_rest(const ShvSceneDefinition *scene)
     same(scene->output.rate, 1000.0);
     assert_int_equal(scene->output.fracture_every, 50);
     assert_true(scene->output.nodes);
+    same(scene->output.nodes_within.from, 1e-3);
+    same(scene->output.nodes_within.to, 2e-3);
+    assert_int_equal(scene->output.nodes_within.every, 3);
+    same(scene->output.nodes_within.box.box_max[2], 3.0);
     assert_int_equal(scene->output.probe_every, 5);
     same(scene->output.probe_interval, 2e-6);
 }

@@ -45,6 +45,42 @@ static void test_preflight(void **state)
     assert_true(p.shortest_edge <= p.mean_edge && p.mean_edge <= p.longest_edge);
 }
 
+/* 5 × 5 × 5 bricks of five tets; the slit lies between two layers and reaches from the side −x through three of five. */
+static void test_where_it_breaks(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    ShvObjectDefinition *block = stage_box(&stage, "block", (const double[3]){0.04, 0.04, 0.04}, 0.01, 0.0);
+    block->mesh.pattern = SHV_PATTERN_BRICKS;
+    stage.scene.duration = 1.0;
+    const ShvPreflight plain = preflight_of(&stage);
+    assert_string_equal(shv_breaking_name(plain.breaking), "anywhere");
+    assert_int_equal(plain.breaking_tets, plain.tets);
+    assert_true(plain.breaking_mean_edge == plain.mean_edge && plain.breaking_longest_edge == plain.longest_edge);
+
+    stage.scene.fracture.on = (ShvSelection){
+        .kind = SHV_SELECT_PLANE, .plane_normal = {0.0, 0.0, 1.0}, .plane_offset = 0.004, .tolerance = 1e-6};
+    const ShvPreflight plane = preflight_of(&stage);
+    assert_string_equal(shv_breaking_name(plane.breaking), "plane");
+    assert_int_equal(plane.breaking_tets, 2 * 25 * 2); /* of each brick beside it, the two that have a face on it */
+    assert_true(plane.breaking_longest_edge <= plane.longest_edge);
+    stage.scene.fracture.on = (ShvSelection){.kind = SHV_SELECT_ALL};
+
+    ShvCrackDefinition slit = {
+        .plane = {.kind = SHV_SELECT_PLANE, .plane_normal = {0.0, 0.0, 1.0}, .plane_offset = 0.004, .tolerance = 1e-6},
+        .box = {.kind = SHV_SELECT_BOX, .box_min = {-1.0, -1.0, -1.0}, .box_max = {0.004, 1.0, 1.0}}};
+    block->cracks = &slit;
+    block->crack_count = 1;
+    const ShvPreflight cracked = preflight_of(&stage);
+    assert_string_equal(shv_breaking_name(cracked.breaking), "tips");
+    /* Nothing but tets of the bricks around the front: four a layer. */
+    assert_true(cracked.breaking_tets > 0 && cracked.breaking_tets <= 4 * 5 * 5);
+    assert_true(cracked.breaking_longest_edge == cracked.longest_edge);
+    stage.scene.fracture.enabled = false;
+    assert_string_equal(shv_breaking_name(preflight_of(&stage).breaking), "anywhere");
+}
+
 /* Twice the speed, half the step; four times the stiffness, half the step. */
 static void test_step_scales(void **state)
 {
@@ -233,13 +269,10 @@ static void test_reasons(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_preflight),
-        cmocka_unit_test(test_step_scales),
-        cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_unbreakable),
-        cmocka_unit_test(test_trial),
-        cmocka_unit_test(test_short_trial),
-        cmocka_unit_test(test_interrupted_trial),
+        cmocka_unit_test(test_preflight),   cmocka_unit_test(test_where_it_breaks),
+        cmocka_unit_test(test_step_scales), cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_unbreakable), cmocka_unit_test(test_trial),
+        cmocka_unit_test(test_short_trial), cmocka_unit_test(test_interrupted_trial),
         cmocka_unit_test(test_reasons),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
