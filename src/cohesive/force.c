@@ -108,12 +108,6 @@ static double owe(const ShvCohesive *cohesive, int32_t cluster, double excess)
     return shv_larger(owed - most, 0.0);
 }
 
-static double start_energy(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
-{
-    const int32_t index = point->point / 3;
-    return point->weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start;
-}
-
 /* Moves the histories of a cluster along the step that was booked. Sweeps that have not settled leave a difference between
    the work of the tractions and the law; a cluster never keeps more than it had and was given. */
 static void end_step(const ShvCohesive *cohesive, int32_t cluster)
@@ -132,8 +126,8 @@ static void end_step(const ShvCohesive *cohesive, int32_t cluster)
         point->last = point->pull;
         allowed += point->stored + point->work;
         exchanged += point->stored + fabs(point->work);
-        kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
-        started += start_energy(cohesive, point);
+        kept += point->weight * shv_springs_recoverable(law, shv_law_follow(law, next, &point->springs), at);
+        started += point->start_energy;
     }
     allowed = shv_larger(allowed, shv_larger(spared_share * exchanged, start_share * started));
     const double excess = owe(cohesive, cluster, kept - allowed);
@@ -192,7 +186,7 @@ static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
     cohesive->history[point->point] = history;
     cohesive->opening[point->point] = now;
     point->peak = cohesive->peak[point->point];
-    point->stored = point->weight * shv_law_recoverable(law, history, now.normal, now.shear);
+    point->stored = point->weight * shv_springs_recoverable(law, shv_law_follow(law, history, &point->springs), now);
 }
 
 static bool has_moved(const ShvCohesive *cohesive, const ShvState *state, int32_t cluster)

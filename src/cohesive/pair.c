@@ -294,9 +294,10 @@ static double still_below(const ShvLaw *law, ShvHistory history, double slip)
     return shv_law_grow(law, history, history.normal, slip).shear == history.shear ? history.normal : -1.0;
 }
 
-ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
+ShvPair shv_pair_make(const ShvLaw *law, const ShvLawSprings *springs, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
                       double compliance)
 {
+    const ShvHistory history = springs->history;
     ShvPair pair = {.law = law, .history = history, .compliance = compliance, .normal = normal};
     const double at = shv_dot(now, normal);
     pair.from = shv_dot(from, normal);
@@ -305,11 +306,12 @@ ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, Shv
     pair.sideways = shv_sub(shv_madd(now, -at, normal), pair.start);
     pair.slip = shv_norm(pair.start);
     pair.still = still_below(law, history, pair.slip);
-    pair.spring[SHV_NORMAL] = make_spring(shv_law_normal_branch(law, history, pair.slip), compliance);
+    const ShvLawBranch normal_branch =
+        law->kind == SHV_PPR ? springs->branch[SHV_NORMAL] : shv_law_normal_branch(law, history, pair.slip);
+    pair.spring[SHV_NORMAL] = make_spring(normal_branch, compliance);
     /* beyond its spring by round-off only; a path to the envelope that is negative by round-off would have no traction */
     pair.from = shv_smaller(pair.from, pair.spring[SHV_NORMAL].branch.limit);
-    if (pair.still >= 0.0)
-        pair.spring[SHV_SHEAR] = make_spring(shv_law_shear_branch(law, history, history.normal), compliance);
+    if (pair.still >= 0.0) pair.spring[SHV_SHEAR] = make_spring(springs->branch[SHV_SHEAR], compliance);
     return pair;
 }
 
