@@ -94,11 +94,19 @@ static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoin
     return energy < 1e50 ? point->weight * energy : 0.0; /* one that never softens owes nothing */
 }
 
+static bool owes(const ShvCohesive *cohesive, int32_t start, int32_t end)
+{
+    bool any = false;
+    for (int32_t i = start; i < end; i++) any = any || cohesive->owed[cohesive->points[i].point] > 0.0;
+    return any;
+}
+
 /* Returns by how much more than it may owe a cluster has kept, J. */
 static double owe(const ShvCohesive *cohesive, int32_t cluster, double excess)
 {
     const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
     double owed = excess, most = 0.0;
+    if (excess <= 0.0 && !owes(cohesive, start, end)) return 0.0;
     for (int32_t i = start; i < end; i++) {
         owed += cohesive->owed[cohesive->points[i].point];
         most += owed_share * separation_work(cohesive, &cohesive->points[i]);

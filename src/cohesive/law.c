@@ -166,7 +166,7 @@ static ShvHistory advance_shear(const ShvLaw *law, ShvHistory history, double no
     return next;
 }
 
-ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
+ShvHistory shv_law_advance_beyond(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
 {
     const double start = shv_larger(from.normal, 0.0), end = shv_larger(to.normal, 0.0);
     const ShvHistory reached = shv_law_grow(law, shv_law_grow(law, history, end, from.shear), end, to.shear);

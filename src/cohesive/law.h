@@ -107,9 +107,15 @@ static inline ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, dou
     const bool below = law->kind == SHV_PPR && !(normal > history.normal || shear > history.shear);
     return below ? history : shv_law_grow_beyond(law, history, normal, shear);
 }
+ShvHistory shv_law_advance_beyond(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
 /* History after the path `from` → `to` (first the normal, then the shear component). The work done on the point is
    exactly what `recoverable` and `dissipated` grow by; `dissipated` never falls. */
-ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
+static inline ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
+{
+    const bool below =
+        law->kind == SHV_PPR && !(to.normal > history.normal || from.shear > history.shear || to.shear > history.shear);
+    return below ? history : shv_law_advance_beyond(law, history, from, to);
+}
 /* Energy per area that comes back by unloading from an opening, J/m². */
 double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear);
 /* Energy of one component's spring, J/m². */
