@@ -36,12 +36,16 @@ typedef struct ShvCohesivePoint {
     int32_t turn;          /* of its facet */
     int32_t block;         /* points of the same pair of nodes from this one on */
     double weight;         /* area/3, m² */
+    double start_energy;   /* of the rigid start of its law: strength × normal opening, J */
     double peak;           /* largest traction it may still show, Pa */
     double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
+    double yield[2];       /* kick/mass of both nodes: change of velocity per force, s/kg */
     double stored;         /* recoverable energy at n − 1/2, J */
     double work;           /* of the pull on the way from n − 1/2 to n + 1/2, as booked, J */
     ShvOpening reached;    /* at n + 1/2, as booked */
+    ShvLawSprings springs; /* of its history (force.c) */
     ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
+    ShvVec3 turning;       /* rate of opening that is the facet's turn alone, in the present pull, m/s */
     ShvVec3 pull;          /* cohesive force on the first node, N */
     ShvVec3 last;          /* the same in the last step that was taken */
     ShvVec3 change;        /* of pull, in the present sweep, N */

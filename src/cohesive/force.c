@@ -94,11 +94,19 @@ static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoin
     return energy < 1e50 ? point->weight * energy : 0.0; /* one that never softens owes nothing */
 }
 
+static bool owes(const ShvCohesive *cohesive, int32_t start, int32_t end)
+{
+    bool any = false;
+    for (int32_t i = start; i < end; i++) any = any || cohesive->owed[cohesive->points[i].point] > 0.0;
+    return any;
+}
+
 /* Returns by how much more than it may owe a cluster has kept, J. */
 static double owe(const ShvCohesive *cohesive, int32_t cluster, double excess)
 {
     const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
     double owed = excess, most = 0.0;
+    if (excess <= 0.0 && !owes(cohesive, start, end)) return 0.0;
     for (int32_t i = start; i < end; i++) {
         owed += cohesive->owed[cohesive->points[i].point];
         most += owed_share * separation_work(cohesive, &cohesive->points[i]);
@@ -106,12 +114,6 @@ static double owe(const ShvCohesive *cohesive, int32_t cluster, double excess)
     const double left = shv_smaller(shv_larger(owed, 0.0), most);
     for (int32_t i = start; i < end; i++) cohesive->owed[cohesive->points[i].point] = left / (end - start);
     return shv_larger(owed - most, 0.0);
-}
-
-static double start_energy(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
-{
-    const int32_t index = point->point / 3;
-    return point->weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start;
 }
 
 /* Moves the histories of a cluster along the step that was booked. Sweeps that have not settled leave a difference between
@@ -132,8 +134,8 @@ static void end_step(const ShvCohesive *cohesive, int32_t cluster)
         point->last = point->pull;
         allowed += point->stored + point->work;
         exchanged += point->stored + fabs(point->work);
-        kept += point->weight * shv_law_recoverable(law, next, at.normal, at.shear);
-        started += start_energy(cohesive, point);
+        kept += point->weight * shv_springs_recoverable(law, shv_law_follow(law, next, &point->springs), at);
+        started += point->start_energy;
     }
     allowed = shv_larger(allowed, shv_larger(spared_share * exchanged, start_share * started));
     const double excess = owe(cohesive, cluster, kept - allowed);
@@ -192,7 +194,7 @@ static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
     cohesive->history[point->point] = history;
     cohesive->opening[point->point] = now;
     point->peak = cohesive->peak[point->point];
-    point->stored = point->weight * shv_law_recoverable(law, history, now.normal, now.shear);
+    point->stored = point->weight * shv_springs_recoverable(law, shv_law_follow(law, history, &point->springs), now);
 }
 
 static bool has_moved(const ShvCohesive *cohesive, const ShvState *state, int32_t cluster)

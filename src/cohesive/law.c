@@ -64,6 +64,13 @@ ShvLawBranch shv_law_shear_branch(const ShvLaw *law, ShvHistory history, double 
     return shv_ppr_branch(law, history, SHV_SHEAR);
 }
 
+ShvLawSprings shv_law_springs(const ShvLaw *law, ShvHistory history)
+{
+    ShvLawSprings springs = {.history = history};
+    for (int i = 0; law->kind == SHV_PPR && i < 2; i++) springs.branch[i] = shv_ppr_branch(law, history, i);
+    return springs;
+}
+
 double shv_law_normal_mean(const ShvLaw *law, ShvHistory history, double shear, double from, double to)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) return shv_camacho_ortiz_mean(law, SHV_NORMAL, shear, from, to);
@@ -98,7 +105,7 @@ static double counted_slip(const ShvLaw *law, double opening)
                : 0.0;
 }
 
-ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear)
+ShvHistory shv_law_grow_beyond(const ShvLaw *law, ShvHistory history, double normal, double shear)
 {
     if (law->kind == SHV_CAMACHO_ORTIZ) {
         history.normal = shv_larger(history.normal, shv_camacho_ortiz_effective(law, normal, shear));
@@ -159,7 +166,7 @@ static ShvHistory advance_shear(const ShvLaw *law, ShvHistory history, double no
     return next;
 }
 
-ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
+ShvHistory shv_law_advance_beyond(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
 {
     const double start = shv_larger(from.normal, 0.0), end = shv_larger(to.normal, 0.0);
     const ShvHistory reached = shv_law_grow(law, shv_law_grow(law, history, end, from.shear), end, to.shear);

@@ -76,6 +76,21 @@ double shv_ppr_potential(const ShvLaw *law, double normal, double shear);
 
 ShvLawBranch shv_law_normal_branch(const ShvLaw *law, ShvHistory history, double shear);
 ShvLawBranch shv_law_shear_branch(const ShvLaw *law, ShvHistory history, double normal);
+/* A history, and the branches of both components as far as it alone tells: PPR's, which do not ask what the other one's
+   opening is now. Of Camacho-Ortiz they are left empty. */
+typedef struct ShvLawSprings {
+    ShvHistory history;
+    ShvLawBranch branch[2];
+} ShvLawSprings;
+
+ShvLawSprings shv_law_springs(const ShvLaw *law, ShvHistory history);
+/* Springs that were found before, at a history that has moved or not. */
+static inline const ShvLawSprings *shv_law_follow(const ShvLaw *law, ShvHistory history, ShvLawSprings *springs)
+{
+    if (springs->history.normal != history.normal || springs->history.shear != history.shear)
+        *springs = shv_law_springs(law, history);
+    return springs;
+}
 /* Mean traction of the envelope over limit ≤ from < to: exact in closed form, without loss of digits. */
 double shv_law_normal_mean(const ShvLaw *law, ShvHistory history, double shear, double from, double to);
 double shv_law_shear_mean(const ShvLaw *law, ShvHistory history, double normal, double from, double to);
@@ -86,12 +101,37 @@ ShvLawTraction shv_law_traction(const ShvLaw *law, ShvHistory history, double no
 /* Largest traction of either component still to come, Pa; 0 exactly when nothing (or 1e-12 of the strength) is left. */
 double shv_law_peak(const ShvLaw *law, ShvHistory history);
 /* Largest openings after one more opening; nothing is dissipated here. */
-ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear);
+ShvHistory shv_law_grow_beyond(const ShvLaw *law, ShvHistory history, double normal, double shear);
+static inline ShvHistory shv_law_grow(const ShvLaw *law, ShvHistory history, double normal, double shear)
+{
+    const bool below = law->kind == SHV_PPR && !(normal > history.normal || shear > history.shear);
+    return below ? history : shv_law_grow_beyond(law, history, normal, shear);
+}
+ShvHistory shv_law_advance_beyond(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
 /* History after the path `from` → `to` (first the normal, then the shear component). The work done on the point is
    exactly what `recoverable` and `dissipated` grow by; `dissipated` never falls. */
-ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to);
+static inline ShvHistory shv_law_advance(const ShvLaw *law, ShvHistory history, ShvOpening from, ShvOpening to)
+{
+    const bool below =
+        law->kind == SHV_PPR && !(to.normal > history.normal || from.shear > history.shear || to.shear > history.shear);
+    return below ? history : shv_law_advance_beyond(law, history, from, to);
+}
 /* Energy per area that comes back by unloading from an opening, J/m². */
 double shv_law_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear);
+/* Energy of one component's spring, J/m². */
+static inline double shv_branch_energy(ShvLawBranch branch, double opening)
+{
+    if (!(opening > 0.0) || branch.limit == 0.0) return 0.0;
+    const double x = shv_smaller(opening, branch.limit);
+    return 0.5 * branch.peak * (x / branch.limit) * x;
+}
+/* shv_law_recoverable at the history of the springs. */
+static inline double shv_springs_recoverable(const ShvLaw *law, const ShvLawSprings *springs, ShvOpening at)
+{
+    if (law->kind != SHV_PPR) return shv_law_recoverable(law, springs->history, at.normal, at.shear);
+    return shv_branch_energy(springs->branch[SHV_NORMAL], at.normal) +
+           shv_branch_energy(springs->branch[SHV_SHEAR], at.shear);
+}
 /* Share of the normal strength that is left at zero slip, 0…1: what still joins the two sides. Unlike damage it falls with the
    largest slip at any ratio of the energies; 0 for a law without strength or energy. */
 double shv_law_residual(const ShvLaw *law, ShvHistory history);

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "cohesive/solve.h"
@@ -130,12 +131,16 @@ static void place_point(ShvCohesive *cohesive, const ShvCohesiveCorner *corner)
 {
     const int32_t turn = corner->slot / 3, index = cohesive->turns[turn].index;
     const int32_t point = 3 * index + corner->slot % 3;
-    cohesive->points[cohesive->point_count++] = (ShvCohesivePoint){.first = corner->first,
-                                                                   .second = corner->second,
-                                                                   .point = point,
-                                                                   .turn = turn,
-                                                                   .weight = cohesive->area[index] / 3.0,
-                                                                   .last = cohesive->force[point]};
+    const double weight = cohesive->area[index] / 3.0;
+    cohesive->points[cohesive->point_count++] = (ShvCohesivePoint){
+        .first = corner->first,
+        .second = corner->second,
+        .point = point,
+        .turn = turn,
+        .weight = weight,
+        .start_energy = weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start,
+        .springs.history.normal = (double)NAN,
+        .last = cohesive->force[point]};
     cohesive->force[point] = shv_vec3(0.0, 0.0, 0.0);
 }
 

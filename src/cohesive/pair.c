@@ -135,46 +135,18 @@ static double normal_envelope(const ShvPair *pair, double free, double damped)
     return normal_chord(&e, solve(&e, normal_balance, limit, free, low, normal_balance(&e, free), 2e-16 * free));
 }
 
-/* From an opening that is closed already: no work before zero. */
-static double normal_from_closed(const ShvPair *pair, double free)
-{
-    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
-    if (!(free > 0.0)) return 0.0;
-    if (spring->stiffness > 0.0) {
-        const double a = 1.0 + 0.5 * pair->compliance * spring->stiffness, b = free + pair->from, p = free * pair->from;
-        const double root = sqrt(b * b - 4.0 * a * p);
-        const double to = b > 0.0 ? (b + root) / (2.0 * a) : 2.0 * p / (b - root);
-        if (to <= spring->branch.limit) return 0.5 * spring->stiffness * to * (to / (to - pair->from));
-    }
-    return normal_envelope(pair, free, 0.0);
-}
-
-static double normal_from_open(const ShvPair *pair, double free)
-{
-    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
-    const double stiffness = spring->stiffness, half = 0.5 * pair->compliance * stiffness, from = pair->from;
-    const double to = (free - half * from) * spring->share;
-    if (to >= 0.0) {
-        double traction, damped;
-        if (shv_spring_normal(pair, to, &traction, &damped)) return traction;
-        return normal_envelope(pair, free, shv_larger(damped * (spring->branch.limit - from), 0.0));
-    }
-    /* closes: all that is stored comes back over the path */
-    const double stored = 0.5 * stiffness * from * from, gap = from - free;
-    const double root = sqrt(gap * gap + 4.0 * pair->compliance * stored);
-    const double path = gap > 0.0 ? 0.5 * (gap + root) : 2.0 * pair->compliance * stored / (root - gap);
-    return path > 0.0 ? stored / path : 0.0;
-}
-
 static double normal_traction(const ShvPair *pair, double free)
 {
     const ShvLawBranch branch = pair->spring[SHV_NORMAL].branch;
+    const double from = pair->from;
     if (branch.limit == 0.0) {
         if (!(free > 0.0)) return 0.0;
-        const bool held = pair->from >= 0.0 && free <= pair->compliance * branch.peak;
+        const bool held = from >= 0.0 && free <= pair->compliance * branch.peak;
         return held ? free / pair->compliance : normal_envelope(pair, free, 0.0);
     }
-    return pair->from < 0.0 ? normal_from_closed(pair, free) : normal_from_open(pair, free);
+    double traction, damped;
+    if (shv_spring_stays(pair, free, &traction, &damped)) return traction;
+    return normal_envelope(pair, free, from < 0.0 ? 0.0 : shv_larger(damped * (branch.limit - from), 0.0));
 }
 
 /* ---- shear component ---- */
@@ -294,9 +266,10 @@ static double still_below(const ShvLaw *law, ShvHistory history, double slip)
     return shv_law_grow(law, history, history.normal, slip).shear == history.shear ? history.normal : -1.0;
 }
 
-ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
+ShvPair shv_pair_make(const ShvLaw *law, const ShvLawSprings *springs, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
                       double compliance)
 {
+    const ShvHistory history = springs->history;
     ShvPair pair = {.law = law, .history = history, .compliance = compliance, .normal = normal};
     const double at = shv_dot(now, normal);
     pair.from = shv_dot(from, normal);
@@ -305,11 +278,12 @@ ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, Shv
     pair.sideways = shv_sub(shv_madd(now, -at, normal), pair.start);
     pair.slip = shv_norm(pair.start);
     pair.still = still_below(law, history, pair.slip);
-    pair.spring[SHV_NORMAL] = make_spring(shv_law_normal_branch(law, history, pair.slip), compliance);
+    const ShvLawBranch normal_branch =
+        law->kind == SHV_PPR ? springs->branch[SHV_NORMAL] : shv_law_normal_branch(law, history, pair.slip);
+    pair.spring[SHV_NORMAL] = make_spring(normal_branch, compliance);
     /* beyond its spring by round-off only; a path to the envelope that is negative by round-off would have no traction */
     pair.from = shv_smaller(pair.from, pair.spring[SHV_NORMAL].branch.limit);
-    if (pair.still >= 0.0)
-        pair.spring[SHV_SHEAR] = make_spring(shv_law_shear_branch(law, history, history.normal), compliance);
+    if (pair.still >= 0.0) pair.spring[SHV_SHEAR] = make_spring(springs->branch[SHV_SHEAR], compliance);
     return pair;
 }
 

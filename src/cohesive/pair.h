@@ -41,7 +41,7 @@ typedef struct ShvPair {
 } ShvPair;
 
 /* Openings second copy against the first, at the last half step and now. */
-ShvPair shv_pair_make(const ShvLaw *law, ShvHistory history, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
+ShvPair shv_pair_make(const ShvLaw *law, const ShvLawSprings *springs, ShvVec3 normal, ShvVec3 from, ShvVec3 now,
                       double compliance);
 /* The traction, first its normal and then its shear component, the path of shv_law_advance; `free`: opening at the next
    half step without it. It acts on the first copy, and with the opposite sign on the second. */

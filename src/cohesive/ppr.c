@@ -81,10 +81,7 @@ double shv_ppr_mean(const ShvLaw *law, ShvHistory history, int component, double
 
 static double spring_energy(const ShvLaw *law, ShvHistory history, int component, double opening)
 {
-    const ShvLawBranch branch = shv_ppr_branch(law, history, component);
-    if (!(opening > 0.0) || branch.limit == 0.0) return 0.0;
-    const double x = shv_smaller(opening, branch.limit);
-    return 0.5 * branch.peak * (x / branch.limit) * x;
+    return shv_branch_energy(shv_ppr_branch(law, history, component), opening);
 }
 
 double shv_ppr_recoverable(const ShvLaw *law, ShvHistory history, double normal, double shear)

@@ -33,12 +33,12 @@ static void share_masses(const ShvState *state, ShvCohesivePoint *points)
         if (points[i].peak > 0.0) points[i].response = whole * (sum / (points[i].weight * points[i].peak));
 }
 
-static void move(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
+static void move(const Pull *pull, const ShvCohesivePoint *point, ShvVec3 change)
 {
     ShvState *state = pull->state;
     const int64_t first = point->first, second = point->second;
-    shv_add_to3(state->velocity + 3 * first, shv_scale(change, pull->kick / state->mass[first]));
-    shv_add_to3(state->velocity + 3 * second, shv_scale(change, -pull->kick / state->mass[second]));
+    shv_add_to3(state->velocity + 3 * first, shv_scale(change, point->yield[0]));
+    shv_add_to3(state->velocity + 3 * second, shv_scale(change, -point->yield[1]));
     shv_add_to3(state->force + 3 * first, change);
     shv_add_to3(state->force + 3 * second, shv_scale(change, -1.0));
 }
@@ -49,10 +49,14 @@ static void prepare(const Pull *pull, int32_t start, int32_t end)
     for (int32_t i = start; i < end; i += cohesive->points[i].block) share_masses(pull->state, cohesive->points + i);
     for (int32_t i = start; i < end; i++) {
         ShvCohesivePoint *point = &cohesive->points[i];
+        point->yield[0] = pull->kick / pull->state->mass[point->first];
+        point->yield[1] = pull->kick / pull->state->mass[point->second];
         if (!(point->peak > 0.0)) continue;
-        cohesive->pairs[i] = shv_pair_make(&cohesive->law[point->point / 3], cohesive->history[point->point],
-                                           cohesive->turns[point->turn].normal, point->from, point->opening,
-                                           0.5 * pull->step * pull->kick * point->response * point->weight);
+        const ShvLaw *law = &cohesive->law[point->point / 3];
+        const ShvLawSprings *springs = shv_law_follow(law, cohesive->history[point->point], &point->springs);
+        cohesive->pairs[i] =
+            shv_pair_make(law, springs, cohesive->turns[point->turn].normal, point->from, point->opening,
+                          0.5 * pull->step * pull->kick * point->response * point->weight);
     }
 }
 
@@ -67,13 +71,31 @@ static void repeat_last(const Pull *pull, int32_t start, int32_t end)
     }
 }
 
+/* Turns of facets stand still while clusters settle. */
+static void note_turning(const ShvCohesive *cohesive, int32_t cluster)
+{
+    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
+        ShvCohesivePoint *point = &cohesive->points[i];
+        point->turning = shv_cross(cohesive->turns[point->turn].rate, point->opening);
+    }
+}
+
+/* Of opening, seen by one who turns with the facet. */
+static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
+{
+    const double *velocity = pull->state->velocity;
+    const ShvVec3 rate =
+        shv_sub(shv_load3(velocity + 3 * (int64_t)point->second), shv_load3(velocity + 3 * (int64_t)point->first));
+    return shv_sub(rate, point->turning);
+}
+
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
    neighbours that have hardly moved, needs no new look. */
 static double want(const Pull *pull, int32_t index)
 {
     ShvCohesivePoint *point = &pull->cohesive->points[index];
-    const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, point), news = shv_sub(rate, point->settled);
+    const ShvVec3 rate = rate_of(pull, point), news = shv_sub(rate, point->settled);
     const double peak = point->weight * point->peak, response = pull->kick * point->response;
     const double slight = news_share * peak * response;
     point->change = shv_vec3(0.0, 0.0, 0.0);
@@ -133,7 +155,7 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
     *stored = 0.0;
     for (int32_t i = start; i < end; i++) {
         const ShvCohesivePoint *point = &pull->cohesive->points[i];
-        const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, point);
+        const ShvVec3 rate = rate_of(pull, point);
         const ShvVec3 way = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
         const double own = shv_dot(point->pull, way), force = shv_norm(point->pull);
         *stored += point->stored;
@@ -170,7 +192,7 @@ static bool limit_given(const Pull *pull, int32_t cluster)
     if (budget->left >= 0.0) return false;
     let_go(pull, start, end);
     for (int32_t i = start; i < end; i++) {
-        const ShvVec3 rate = shv_cohesive_rate(pull->cohesive, pull->state, &points[i]);
+        const ShvVec3 rate = rate_of(pull, &points[i]);
         const ShvVec3 free = shv_madd(points[i].opening, 0.5 * pull->step, rate);
         a += shv_dot(points[i].change, shv_sub(free, points[i].from));
     }
@@ -201,6 +223,7 @@ static int32_t pull_cluster(const Pull *pull, int32_t cluster)
     const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     double stored;
+    note_turning(pull->cohesive, cluster);
     int32_t sweeps = settle(pull, start, end);
     find_budget(pull, start, end, budget, &stored);
     if (budget->left < 0.0) {
@@ -277,7 +300,9 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
 {
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
-    if (budget->left >= 0.0 || !limit_given(pull, cluster)) return false;
+    if (budget->left >= 0.0) return false;
+    note_turning(pull->cohesive, cluster);
+    if (!limit_given(pull, cluster)) return false;
     leave_couples(pull, cluster);
     return true;
 }

@@ -30,6 +30,42 @@ static inline bool shv_spring_normal(const ShvPair *pair, double to, double *tra
     return to <= from || end <= limit;
 }
 
+/* From a pair that is closed: no work before zero. Whether the end lies on the spring. */
+static inline bool shv_spring_opens(const ShvPair *pair, double free, double *traction)
+{
+    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
+    *traction = 0.0;
+    if (!(free > 0.0)) return true;
+    if (!(spring->stiffness > 0.0)) return false;
+    const double a = 1.0 + 0.5 * pair->compliance * spring->stiffness, b = free + pair->from, p = free * pair->from;
+    const double root = sqrt(b * b - 4.0 * a * p);
+    const double to = b > 0.0 ? (b + root) / (2.0 * a) : 2.0 * p / (b - root);
+    *traction = 0.5 * spring->stiffness * to * (to / (to - pair->from));
+    return to <= spring->branch.limit;
+}
+
+/* Of an open pair that closes: all that is stored comes back over the path. */
+static inline double shv_spring_closes(const ShvPair *pair, double free)
+{
+    const double from = pair->from, gap = from - free;
+    const double stored = 0.5 * pair->spring[SHV_NORMAL].stiffness * from * from;
+    const double root = sqrt(gap * gap + 4.0 * pair->compliance * stored);
+    const double path = gap > 0.0 ? 0.5 * (gap + root) : 2.0 * pair->compliance * stored / (root - gap);
+    return path > 0.0 ? stored / path : 0.0;
+}
+
+/* Of a pair that has opened before, to the opening `free` without traction. Whether its normal component stays on the spring. */
+static inline bool shv_spring_stays(const ShvPair *pair, double free, double *traction, double *damped)
+{
+    const ShvPairSpring *spring = &pair->spring[SHV_NORMAL];
+    *damped = 0.0;
+    if (pair->from < 0.0) return shv_spring_opens(pair, free, traction);
+    const double half = 0.5 * pair->compliance * spring->stiffness, to = (free - half * pair->from) * spring->share;
+    if (to >= 0.0) return shv_spring_normal(pair, to, traction, damped);
+    *traction = shv_spring_closes(pair, free);
+    return true;
+}
+
 /* `sum`: of the openings in the plane at the start and without traction. Whether the end lies on the spring; `damped`: damping
    traction. */
 static inline bool shv_spring_shear(const ShvPair *pair, const ShvPairSpring *spring, ShvVec3 sum, ShvVec3 *traction,
@@ -50,14 +86,8 @@ static inline bool shv_pair_stays(const ShvPair *pair, ShvVec3 free, ShvVec3 *tr
 {
     const ShvPairSpring *normal = &pair->spring[SHV_NORMAL], *shear = &pair->spring[SHV_SHEAR];
     const double open = shv_dot(free, pair->normal);
-    double tension = 0.0, damped;
-    if (!(normal->branch.limit > 0.0)) return false;
-    if (pair->from < 0.0 && open > 0.0) return false;
-    if (pair->from >= 0.0) {
-        const double half = 0.5 * pair->compliance * normal->stiffness;
-        const double chord = (open - half * pair->from) * normal->share;
-        if (!(chord >= 0.0) || !shv_spring_normal(pair, chord, &tension, &damped)) return false;
-    }
+    double tension, damped;
+    if (!(normal->branch.limit > 0.0) || !shv_spring_stays(pair, open, &tension, &damped)) return false;
     const double to = shv_larger(open - pair->compliance * tension, 0.0);
     if (!(to <= pair->still && shear->branch.limit > 0.0 && shear->branch.peak > 0.0)) return false;
     const ShvVec3 sum = shv_add(shv_madd(free, -open, pair->normal), pair->start);

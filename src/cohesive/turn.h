@@ -15,15 +15,78 @@
 /* Of a facet whose nodes are known: where it stands and turns now. One whose middles have shrunk to a quarter of its area does
    not turn: its couples stay unanswered. */
 void shv_turn_begin(ShvFacetTurn *turn, const ShvCohesiveSides *sides, double area, const ShvState *state);
-/* ω at the present velocities, rad/s. */
-ShvVec3 shv_turn_rate(const ShvFacetTurn *turn, const ShvState *state);
 /* Finds the answer to what is new of the sum of the couples of three pulls, N m. */
 void shv_turn_answer(ShvFacetTurn *turn, const ShvVec3 couple[3]);
+
+/* What follows stands in the innermost loop of closing faces. */
+
+/* (Σ |r|² − r rᵀ)⁻¹ of three arms in one plane with no sum. In the plane Σ |r|² − Σ r rᵀ is the adjugate of Σ r rᵀ, whose
+   determinant is a third of the square of twice the area. */
+static inline ShvVec3 shv_turn_invert(const ShvFacetTurn *turn, ShvVec3 v)
+{
+    ShvVec3 sum = shv_scale(turn->normal, turn->spread * shv_dot(turn->normal, v));
+    for (int i = 0; i < 3; i++) sum = shv_madd(sum, turn->tilt * shv_dot(turn->arm[i], v), turn->arm[i]);
+    return sum;
+}
+
+static inline ShvVec3 shv_turn_twice_middle(const ShvFacetTurn *turn, int corner, const double *values)
+{
+    return shv_add(shv_load3(values + 3 * (int64_t)turn->first[corner]),
+                   shv_load3(values + 3 * (int64_t)turn->second[corner]));
+}
+
+/* ω at the present velocities, rad/s. */
+static inline ShvVec3 shv_turn_rate(const ShvFacetTurn *turn, const ShvState *state)
+{
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    if (!turn->turns) return sum;
+    for (int i = 0; i < 3; i++)
+        sum = shv_add(sum, shv_cross(turn->arm[i], shv_turn_twice_middle(turn, i, state->velocity)));
+    return shv_turn_invert(turn, shv_scale(sum, 0.5));
+}
+
+static inline void shv_turn_push(ShvState *state, int32_t node, ShvVec3 force, double kick)
+{
+    shv_add_to3(state->velocity + 3 * (int64_t)node, shv_scale(force, kick / state->mass[node]));
+    shv_add_to3(state->force + 3 * (int64_t)node, force);
+}
+
 /* Gives the middles the mean couple `couple`, N m, for `kick` seconds; its forces go to state->force as well. */
-void shv_turn_strike(const ShvFacetTurn *turn, ShvState *state, ShvVec3 couple, double kick);
+static inline void shv_turn_strike(const ShvFacetTurn *turn, ShvState *state, ShvVec3 couple, double kick)
+{
+    if (!turn->turns) return;
+    const ShvVec3 answer = shv_turn_invert(turn, shv_scale(couple, 0.5));
+    for (int i = 0; i < 3; i++) {
+        const ShvVec3 half = shv_cross(answer, turn->arm[i]);
+        shv_turn_push(state, turn->first[i], half, kick);
+        shv_turn_push(state, turn->second[i], half, kick);
+    }
+}
+
+static inline double shv_turn_yield(const ShvState *state, int32_t node, ShvVec3 share)
+{
+    return shv_dot(share, share) / state->mass[node];
+}
+
 /* Change of the rate of opening of a corner, seen by one who turns with the facet, along a unit vector per impulse along it,
    1/kg. */
-double shv_turn_response(const ShvFacetTurn *turn, const ShvState *state, int corner, ShvVec3 opening,
-                         ShvVec3 direction);
+static inline double shv_turn_response(const ShvFacetTurn *turn, const ShvState *state, int corner, ShvVec3 opening,
+                                       ShvVec3 direction)
+{
+    ShvVec3 answer = {0.0, 0.0, 0.0};
+    if (turn->turns) answer = shv_turn_invert(turn, shv_scale(shv_cross(direction, opening), 0.5));
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const ShvVec3 half = shv_cross(answer, turn->arm[i]);
+        const ShvVec3 own = i == corner ? direction : shv_vec3(0.0, 0.0, 0.0);
+        if (turn->first[i] == turn->second[i]) {
+            sum += shv_turn_yield(state, turn->first[i], shv_scale(half, 2.0));
+            continue;
+        }
+        sum += shv_turn_yield(state, turn->first[i], shv_sub(half, own));
+        sum += shv_turn_yield(state, turn->second[i], shv_add(half, own));
+    }
+    return sum;
+}
 
 #endif

@@ -46,8 +46,9 @@ static ShvVec3 advance_from(Pair *pair, ShvVec3 normal, double last, double step
 {
     const double kick = 0.5 * (last + step);
     const ShvVec3 before = pair->rate, free_rate = shv_madd(before, kick, acceleration);
+    const ShvLawSprings springs = shv_law_springs(pair->law, pair->history);
     const ShvPair made =
-        shv_pair_make(pair->law, pair->history, normal, pair->from, pair->opening, 0.5 * step * kick / reduced_mass);
+        shv_pair_make(pair->law, &springs, normal, pair->from, pair->opening, 0.5 * step * kick / reduced_mass);
     const ShvVec3 traction = shv_pair_traction(&made, shv_madd(pair->opening, 0.5 * step, free_rate));
     pair->rate = shv_madd(free_rate, -kick / reduced_mass, traction);
     pair->work -= 0.5 * shv_dot(traction, shv_add(shv_scale(before, last), shv_scale(pair->rate, step)));
@@ -201,7 +202,8 @@ static void turning_round_gives_back_what_was_stored(void **state)
         const double stiffness = shv_law_normal_branch(&law, history, 0.0).peak / history.normal;
         const double compliance = pow(10.0, 6.0 * shv_random_uniform(run, 4) - 3.0) / stiffness;
         const ShvVec3 now = shv_scale(from, 1.0 + 0.5 * (shv_random_uniform(run, 5) - 0.5));
-        const ShvPair pair = shv_pair_make(&law, history, normal, from, now, compliance);
+        const ShvLawSprings springs = shv_law_springs(&law, history);
+        const ShvPair pair = shv_pair_make(&law, &springs, normal, from, now, compliance);
         const ShvVec3 free = shv_scale(from, 1.0 + compliance * stiffness * shv_random_uniform(run, 6));
         const ShvVec3 traction = shv_pair_traction(&pair, free);
         const ShvVec3 path = shv_sub(shv_madd(free, -compliance, traction), from);
@@ -230,7 +232,8 @@ static void the_short_way_says_the_same(void **state)
         const ShvVec3 normal = shv_unit(random_vector(run, 1, 1.0)), from = random_vector(run, 4, 2.0 * reached);
         const ShvVec3 now = shv_add(from, random_vector(run, 7, 0.3 * reached));
         const double compliance = pow(10.0, 4.0 * shv_random_uniform(run, 10) - 3.0) * final_opening / 40e6;
-        const ShvPair pair = shv_pair_make(&law, history, normal, from, now, compliance);
+        const ShvLawSprings springs = shv_law_springs(&law, history);
+        const ShvPair pair = shv_pair_make(&law, &springs, normal, from, now, compliance);
         const ShvVec3 free = shv_add(from, random_vector(run, 11, reached));
         ShvVec3 traction;
         if (!shv_pair_stays(&pair, free, &traction)) continue;

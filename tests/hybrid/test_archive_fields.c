@@ -20,7 +20,7 @@ typedef struct Size {
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
     SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 816),
-    SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 224),
+    SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvNodeContact, "contact/contact_archive.c", 312),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1216),
     SIZE(ShvImposed, "contact/contact_archive.c", 56),
