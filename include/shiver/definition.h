@@ -135,11 +135,20 @@ typedef struct ShvCrackDefinition {
     ShvSelection plane, box; /* a plane; a box, or all */
 } ShvCrackDefinition;
 
+/* A physical volume of a gmsh file that is of another material. */
+typedef struct ShvGroupDefinition {
+    const char *name; /* of the physical volume, or its number */
+    const char *material;
+} ShvGroupDefinition;
+
 typedef struct ShvObjectDefinition {
     uint32_t cookie;
     const char *name;
     ShvMeshDefinition mesh;
-    const char *material;
+    const char
+        *material; /* of all that is in none of `groups`; whether and when the object wakes and rests follows from it */
+    const ShvGroupDefinition *groups;
+    int32_t group_count;
     ShvPlacement placement;
     bool waits; /* it is not in the scene until shv_simulation_enter brings it */
     const ShvCrackDefinition *cracks;

@@ -13,7 +13,7 @@ typedef struct ShvLibraryNumber {
     const char *key; /* NULL ends the list */
     double value;
     const char *source;
-    bool unchecked; /* quoted from memory: the source has not been read */
+    bool unchecked; /* the source has not been read */
 } ShvLibraryNumber;
 
 enum { SHV_LIBRARY_NUMBERS = 10 };

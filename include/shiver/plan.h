@@ -99,9 +99,9 @@ typedef struct ShvTrial {
     int32_t inserted, fragments;    /* cohesive facets; living fragments */
     /* s of processor time, of the whole run without its file. `low`: no step costs more than the last ones, and what is awake
        rests as soon as its waves allow. `high`: steps go on getting dearer as they did, and it stays awake for the longest time
-       that the quiet rule grants it. `predicted`: steps cost what they did on the whole; bodies
+       that the quiet rule grants it; five times that where something has cracked, for what wakes again. `predicted`: steps cost what they did on the whole; bodies
        that carry too much vibration to rest stay for the longest time, others for the geometric mean of least and longest.
-       What wakes later is in none. */
+       What wakes later is not in the others. */
     double low, predicted, high;
 } ShvTrial;
 
@@ -129,10 +129,15 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
    but not with the bits of a run that nothing looked at in between. Its own `stop` is asked as ever. */
 ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error);
 
-/* Until when what is awake may be expected to stay so, s, mean over its tets: the geometric mean of the least and the longest time
-   that the quiet rule grants; infinity where conditions hold it, the present moment where nothing is awake. Cheap, and may be asked
-   from `stop`. */
-double shv_simulation_awake_until(const ShvSimulation *simulation);
+/* What is awake, and how long it may stay so if nothing breaks or wakes again: for a guess of the run time to go. */
+typedef struct ShvAwakeView {
+    double
+        load; /* tets awake, and a tenth of all tets on top: a step has costs that few tets have, too; 0: nothing is awake */
+    double ahead; /* s: of `load`, summed from now to the end of the scene or until all may rest */
+    double rest;  /* s: the moment at which the last of it may rest, or the scene's end */
+} ShvAwakeView;
+/* Cheap, and may be asked from `stop`. */
+ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation);
 
 #ifdef __cplusplus
 }

@@ -200,7 +200,7 @@ typedef struct ShvMaterialView {
 
 /* An object's half-open ranges in the joint mesh. */
 typedef struct ShvObjectView {
-    const char *name, *material;
+    const char *name, *material; /* "glass + steel" where groups are of other materials */
     int32_t element_begin, element_end, node_begin, node_end;
 } ShvObjectView;
 

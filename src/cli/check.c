@@ -22,6 +22,16 @@ static void warn_mesh(const ShvPreflight *p)
                p->cohesive_zone, p->cohesive_zone / p->breaking_mean_edge);
 }
 
+/* Steps go with the flattest tet: half an edge is the altitude of a good one, and generators get within a tenth of an edge. */
+static void warn_sliver(const ShvPreflight *p)
+{
+    const double flat = 0.05; /* mean edges */
+    if (!(p->smallest_altitude < flat * p->mean_edge)) return;
+    printf("  warning: the flattest tet is %.3g m high, %.2g of the mean edge, and sets the step: a mesh without "
+           "such\n           slivers takes about %.0f times fewer steps; try another edge length, or another mesher\n",
+           p->smallest_altitude, p->smallest_altitude / p->mean_edge, 0.5 * p->mean_edge / p->smallest_altitude);
+}
+
 /* Of shear strength, tip_strength warns by itself. */
 static void warn_order(const ShvPreflight *p)
 {
@@ -112,6 +122,7 @@ static void print_object(const ShvPreflight *p)
                p->overshoot_each_step);
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
+    warn_sliver(p);
     warn_order(p);
     warn_bonds(p);
     warn_step(p);

@@ -60,7 +60,7 @@ static void print_sources(const char *heading, const char *bullet)
         printf("\n%s%s\n\n%s\n\n", heading, entry->name, entry->remark);
         for (const ShvLibraryNumber *number = entry->numbers; number->key; number++)
             printf("%s%s %.6g: %s%s\n", bullet, number->key, number->value, number->source,
-                   number->unchecked ? " [from memory, check]" : "");
+                   number->unchecked ? " [source not read]" : "");
     }
 }
 
@@ -103,13 +103,13 @@ static const char *const formulas =
     "Both scalings make R = n h; they leave resolved materials alone, and scale shear values alike. The lowered "
     "strength "
     "is that of A. Turon, C. G. Dávila, P. P. Camanho, J. Costa, Engineering Fracture Mechanics 74 (2007) 1665-1682 "
-    "[from memory, check], with the zone length above. Neither is the material as given: what is in effect, and "
+    "[source not read], with the zone length above. Neither is the material as given: what is in effect, and "
     "whether "
     "the mesh resolves it, is printed by `shiver check`, `plan`, `run` and `info`, and stands in `/materials` of the "
     "run "
     "file.\n\n"
     "m is the Weibull modulus of the strength from facet to facet: `weibull: {modulus: 0}` takes the scatter away. A "
-    "source that is marked [from memory, check] was not at hand.\n\n"
+    "source that is marked [source not read] was not at hand; what is called an assumption is ours, and has none.\n\n"
     "A statement that results converge is possible where the zone is resolved: with plaster or this concrete, at edges "
     "below a millimetre. It is not for glass or alumina in bodies of decimetres.\n\n"
     "## Sources\n";

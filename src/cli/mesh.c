@@ -30,6 +30,16 @@ static void on_signal(int number)
     interrupted = 1;
 }
 
+/* A name of other than letters, digits and '_' needs quotes in YAML; one with a quote of its own goes by its number. */
+static void print_group(const ShvMeshGroup *group)
+{
+    const bool quote = strchr(group->name, '"') || strchr(group->name, '\\');
+    if (quote)
+        printf("      - {name: %d, material: stoneware}\n", (int)group->tag);
+    else
+        printf("      - {name: \"%s\", material: stoneware}\n", group->name);
+}
+
 /* The lines of a scene that name the new mesh; a body of more than a few metres was most likely drawn in millimetres. */
 static void print_object(const char *output, const ShvMesh *mesh)
 {
@@ -41,8 +51,10 @@ static void print_object(const char *output, const ShvMesh *mesh)
     }
     for (int k = 0; k < 3; k++) size = fmax(size, high[k] - low[k]);
     const char *scale = size > most_likely_metres ? ", scale: 0.001" : "";
-    printf("\nobjects:\n  body:\n    mesh: {gmsh: {file: %s%s}}\n    material: stoneware\n    position: [0, 0, %.4g]\n",
-           output, scale, 0.0 - low[2] * (*scale ? 0.001 : 1.0));
+    printf("\nobjects:\n  body:\n    mesh: {gmsh: {file: %s%s}}\n    material: stoneware\n", output, scale);
+    if (mesh->group_count > 0) printf("    groups:   # physical volumes; material is that of the rest\n");
+    for (int32_t i = 0; i < mesh->group_count; i++) print_group(&mesh->groups[i]);
+    printf("    position: [0, 0, %.4g]\n", 0.0 - low[2] * (*scale ? 0.001 : 1.0));
     if (*scale)
         printf("# It is %.4g units long: scale 0.001 takes them for millimetres. A scene is in metres.\n", size);
 }

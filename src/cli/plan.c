@@ -43,8 +43,34 @@ static void print_course(const ShvTrial *trial)
     printf("%lld steps in %.4g awake s, %d fragments\n", (long long)trial->steps, trial->awake, (int)trial->fragments);
 }
 
+static bool can_break(const ShvSimulation *simulation)
+{
+    bool can = false;
+    for (int32_t i = 0; i < shv_simulation_material_count(simulation) && !can; i++)
+        can = shv_simulation_material(simulation, i).breakable;
+    return can;
+}
+
+/* Bounds far apart say no more than that it depends on what breaks. A scene that may break and has not yet tells nothing at all. */
+static void print_range(const ShvTrial *trial, bool may_break)
+{
+    const double telling = 10.0; /* times the low bound */
+    if (may_break && isnan(trial->first_crack))
+        printf("run time of the scene: %.3g to %.3g s of processor time if nothing cracks; else cannot tell: cracking "
+               "decides",
+               trial->low, trial->high);
+    else if (trial->high > telling * trial->low)
+        printf("run time of the scene: cannot tell: cracking decides; at least %.3g s of processor time, hardly more "
+               "than %.3g s",
+               trial->low, trial->high);
+    else
+        printf("run time of the scene: about %.3g s of processor time, %.3g to %.3g s", trial->predicted, trial->low,
+               trial->high);
+    printf("; a longer --trial tells it better\n");
+}
+
 /* Where others use the machine too, the run takes longer than its processor time, as the trial did. */
-static void print_trial(const ShvTrial *trial)
+static void print_trial(const ShvTrial *trial, bool may_break)
 {
     if (!(trial->seconds > 0.0)) return;
     printf("\ntrial: %.3g s of run time (%.3g s of processor time) for %.6g s of the scene%s: ", trial->seconds,
@@ -53,9 +79,7 @@ static void print_trial(const ShvTrial *trial)
     if (trial->finished)
         printf("run time of the scene: %.3g s of processor time\n", trial->predicted);
     else
-        printf(
-            "run time of the scene: about %.3g s of processor time, %.3g to %.3g s; a longer --trial tells it better\n",
-            trial->predicted, trial->low, trial->high);
+        print_range(trial, may_break);
     const double share = trial->processor / trial->seconds;
     if (share < 0.8)
         printf("  others use this machine too: at that rate the run takes about %.3g s\n", trial->predicted / share);
@@ -135,7 +159,7 @@ static ShvStatus print_any(ShvSimulation *simulation, const ShvArguments *argume
         return SHV_OK;
     }
     print_plan(&plan);
-    print_trial(&plan.trial);
+    print_trial(&plan.trial, can_break(simulation));
     printf("\n");
     shv_cli_print_materials(materials_of(simulation));
     return SHV_OK;
@@ -165,9 +189,10 @@ const ShvCommand shv_command_plan = {
         "the end; else awake time goes on to cost what it did on the whole, until what is awake rests. Bodies that\n"
         "carry too much vibration to rest stay for the longest time that the quiet rule grants, others for the\n"
         "geometric mean of that and the shortest. Low bound: no step gets dearer, and all rests once waves have\n"
-        "crossed it twice. High bound: steps get dearer until the end, and all stays awake for the longest time.\n"
-        "What wakes later is in none of them, nor is the writing of the run file. Where cracks still spread at the\n"
-        "end of the trial the run may take several times as long; give it a longer one.",
+        "crossed it twice. High bound: steps get dearer until the end, and all stays awake for the longest time;\n"
+        "five times that where something has cracked, since pieces wake again. Bounds ten times apart or more are\n"
+        "told as `cannot tell: cracking decides`; a longer trial narrows them. The writing of the run file is in\n"
+        "none of them.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

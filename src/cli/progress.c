@@ -22,44 +22,79 @@ ShvProgress shv_progress_start(double duration, bool quiet)
 
 /* Work of the last stretch to the pace of the mode that it was in. What cost so much a while ago says less: it counts by the
    share of the run that has passed since. */
-static void measure(ShvProgress *progress, const ShvMomentView *view, double now)
+static void measure(ShvProgress *progress, const ShvMomentView *view, double load, double now)
 {
     const double memory = 0.25; /* of the run so far */
-    const double stretch = now - progress->looked, run = now - progress->start;
-    ShvPace *pace = &progress->pace[view->fracture];
+    const double stretch = now - progress->looked, run = now - progress->start,
+                 time = view->time - progress->looked_time;
+    const bool awake = view->fracture && progress->looked_load > 0.0;
+    ShvPace *pace = &progress->pace[awake];
     const double kept = exp(-stretch / (memory * run + 1e-9));
     pace->wall = kept * pace->wall + stretch;
-    pace->time = kept * pace->time + (view->time - progress->looked_time);
+    pace->work = kept * pace->work + time * (awake ? 0.5 * (load + progress->looked_load) : 1.0);
     progress->looked = now;
     progress->looked_time = view->time;
+    progress->looked_load = load;
     progress->woken |= view->fracture;
 }
 
-/* Run time of a simulated second; in flight, before that has been seen, nothing. */
+/* Run time of a second of flight or of load; in flight, before that has been seen, nothing. */
 static double rate(const ShvPace *pace)
 {
-    return pace->time > 0.0 ? pace->wall / pace->time : 0.0;
+    return pace->work > 0.0 ? pace->wall / pace->work : 0.0;
 }
 
-/* From what is awake until it may rest, at the pace of that, and flight from there. */
-static double time_to_go(const ShvProgress *progress, const ShvMomentView *view)
+/* Steps of what is awake until it may rest, and flight from there. */
+static double time_to_go(const ShvProgress *progress, const ShvAwakeView *awake)
 {
-    const double rest = view->fracture ? shv_simulation_awake_until(progress->simulation) : view->time;
-    const double awake = fmax(0.0, fmin(rest, progress->duration) - view->time);
-    const double flight = fmax(0.0, progress->duration - view->time - awake);
-    return awake * rate(&progress->pace[1]) + flight * rate(&progress->pace[0]);
+    return awake->ahead * rate(&progress->pace[1]) +
+           fmax(0.0, progress->duration - awake->rest) * rate(&progress->pace[0]);
+}
+
+/* Where there is no more room every second guess goes. */
+static void keep_guess(ShvProgress *progress, double wall, double to_go)
+{
+    ShvGuess *guesses = progress->guesses;
+    if (progress->guess_count > 0 && wall < guesses[progress->guess_count - 1].wall + progress->guess_spacing) return;
+    if (progress->guess_count == SHV_PROGRESS_GUESSES) {
+        progress->guess_count /= 2;
+        for (int32_t i = 0; i < progress->guess_count; i++) guesses[i] = guesses[2 * i];
+        progress->guess_spacing = wall / progress->guess_count / 2.0;
+    }
+    guesses[progress->guess_count++] = (ShvGuess){wall, to_go};
+}
+
+/* A guess is told while those since half of the run so far would have been right, had this one been the truth: cracks that
+   spread and pieces that wake again make all of them wrong. */
+static bool is_told(const ShvProgress *progress, double wall, double to_go)
+{
+    const double trusted = 1.25; /* times */
+    bool told = false;
+    for (int32_t i = 0; i < progress->guess_count; i++) {
+        const ShvGuess *guess = &progress->guesses[i];
+        if (guess->wall < 0.5 * wall) continue;
+        const double truth = wall + to_go - guess->wall;
+        if (guess->to_go > trusted * truth || truth > trusted * guess->to_go) return false;
+        told = true;
+    }
+    return told;
 }
 
 /* ---- the line ---- */
 
-static void show(ShvProgress *progress, const ShvMomentView *view, double now)
+static void show(ShvProgress *progress, const ShvMomentView *view, double to_go, double now)
 {
     const double wall = now - progress->start;
     const double steps = (double)(view->steps - progress->shown_steps) / (now - progress->shown);
-    fprintf(stderr, "%st = %.6f of %.6g s, %s, %d fragments, %.0f steps/s, %.0f s run, about %.0f s to go%s%s",
+    const bool told = is_told(progress, wall, to_go);
+    fprintf(stderr, "%st = %.6f of %.6g s, %s, %d fragments, %.0f steps/s, %.0f s run, ",
             progress->terminal ? "\r\033[K" : "", view->time, progress->duration,
-            view->fracture ? "fracture mode" : "in flight", (int)view->alive_count, steps, wall,
-            time_to_go(progress, view), progress->woken ? "" : " if nothing breaks", progress->terminal ? "" : "\n");
+            view->fracture ? "fracture mode" : "in flight", (int)view->alive_count, steps, wall);
+    if (told)
+        fprintf(stderr, "about %.3g s to go%s", to_go, progress->woken ? "" : " if nothing breaks");
+    else
+        fprintf(stderr, "time to go: cannot tell yet");
+    if (!progress->terminal) fprintf(stderr, "\n");
     fflush(stderr);
     progress->shown = now;
     progress->shown_steps = view->steps;
@@ -72,8 +107,11 @@ void shv_progress_tick(ShvProgress *progress)
     const double now = shv_now();
     if (now - progress->looked < look_every) return;
     const ShvMomentView view = shv_simulation_moment(progress->simulation);
-    measure(progress, &view, now);
-    if (now - progress->shown >= line_every) show(progress, &view, now);
+    const ShvAwakeView awake = shv_simulation_awake(progress->simulation);
+    measure(progress, &view, awake.load, now);
+    const double to_go = time_to_go(progress, &awake);
+    keep_guess(progress, now - progress->start, to_go);
+    if (now - progress->shown >= line_every) show(progress, &view, to_go, now);
 }
 
 void shv_progress_end(ShvProgress *progress)

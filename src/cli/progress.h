@@ -4,10 +4,17 @@
 
 #include "shiver/simulation.h"
 
-/* What simulated time costs in one mode: run time and simulated time, of which what is long past counts less. */
+/* What work costs in one mode: run time, and seconds of flight or of load (ShvAwakeView), of which what is long past counts less. */
 typedef struct ShvPace {
-    double wall, time; /* s */
+    double wall, work;
 } ShvPace;
+
+enum { SHV_PROGRESS_GUESSES = 64 };
+
+/* An earlier guess, by which later ones are judged: s since the start, and s to go. */
+typedef struct ShvGuess {
+    double wall, to_go;
+} ShvGuess;
 
 typedef struct ShvProgress {
     const ShvSimulation *simulation; /* NULL until it is made */
@@ -17,8 +24,11 @@ typedef struct ShvProgress {
     int64_t shown_steps;
     /* for the time to go */
     ShvPace pace[2]; /* in flight; in fracture mode */
-    double looked, looked_time;
-    bool woken; /* something was in fracture mode */
+    double looked, looked_time, looked_load;
+    ShvGuess guesses[SHV_PROGRESS_GUESSES]; /* about evenly over the run so far */
+    int32_t guess_count;
+    double guess_spacing; /* s */
+    bool woken;           /* something was in fracture mode */
 } ShvProgress;
 
 ShvProgress shv_progress_start(double duration, bool quiet);

@@ -8,6 +8,7 @@ void shv_draft_release(ShvDraft *draft)
     shv_release(draft->tags);
     shv_release(draft->positions);
     shv_release(draft->tets);
+    shv_release(draft->groups);
     *draft = (ShvDraft){0};
 }
 
@@ -45,6 +46,17 @@ ShvStatus shv_draft_add_tet(ShvDraft *draft, const ShvDraftTet *tet, ShvError *e
         draft->tet_capacity = capacity;
     }
     draft->tets[draft->tet_count++] = *tet;
+    return SHV_OK;
+}
+
+/* There are few: one more at a time. */
+ShvStatus shv_draft_add_group(ShvDraft *draft, const ShvMeshGroup *group, ShvError *error)
+{
+    const size_t count = (size_t)draft->group_count + 1;
+    ShvMeshGroup *groups = shv_reallocate(draft->memory, SHV_PART_MESH, draft->groups, count, sizeof *groups);
+    if (!groups) return shv_fail_memory(error, "the groups of a mesh file", count * sizeof *groups);
+    draft->groups = groups;
+    draft->groups[draft->group_count++] = *group;
     return SHV_OK;
 }
 
@@ -169,6 +181,20 @@ static ShvStatus fill_mesh(const ShvDraft *draft, ShvMesh *mesh, ShvError *error
     return status;
 }
 
+/* The mesh takes the draft's groups over where any of its tets is in one. */
+static ShvStatus fill_groups(ShvDraft *draft, ShvMesh *mesh, ShvError *error)
+{
+    bool any = false;
+    for (int64_t e = 0; e < draft->tet_count && !any; e++) any = draft->tets[e].group != 0;
+    if (!any) return SHV_OK;
+    SHV_TRY(shv_mesh_add_groups(mesh, error));
+    for (int64_t e = 0; e < draft->tet_count; e++) mesh->element_groups[e] = draft->tets[e].group;
+    mesh->groups = draft->groups;
+    mesh->group_count = draft->group_count;
+    draft->groups = NULL;
+    return SHV_OK;
+}
+
 ShvStatus shv_draft_finish(ShvDraft *draft, ShvMesh *mesh, ShvError *error)
 {
     *mesh = (ShvMesh){0};
@@ -183,5 +209,7 @@ ShvStatus shv_draft_finish(ShvDraft *draft, ShvMesh *mesh, ShvError *error)
     shv_release(lookup.sorted);
     if (status == SHV_OK) status = refuse_bad_volume(draft, error);
     if (status == SHV_OK) status = fill_mesh(draft, mesh, error);
+    if (status == SHV_OK) status = fill_groups(draft, mesh, error);
+    if (status != SHV_OK) shv_mesh_release(mesh);
     return status;
 }

@@ -7,11 +7,20 @@
 #include "base/memory.h"
 #include "base/vector.h"
 
+/* A part of a mesh that its file names: a physical volume of gmsh. */
+typedef struct ShvMeshGroup {
+    int32_t tag;
+    char name[128]; /* gmsh's own limit, with the zero */
+} ShvMeshGroup;
+
 typedef struct ShvMesh {
     ShvMemory *memory;
     int32_t node_count, element_count;
-    double *positions; /* 3 × node_count, m */
-    int32_t *elements; /* 4 × element_count; (x1−x0, x2−x0, x3−x0) right handed: positive volume */
+    double *positions;       /* 3 × node_count, m */
+    int32_t *elements;       /* 4 × element_count; (x1−x0, x2−x0, x3−x0) right handed: positive volume */
+    int32_t *element_groups; /* element_count: tags, 0 where there is none; NULL: in the whole mesh */
+    ShvMeshGroup *groups;    /* those with a name */
+    int32_t group_count;
 } ShvMesh;
 
 /* Most elements and most nodes of a mesh: facet and corner numbers (4 × element + corner) and small multiples of them
@@ -25,6 +34,10 @@ extern const uint8_t shv_face_corners[4][3];
 ShvStatus shv_mesh_allocate(ShvMesh *mesh, ShvMemory *memory, int64_t node_count, int64_t element_count,
                             ShvError *error);
 void shv_mesh_release(ShvMesh *mesh);
+/* Room for the groups of its elements, all 0. */
+ShvStatus shv_mesh_add_groups(ShvMesh *mesh, ShvError *error);
+/* The tag of a group by its name or, where none has it, by its number; 0: there is no such group. */
+int32_t shv_mesh_find_group(const ShvMesh *mesh, const char *name);
 
 static inline ShvVec3 shv_mesh_position(const ShvMesh *mesh, int32_t node)
 {

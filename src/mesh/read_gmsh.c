@@ -1,4 +1,4 @@
-/* Gmsh's MSH files: 2.2 as text, 4.1 as text and in binary of this machine's byte order. Only nodes and elements are
+/* Gmsh's MSH files: 2.2 as text, 4.1 as text and in binary of this machine's byte order. Nodes, elements and physical volumes are
    read; all other sections are skipped. */
 #include <math.h>
 #include <string.h>
@@ -6,13 +6,20 @@
 #include "mesh/draft.h"
 #include "mesh/generate.h"
 
-enum { TET = 4 };
+enum { TET = 4, VOLUME = 3 };
+
+/* Version 4.1 tells of volumes, and not of their tets, in which physical group they are. */
+typedef struct Volume {
+    int32_t tag, group;
+} Volume;
 
 typedef struct Gmsh {
     ShvScan scan;
     ShvDraft draft;
     bool version_4;
     bool has_nodes, has_elements;
+    Volume *volumes; /* those that are in a group */
+    int64_t volume_count;
 } Gmsh;
 
 /* Nodes of the element types that are kept (4) or skipped without loss; 0: a volume of another shape, a curved
@@ -131,16 +138,19 @@ static ShvStatus read_nodes_2(Gmsh *gmsh, ShvError *error)
     return SHV_OK;
 }
 
-/* "number type tag-count tags… nodes…" */
+/* "number type tag-count tags… nodes…"; the first tag is the physical group, 0: none. */
 static ShvStatus read_element_2(Gmsh *gmsh, ShvError *error)
 {
     ShvDraftTet tet = {.place = place(gmsh)};
-    int64_t type, tags, ignored;
+    int64_t type, tags, value;
     SHV_TRY(read_whole(gmsh, "the number of an element", &tet.tag, error));
     SHV_TRY(read_whole(gmsh, "an element type", &type, error));
     SHV_TRY(refuse_type(gmsh, type, error));
     SHV_TRY(read_whole(gmsh, "a number of tags", &tags, error));
-    for (int64_t k = 0; k < tags; k++) SHV_TRY(read_int(gmsh, "a tag", &ignored, error));
+    for (int64_t k = 0; k < tags; k++) {
+        SHV_TRY(read_int(gmsh, "a tag", &value, error));
+        if (k == 0) tet.group = (int32_t)value;
+    }
     for (int k = 0; k < nodes_of_type(type); k++) SHV_TRY(read_whole(gmsh, "a node", &tet.nodes[k], error));
     SHV_TRY(shv_scan_end_line(&gmsh->scan, error));
     return type == TET ? shv_draft_add_tet(&gmsh->draft, &tet, error) : SHV_OK;
@@ -162,7 +172,7 @@ static ShvStatus read_elements_2(Gmsh *gmsh, ShvError *error)
 /* ---- version 4.1 ------------------------------------------------------------------------------------------ */
 
 typedef struct Block {
-    int64_t dimension, third; /* third: parametric (nodes), element type (elements) */
+    int64_t dimension, entity, third; /* third: parametric (nodes), element type (elements) */
     int64_t count;
 } Block;
 
@@ -181,10 +191,9 @@ static ShvStatus read_section_head(Gmsh *gmsh, int64_t *blocks, int64_t *entries
 
 static ShvStatus read_block_head(Gmsh *gmsh, int64_t left, Block *block, ShvError *error)
 {
-    int64_t ignored;
     SHV_TRY(next_entry(gmsh, "a block", error));
     SHV_TRY(read_int(gmsh, "the dimension of a block", &block->dimension, error));
-    SHV_TRY(read_int(gmsh, "the entity of a block", &ignored, error));
+    SHV_TRY(read_int(gmsh, "the entity of a block", &block->entity, error));
     SHV_TRY(read_int(gmsh, "the kind of a block", &block->third, error));
     SHV_TRY(read_whole(gmsh, "the length of a block", &block->count, error));
     if (block->dimension < 0 || block->dimension > 3)
@@ -217,12 +226,20 @@ static ShvStatus read_node_block(Gmsh *gmsh, const Block *block, ShvError *error
     return SHV_OK;
 }
 
+static int32_t group_of(const Gmsh *gmsh, int64_t volume)
+{
+    for (int64_t i = 0; i < gmsh->volume_count; i++)
+        if (gmsh->volumes[i].tag == volume) return gmsh->volumes[i].group;
+    return 0;
+}
+
 static ShvStatus read_element_block(Gmsh *gmsh, const Block *block, ShvError *error)
 {
     SHV_TRY(refuse_type(gmsh, block->third, error));
+    const int32_t group = block->dimension == VOLUME ? group_of(gmsh, block->entity) : 0;
     for (int64_t i = 0; i < block->count; i++) {
         SHV_TRY(next_entry(gmsh, "an element", error));
-        ShvDraftTet tet = {.place = place(gmsh)};
+        ShvDraftTet tet = {.place = place(gmsh), .group = group};
         SHV_TRY(read_whole(gmsh, "an element tag", &tet.tag, error));
         for (int k = 0; k < nodes_of_type(block->third); k++)
             SHV_TRY(read_whole(gmsh, "a node tag", &tet.nodes[k], error));
@@ -246,6 +263,87 @@ static ShvStatus read_blocks_4(Gmsh *gmsh, ShvStatus (*read)(Gmsh *, const Block
     if (left == 0) return SHV_OK;
     return shv_scan_fail(&gmsh->scan, error, "the blocks hold %lld entries fewer than their section announces",
                          (long long)left);
+}
+
+/* ---- physical volumes ---- */
+
+/* "count" and lines of "dimension tag "name""; text in binary files, too. A name ends at the last quote of its line. */
+static ShvStatus read_names(Gmsh *gmsh, ShvError *error)
+{
+    ShvScan *scan = &gmsh->scan;
+    const bool binary = scan->binary;
+    scan->binary = false;
+    int64_t count, dimension, tag;
+    SHV_TRY(next_line(gmsh, "the number of physical names", error));
+    SHV_TRY(shv_scan_whole(scan, "the number of physical names", 0, INT32_MAX, &count, error));
+    SHV_TRY(shv_scan_check_count(scan, count, 6, "physical names", error));
+    for (int64_t i = 0; i < count; i++) {
+        ShvWord word;
+        ShvMeshGroup group = {0};
+        SHV_TRY(next_line(gmsh, "a physical name", error));
+        SHV_TRY(shv_scan_whole(scan, "a dimension", 0, 3, &dimension, error));
+        SHV_TRY(shv_scan_whole(scan, "the number of a physical group", INT32_MIN, INT32_MAX, &tag, error));
+        if (!shv_scan_word(scan, &word) || *word.start != '"')
+            return shv_scan_fail(scan, error, "physical group %lld has no name in quotes", (long long)tag);
+        const char *start = word.start + 1, *end = word.end;
+        while (shv_scan_word(scan, &word)) end = word.end;
+        const size_t length = (size_t)(end - start);
+        if (length < 1 || end[-1] != '"' || length > sizeof group.name)
+            return shv_scan_fail(scan, error,
+                                 "the name of physical group %lld does not end in its line, or is longer "
+                                 "than %d bytes",
+                                 (long long)tag, (int)sizeof group.name - 1);
+        memcpy(group.name, start, length - 1);
+        group.tag = (int32_t)tag;
+        if (dimension == VOLUME) SHV_TRY(shv_draft_add_group(&gmsh->draft, &group, error));
+    }
+    SHV_TRY(expect_word(gmsh, "$EndPhysicalNames", error));
+    scan->binary = binary;
+    return SHV_OK;
+}
+
+static ShvStatus add_volume(Gmsh *gmsh, int64_t tag, int64_t group, ShvError *error)
+{
+    const size_t count = (size_t)gmsh->volume_count + 1;
+    Volume *volumes = shv_reallocate(gmsh->draft.memory, SHV_PART_MESH, gmsh->volumes, count, sizeof *volumes);
+    if (!volumes) return shv_fail_memory(error, "the volumes of a mesh file", count * sizeof *volumes);
+    gmsh->volumes = volumes;
+    gmsh->volumes[gmsh->volume_count++] = (Volume){(int32_t)tag, (int32_t)group};
+    return SHV_OK;
+}
+
+/* "tag numbers… group-count groups… bounding-count bounding…": three numbers and nothing that bounds it for a point, six for others.
+   A volume of several groups is in the first. */
+static ShvStatus read_entity(Gmsh *gmsh, int dimension, ShvError *error)
+{
+    int64_t tag, count, value, group = 0;
+    double number;
+    SHV_TRY(next_entry(gmsh, "an entity", error));
+    SHV_TRY(read_int(gmsh, "the number of an entity", &tag, error));
+    for (int k = 0; k < (dimension == 0 ? 3 : 6); k++) SHV_TRY(read_coordinate(gmsh, &number, error));
+    SHV_TRY(read_whole(gmsh, "a number of physical groups", &count, error));
+    for (int64_t k = 0; k < count; k++) {
+        SHV_TRY(read_int(gmsh, "a physical group", &value, error));
+        if (k == 0) group = value;
+    }
+    if (dimension == VOLUME && group != 0) SHV_TRY(add_volume(gmsh, tag, group, error));
+    if (dimension > 0) SHV_TRY(read_whole(gmsh, "a number of bounding entities", &count, error));
+    for (int64_t k = 0; dimension > 0 && k < count; k++) SHV_TRY(read_int(gmsh, "a bounding entity", &value, error));
+    return gmsh->scan.binary ? SHV_OK : shv_scan_end_line(&gmsh->scan, error);
+}
+
+static ShvStatus read_entities(Gmsh *gmsh, ShvError *error)
+{
+    int64_t counts[VOLUME + 1];
+    if (gmsh->scan.binary) shv_scan_leave_line(&gmsh->scan);
+    SHV_TRY(next_entry(gmsh, "the numbers of entities", error));
+    for (int d = 0; d <= VOLUME; d++) {
+        SHV_TRY(read_whole(gmsh, "a number of entities", &counts[d], error));
+        SHV_TRY(shv_scan_check_count(&gmsh->scan, counts[d], 8, "entities", error));
+    }
+    for (int d = 0; d <= VOLUME; d++)
+        for (int64_t i = 0; i < counts[d]; i++) SHV_TRY(read_entity(gmsh, d, error));
+    return expect_word(gmsh, "$EndEntities", error);
 }
 
 /* ---- the file ----------------------------------------------------------------------------------------------- */
@@ -325,6 +423,10 @@ static ShvStatus read_sections(Gmsh *gmsh, ShvError *error)
             SHV_TRY(read_nodes(gmsh, error));
         else if (shv_word_is(word, "$Elements"))
             SHV_TRY(read_elements(gmsh, error));
+        else if (shv_word_is(word, "$PhysicalNames"))
+            SHV_TRY(read_names(gmsh, error));
+        else if (gmsh->version_4 && shv_word_is(word, "$Entities"))
+            SHV_TRY(read_entities(gmsh, error));
         else
             SHV_TRY(skip_section(gmsh, word, error));
     }
@@ -342,5 +444,6 @@ ShvStatus shv_mesh_read_gmsh(ShvMesh *mesh, ShvMemory *memory, const char *path,
     shv_scan_close(&gmsh.scan);
     if (status == SHV_OK) status = shv_draft_finish(&gmsh.draft, mesh, error);
     shv_draft_release(&gmsh.draft);
+    shv_release(gmsh.volumes);
     return status;
 }

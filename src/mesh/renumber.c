@@ -78,12 +78,17 @@ ShvStatus shv_mesh_renumber(ShvMesh *mesh, int32_t *old_elements, int32_t *old_n
     SHV_TRY(shv_mesh_allocate(&made, mesh->memory, mesh->node_count, mesh->element_count, error));
     Ranked *ranked = shv_allocate(mesh->memory, SHV_PART_GENERAL, 2 * elements, sizeof *ranked);
     int32_t *new_of = shv_allocate(mesh->memory, SHV_PART_GENERAL, nodes, sizeof *new_of);
-    const bool complete = ranked && new_of;
+    const bool complete = ranked && new_of && (!mesh->element_groups || shv_mesh_add_groups(&made, error) == SHV_OK);
     if (complete && mesh->element_count > 0) {
         rank_elements(mesh, ranked);
         sort_by_key(ranked, ranked + elements, mesh->element_count);
         reorder(mesh, ranked, new_of, &made, old_nodes);
         for (size_t e = 0; old_elements && e < elements; e++) old_elements[e] = ranked[e].element;
+        for (size_t e = 0; made.element_groups && e < elements; e++)
+            made.element_groups[e] = mesh->element_groups[ranked[e].element];
+        made.groups = mesh->groups;
+        made.group_count = mesh->group_count;
+        mesh->groups = NULL;
         const ShvMesh old = *mesh;
         *mesh = made;
         made = old;

@@ -3,6 +3,7 @@
 #include <omp.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "mesh/generate.h"
 #include "model/precrack.h"
 
@@ -180,7 +181,70 @@ static void join_part(ShvModel *model, const ShvObject *object, const ShvMesh *p
         model->element_material[e] = (uint16_t)object->material;
 }
 
-static ShvStatus join_parts(ShvModel *model, const ShvMesh *parts, ShvError *error)
+/* What a mesh calls its groups, for a message. */
+static void list_groups(const ShvMesh *part, char *text, size_t size)
+{
+    text[0] = '\0';
+    for (int32_t i = 0; i < part->group_count; i++) {
+        const size_t length = strlen(text);
+        shv_format(text + length, size - length, "%s'%s'", i ? ", " : "", part->groups[i].name);
+    }
+}
+
+static ShvStatus find_group(const ShvObjectDefinition *object, const ShvGroupDefinition *group, const ShvMesh *part,
+                            int32_t *tag, ShvError *error)
+{
+    char names[300];
+    *tag = shv_mesh_find_group(part, group->name);
+    if (*tag != 0) return SHV_OK;
+    list_groups(part, names, sizeof names);
+    return shv_fail(error, SHV_BAD_INPUT, "object '%s': its mesh has no physical volume '%s'; %s%s", object->name,
+                    group->name,
+                    names[0]               ? "it has "
+                    : part->element_groups ? "name them by number: its volumes have no names"
+                                           : "only gmsh files that define physical volumes have some",
+                    names);
+}
+
+/* "glass + steel". */
+static ShvStatus name_materials(const ShvModel *model, ShvObject *object, const ShvObjectDefinition *definition,
+                                ShvError *error)
+{
+    size_t size = strlen(definition->material) + 1;
+    for (int32_t i = 0; i < definition->group_count; i++) size += strlen(definition->groups[i].material) + 3;
+    object->materials = shv_allocate(model->memory, SHV_PART_GENERAL, size, 1);
+    if (!object->materials) return shv_fail_memory(error, "names of materials", size);
+    size_t length = (size_t)shv_format(object->materials, size, "%s", definition->material);
+    for (int32_t i = 0; i < definition->group_count; i++)
+        length +=
+            (size_t)shv_format(object->materials + length, size - length, " + %s", definition->groups[i].material);
+    return SHV_OK;
+}
+
+static ShvStatus join_group(ShvModel *model, const ShvObject *object, const ShvObjectDefinition *definition,
+                            const ShvGroupDefinition *group, const ShvMesh *part, ShvError *error)
+{
+    int32_t tag;
+    const int32_t material = group->material ? find_material(model, group->material) : -1;
+    if (!group->name || material < 0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "object '%s', group '%s': there is no material '%s'; define it or name another",
+                        definition->name, group->name ? group->name : "", group->material ? group->material : "");
+    SHV_TRY(find_group(definition, group, part, &tag, error));
+    for (int32_t e = 0; e < part->element_count; e++)
+        if (part->element_groups[e] == tag) model->element_material[object->element_begin + e] = (uint16_t)material;
+    return SHV_OK;
+}
+
+static ShvStatus join_groups(ShvModel *model, ShvObject *object, const ShvObjectDefinition *definition,
+                             const ShvMesh *part, ShvError *error)
+{
+    for (int32_t i = 0; i < definition->group_count; i++)
+        SHV_TRY(join_group(model, object, definition, &definition->groups[i], part, error));
+    return definition->group_count > 0 ? name_materials(model, object, definition, error) : SHV_OK;
+}
+
+static ShvStatus join_parts(ShvModel *model, const ShvSceneDefinition *scene, const ShvMesh *parts, ShvError *error)
 {
     int64_t nodes, elements;
     SHV_TRY(count_parts(model, parts, &nodes, &elements, error));
@@ -188,7 +252,10 @@ static ShvStatus join_parts(ShvModel *model, const ShvMesh *parts, ShvError *err
     const size_t size = sizeof *model->element_material;
     model->element_material = shv_allocate(model->memory, SHV_PART_MESH, (size_t)elements, size);
     if (!model->element_material) return shv_fail_memory(error, "the materials of elements", (size_t)elements * size);
-    for (int32_t i = 0; i < model->object_count; i++) join_part(model, &model->objects[i], &parts[i]);
+    for (int32_t i = 0; i < model->object_count; i++) {
+        join_part(model, &model->objects[i], &parts[i]);
+        SHV_TRY(join_groups(model, &model->objects[i], &scene->objects[i], &parts[i], error));
+    }
     return SHV_OK;
 }
 
@@ -200,7 +267,7 @@ static ShvStatus make_mesh(ShvModel *model, const ShvSceneDefinition *scene, con
     ShvStatus status = SHV_OK;
     for (int32_t i = 0; i < scene->object_count && status == SHV_OK; i++)
         status = make_part(&parts[i], model->memory, &scene->objects[i], folder, error);
-    if (status == SHV_OK) status = join_parts(model, parts, error);
+    if (status == SHV_OK) status = join_parts(model, scene, parts, error);
     for (int32_t i = 0; i < scene->object_count; i++) shv_mesh_release(&parts[i]);
     shv_release(parts);
     return status;
@@ -218,23 +285,33 @@ static double mean_edge(const ShvMesh *mesh, const ShvObject *object)
     return sum / (6.0 * (object->element_end - object->element_begin));
 }
 
+/* Whether an object has a tet of a material. */
+static bool is_of(const ShvModel *model, const ShvObject *object, int32_t material)
+{
+    bool found = object->material == material;
+    for (int32_t e = object->element_begin; e < object->element_end && !found; e++)
+        found = model->element_material[e] == material;
+    return found;
+}
+
 /* Every material to the coarsest of its objects: it is one material in all of them. */
 static void resolve_materials(ShvModel *model)
 {
     for (int32_t m = 0; m < model->material_count; m++) {
         double coarsest = 0.0;
         for (int32_t i = 0; i < model->object_count; i++)
-            if (model->objects[i].material == m) coarsest = fmax(coarsest, mean_edge(&model->mesh, &model->objects[i]));
+            if (is_of(model, &model->objects[i], m))
+                coarsest = fmax(coarsest, mean_edge(&model->mesh, &model->objects[i]));
         if (coarsest > 0.0) shv_material_resolve(&model->materials[m], coarsest);
     }
 }
 
 static bool something_can_break(const ShvModel *model, const ShvSceneDefinition *scene)
 {
-    if (!scene->fracture.enabled) return false;
-    for (int32_t i = 0; i < model->object_count; i++)
-        if (shv_material_can_open(&model->materials[model->objects[i].material])) return true;
-    return false;
+    bool can = false;
+    for (int32_t e = 0; scene->fracture.enabled && e < model->mesh.element_count && !can; e++)
+        can = shv_material_can_open(shv_model_material(model, e));
+    return can;
 }
 
 static ShvStatus build(ShvModel *model, const ShvSceneDefinition *scene, const char *folder, ShvError *error)
@@ -265,6 +342,7 @@ void shv_model_release(ShvModel *model)
     shv_adjacency_release(&model->adjacency);
     shv_mesh_release(&model->mesh);
     shv_release(model->materials);
+    for (int32_t i = 0; i < model->object_count; i++) shv_release(model->objects[i].materials);
     shv_release(model->objects);
     shv_release(model->element_material);
     *model = (ShvModel){0};

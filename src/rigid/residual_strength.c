@@ -90,12 +90,12 @@ static double residual(const ShvCohesive *cohesive, int32_t index)
 }
 
 /* Work to open a facet from closed, J; an inserted one as its points are, one without cracks with the whole of its energy. */
-static double opening_work(const Search *search, int32_t index, double area)
+static double opening_work(const ShvCohesive *cohesive, int32_t facet, double area)
 {
-    const ShvCohesive *cohesive = search->cohesive;
+    const int32_t index = cohesive->facet_cohesive[facet];
     if (index < 0) {
-        const int32_t object = search->object;
-        return area * cohesive->model->materials[cohesive->model->objects[object].material].fracture_energy[SHV_NORMAL];
+        const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
+        return material ? area * material->fracture_energy[SHV_NORMAL] : (double)INFINITY;
     }
     double sum = 0.0;
     for (int64_t k = 3 * (int64_t)index; cohesive->bonded[index] && k < 3 * (int64_t)index + 3; k++)
@@ -122,7 +122,7 @@ static void list_joints(Search *search)
                                                         .area = area,
                                                         .strength = strength,
                                                         .residual = index < 0 ? strength : residual(cohesive, index),
-                                                        .energy = opening_work(search, index, shv_norm(area)),
+                                                        .energy = opening_work(cohesive, facet, shv_norm(area)),
                                                         .inserted = index >= 0};
     }
 }

@@ -45,6 +45,16 @@ static ShvObjectDefinition finished_object(const ShvObjectItem *item)
     return object;
 }
 
+static void assemble_groups(ShvObjectDefinition *object, const ShvItems *items, ShvPool *pool)
+{
+    const ShvGroupItem *from = items->data;
+    ShvGroupDefinition *groups = items->count > 0 ? shv_pool_take(pool, (size_t)items->count, sizeof *groups) : NULL;
+    if (!groups) return;
+    for (int32_t i = 0; i < items->count; i++) groups[i] = from[i].definition;
+    object->groups = groups;
+    object->group_count = items->count;
+}
+
 static void assemble_cracks(ShvObjectDefinition *object, const ShvItems *items, ShvPool *pool)
 {
     const ShvCrackItem *from = items->data;
@@ -136,6 +146,7 @@ static void assemble_objects(ShvAssembly *assembly, const ShvSceneItem *scene, S
             *object = finished_object(item);
             object->mesh.profile = profile;
             object->mesh.profile_count = item->profile.count;
+            assemble_groups(object, &item->groups, pool);
             if (item->cracks.count > 0) assemble_cracks(object, &item->cracks, pool);
             if (copies == 0) continue;
             object->name = copy_name(pool, item->head.name, k + 1);

@@ -148,10 +148,13 @@ static void check_unused_materials(Checker *checker)
     bool *used = shv_pool_take(checker->work, (size_t)count, sizeof *used);
     if (!used) return;
     for (int32_t i = 0; i < definition->object_count; i++) {
-        const char *name = definition->objects[i].material;
-        const ShvNameEntry *found = name ? shv_name_index_find(&checker->materials, name) : NULL;
-        if (!found) return;
-        used[found->order] = true;
+        const ShvObjectDefinition *object = &definition->objects[i];
+        for (int32_t k = -1; k < object->group_count; k++) {
+            const char *name = k < 0 ? object->material : object->groups[k].material;
+            const ShvNameEntry *found = name ? shv_name_index_find(&checker->materials, name) : NULL;
+            if (!found) return;
+            used[found->order] = true;
+        }
     }
     for (int32_t i = 0; i < count; i++)
         if (!used[i])
@@ -207,17 +210,31 @@ static void check_mesh(Checker *checker, const ShvNode *node, const ShvMeshDefin
     }
 }
 
+static void check_material_name(Checker *checker, const ShvNode *node, const char *material)
+{
+    if (material && !shv_name_index_find(&checker->materials, material))
+        shv_name_index_report_unknown(&checker->materials, checker->diagnostics, place_of(node, "material"), "material",
+                                      material, "material of the scene");
+}
+
+static void check_groups(Checker *checker, const ShvObjectItem *item)
+{
+    const ShvMeshKind kind = item->definition.mesh.kind;
+    const ShvGroupItem *groups = item->groups.data;
+    for (int32_t i = 0; i < item->groups.count; i++)
+        check_material_name(checker, groups[i].head.node, groups[i].definition.material);
+    if (item->groups.count > 0 && item->head.good && kind != SHV_MESH_GMSH && kind != SHV_MESH_STL)
+        fault(checker, item->head.node, "groups", "only a mesh from a gmsh file has groups: mesh: {gmsh: …}");
+}
+
 static void check_objects(Checker *checker)
 {
     const ShvObjectItem *items = checker->scene->objects.data;
     for (int32_t i = 0; i < checker->scene->objects.count; i++) {
         const ShvObjectItem *item = &items[i];
-        const char *material = item->definition.material;
         const ShvEntry *mesh = shv_tree_find(item->head.node, "mesh");
-        if (material && !shv_name_index_find(&checker->materials, material))
-            shv_name_index_report_unknown(&checker->materials, checker->diagnostics,
-                                          place_of(item->head.node, "material"), "material", material,
-                                          "material of the scene");
+        check_material_name(checker, item->head.node, item->definition.material);
+        check_groups(checker, item);
         if (item->head.good && mesh) check_mesh(checker, mesh->value, &item->definition.mesh);
     }
     const ShvEntry *objects = shv_tree_find(checker->scene->head.node, "objects");

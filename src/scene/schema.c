@@ -392,11 +392,35 @@ static const ShvTable crack_table = {.name = "objects.<name>.cracks.<index>",
                                      .start = start_crack};
 
 static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
+static const ShvKey group_keys[] = {
+    {"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = offsetof(ShvGroupItem, definition.name),
+     .sentence = "Name of the physical volume, or its number."},
+    {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = offsetof(ShvGroupItem, definition.material),
+     .sentence = "Name of its material."},
+};
+static void start_group(void *item)
+{
+    *(ShvGroupItem *)item = (ShvGroupItem){0};
+}
+static const ShvTable group_table = {
+    .name = "objects.<name>.groups.<index>",
+    .sentence =
+        "A physical volume that is of another material than the rest. It shares nodes and facets with the rest where "
+        "the file "
+        "does (gmsh: BooleanFragments), so that cracks pass; a facet between two materials has the law of the weaker "
+        "one. When the object wakes and rests is judged by `material` of the object.",
+    .keys = group_keys,
+    .key_count = LENGTH_OF(group_keys),
+    .size = sizeof(ShvGroupItem),
+    .start = start_group};
+
 static const ShvKey object_keys[] = {
     {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
      .sentence = "Its tetrahedra."},
     {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
-     .sentence = "Name of its material."},
+     .sentence = "Name of its material; where there are `groups`, of all that is in none of them."},
+    {"groups", SHV_KEY_LIST, .table = &group_table, .offset = offsetof(ShvObjectItem, groups),
+     .sentence = "Parts of another material: physical volumes of the gmsh file, by name or number."},
     POSITION_KEY(OBJECT(placement), "Where the origin of the mesh is at the start."),
     ROTATION_KEY(OBJECT(placement), object_rotation_table),
     VELOCITY_KEY(OBJECT(placement)),

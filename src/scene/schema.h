@@ -99,9 +99,15 @@ typedef struct ShvCrackItem {
     ShvCrackDefinition definition;
 } ShvCrackItem;
 
+typedef struct ShvGroupItem {
+    ShvItemHead head;
+    ShvGroupDefinition definition;
+} ShvGroupItem;
+
 typedef struct ShvObjectItem {
     ShvItemHead head;
     ShvObjectDefinition definition;
+    ShvItems groups;
     int32_t repeat_count; /* 0: stands for itself */
     double repeat_offset[3];
     double repeat_spread[3]; /* m: each is shifted at random by up to half of it */

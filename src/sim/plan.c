@@ -226,19 +226,33 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     return shv_awake_refresh(hybrid, error);
 }
 
-double shv_simulation_awake_until(const ShvSimulation *simulation)
+/* Bodies in which a crack has moved tremble until their window ends; others rest between the bounds, at the geometric mean, and
+   seldom at once. */
+static double expected_rest(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double now = hybrid->state.time, shortest = 0.01; /* of the longest */
+    double soonest, latest;
+    shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
+    latest = fmin(latest, hybrid->scene->duration);
+    if (fragment->last_crack > -HUGE_VAL) return latest;
+    const double most = fmax(0.0, latest - now), least = fmin(most, fmax(shortest * most, soonest - now));
+    return now + sqrt(least * most);
+}
+
+ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
-    const double now = hybrid->state.time, shortest = 0.01; /* of the longest: what is about to rest seldom does */
-    double sum = 0.0, tets = 0.0;
+    const double now = hybrid->state.time, always = 0.1 * hybrid->state.element_count;
+    ShvAwakeView view = {.rest = now};
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_FRACTURE) continue;
-        double soonest, latest;
-        shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
-        const double most = fmax(0.0, latest - now), least = fmax(shortest * most, soonest - now);
-        sum += fragment->element_count * (isfinite(most) ? sqrt(least * most) : most);
-        tets += fragment->element_count;
+        const double rest = expected_rest(hybrid, fragment);
+        view.load += fragment->element_count;
+        view.ahead += fragment->element_count * (rest - now);
+        view.rest = fmax(view.rest, rest);
     }
-    return tets > 0.0 ? now + sum / tets : now;
+    if (view.load > 0.0) view.load += always;
+    view.ahead += always * (view.rest - now);
+    return view;
 }

@@ -145,12 +145,12 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     const ShvObject *body = &hybrid->model.objects[object];
     const ShvMaterial *material = &hybrid->model.materials[body->material];
     *preflight = (ShvPreflight){.object = body->name,
-                                .material = material->name,
+                                .material = body->materials ? body->materials : material->name,
                                 .cohesion = shv_simulation_material(simulation, body->material)};
     measure_mesh(preflight, &hybrid->model, body);
     const ShvMeshDefinition *mesh = &hybrid->scene->objects[object].mesh;
     preflight->ordered = mesh->kind == SHV_MESH_BOX && mesh->pattern != SHV_PATTERN_UNSTRUCTURED;
-    preflight->mass = preflight->volume * material->density;
+    for (int32_t e = body->element_begin; e < body->element_end; e++) preflight->mass += hybrid->state.element_mass[e];
     measure_step(preflight, hybrid, body);
     measure_cohesion(preflight, material, hybrid->model.can_break);
     measure_waves(preflight, material);

@@ -28,9 +28,9 @@ static ShvStatus create_views(ShvSimulation *simulation, ShvError *error)
     }
     for (int32_t i = 0; i < model->object_count; i++) {
         const ShvObject *object = &model->objects[i];
-        views->objects[i] = (ShvObjectView){object->name,          model->materials[object->material].name,
-                                            object->element_begin, object->element_end,
-                                            object->node_begin,    object->node_end};
+        const char *material = object->materials ? object->materials : model->materials[object->material].name;
+        views->objects[i] = (ShvObjectView){object->name,        material,           object->element_begin,
+                                            object->element_end, object->node_begin, object->node_end};
     }
     return SHV_OK;
 }

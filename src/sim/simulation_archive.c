@@ -15,6 +15,8 @@ uint64_t shv_simulation_geometry_hash(const ShvSimulation *simulation)
     uint64_t hash =
         shv_hash_bytes(SHV_HASH_START, mesh->positions, 3 * (size_t)mesh->node_count * sizeof *mesh->positions);
     hash = shv_hash_bytes(hash, mesh->elements, 4 * (size_t)mesh->element_count * sizeof *mesh->elements);
+    const uint16_t *materials = simulation->hybrid.model.element_material;
+    hash = shv_hash_bytes(hash, materials, (size_t)mesh->element_count * sizeof *materials);
     for (int32_t i = 0; i < simulation->hybrid.obstacles.count; i++) {
         const ShvSurface *surface = &simulation->hybrid.obstacles.items[i].surface;
         hash = shv_hash_bytes(hash, surface->positions, 3 * (size_t)surface->node_count * sizeof *surface->positions);

@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "hybrid/hybrid_archive.c", 80),
     SIZE(ShvCompanions, "hybrid/hybrid_archive.c", 120),
     SIZE(ShvSolid, "hybrid/hybrid_archive.c", 112),
-    SIZE(ShvHybrid, "hybrid/hybrid_archive.c", 5064),
+    SIZE(ShvHybrid, "hybrid/hybrid_archive.c", 5088),
 };
 
 static void test_no_field_is_new(void **state)

@@ -100,6 +100,44 @@ static void maps_tags_and_drops_unused_nodes(void **state)
     remove_temporary_file(&file);
 }
 
+/* Two tets of two physical volumes, one of which has a name; a third, of none. */
+#define FIVE_NODES "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 -1 0 0\n"
+#define NAMES      "$PhysicalNames\n2\n2 7 \"skin\"\n3 7 \"a bar of steel\"\n$EndPhysicalNames\n"
+static const char *const grouped[] = {
+    HEAD_2 NAMES "$Nodes\n6\n" FIVE_NODES "$EndNodes\n"
+                 "$Elements\n3\n1 4 2 7 1 1 2 3 4\n2 4 2 9 2 2 3 4 5\n3 4 2 0 3 1 3 6 4\n$EndElements\n",
+    HEAD_4 NAMES
+    "$Entities\n1 0 1 3\n1 0 0 0 1 5\n1 0 0 0 1 1 1 1 7 0\n1 0 0 0 1 1 1 2 7 9 1 -1\n2 0 0 0 1 1 1 1 9 0\n"
+    "3 0 0 0 1 1 1 0 0\n$EndEntities\n$Nodes\n1 6 1 6\n3 1 0 6\n1\n2\n3\n4\n5\n6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n"
+    "-1 0 0\n$EndNodes\n$Elements\n3 3 1 3\n3 1 4 1\n1 1 2 3 4\n3 2 4 1\n2 2 3 4 5\n3 3 4 1\n3 1 3 6 "
+    "4\n$EndElements\n"};
+
+static void keeps_physical_volumes(void **state)
+{
+    (void)state;
+    static const int32_t groups[3] = {7, 9, 0};
+    for (int i = 0; i < 2; i++) {
+        ShvError error;
+        ShvMesh mesh;
+        const TemporaryFile file = temporary_file("groups.msh");
+        write_bytes(file.path, grouped[i], strlen(grouped[i]));
+        check_ok(shv_mesh_read_gmsh(&mesh, NULL, file.path, &error), error);
+        assert_memory_equal(mesh.element_groups, groups, sizeof groups);
+        assert_int_equal(mesh.group_count, 1);
+        assert_int_equal(shv_mesh_find_group(&mesh, "a bar of steel"), 7);
+        assert_int_equal(shv_mesh_find_group(&mesh, "9"), 9);
+        assert_int_equal(shv_mesh_find_group(&mesh, "8"), 0);
+        assert_int_equal(shv_mesh_find_group(&mesh, "skin"), 0);
+        int32_t old[3];
+        check_ok(shv_mesh_renumber(&mesh, old, NULL, &error), error);
+        for (int e = 0; e < 3; e++) assert_int_equal(mesh.element_groups[e], groups[old[e]]);
+        assert_string_equal(mesh.groups[0].name, "a bar of steel");
+        shv_mesh_release(&mesh);
+        check_allocation_failures(read_once, file.path);
+        remove_temporary_file(&file);
+    }
+}
+
 static void names_what_is_wrong(void **state)
 {
     (void)state;
@@ -127,6 +165,12 @@ static void names_what_is_wrong(void **state)
         {HEAD_2 NODES_2 NODES_2, "two $Nodes sections"},
         {HEAD_2 "junk\n", "expected a section such as $Nodes, not 'junk'"},
         {HEAD_2 "$Entities\n1\n", "section $Entities does not end"},
+        {HEAD_4 "$Entities\n1 0 0 0\n\n\n\n\n\n\n\n\n\n", "the file ends where an entity was expected"},
+        {HEAD_4 "$Entities\n0 0 0 1\n4 0 0 0 1 1 1 9999\n", "a.msh:6: expected a physical group"},
+        {HEAD_4 "$Entities\n99999 0 0 0\n", "99999 entities are announced, more than the remaining"},
+        {HEAD_2 "$PhysicalNames\n1\n3 1 steel\n", "a.msh:6: physical group 1 has no name in quotes"},
+        {HEAD_2 "$PhysicalNames\n1\n3 1 \"steel\n", "a.msh:6: the name of physical group 1 does not end"},
+        {HEAD_2 "$PhysicalNames\n1\n3 1 \"\n", "a.msh:6: the name of physical group 1 does not end"},
         {HEAD_2 NODES_2 "$Elements\n1\n7 2 0 70 20 3\n$EndElements\n", "there are no tets"},
         {HEAD_2 NODES_2 "$Elements\n1\n7 5 0 1 2 3 4 5 6 7 8\n$EndElements\n", "a.msh:14: elements of type 5"},
         {HEAD_2 NODES_2 "$Elements\n1\n7 4 0 70 20 3\n$EndElements\n", "expected a node, but the line ends"},
@@ -184,10 +228,15 @@ static void refuses_what_is_no_file(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_what_gmsh_writes),           cmocka_unit_test(refuses_cut_off_files),
-        cmocka_unit_test(survives_corrupted_files),         cmocka_unit_test(survives_failing_allocations),
-        cmocka_unit_test(maps_tags_and_drops_unused_nodes), cmocka_unit_test(names_what_is_wrong),
-        cmocka_unit_test(names_bytes_of_binary_files),      cmocka_unit_test(refuses_what_is_no_file),
+        cmocka_unit_test(reads_what_gmsh_writes),
+        cmocka_unit_test(refuses_cut_off_files),
+        cmocka_unit_test(survives_corrupted_files),
+        cmocka_unit_test(survives_failing_allocations),
+        cmocka_unit_test(maps_tags_and_drops_unused_nodes),
+        cmocka_unit_test(keeps_physical_volumes),
+        cmocka_unit_test(names_what_is_wrong),
+        cmocka_unit_test(names_bytes_of_binary_files),
+        cmocka_unit_test(refuses_what_is_no_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

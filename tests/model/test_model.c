@@ -37,6 +37,33 @@ static void objects_stand_one_after_another(void **state)
     shv_model_release(&model);
 }
 
+/* All tets of the file are of the physical volume "block". */
+static void groups_are_of_their_material(void **state)
+{
+    (void)state;
+    Scene scene;
+    ShvModel model;
+    ShvError error;
+    const ShvGroupDefinition groups[2] = {{"block", "steel"}, {"blok", "steel"}};
+    scene_make(&scene);
+    ShvObjectDefinition *plate = &scene.objects[0];
+    plate->mesh.kind = SHV_MESH_GMSH;
+    plate->mesh.file = "data/block_41.msh";
+    plate->groups = groups;
+    plate->group_count = 1;
+    check_ok(build(&model, &scene, &error), error);
+    for (int32_t e = 0; e < model.objects[0].element_end; e++)
+        assert_string_equal(shv_model_material(&model, e)->name, "steel");
+    assert_string_equal(model.objects[0].materials, "glass + steel");
+    assert_false(model.can_break);
+    shv_model_release(&model);
+    plate->groups = groups + 1;
+    check_fails(build(&model, &scene, &error), SHV_BAD_INPUT, error,
+                "object 'plate': its mesh has no physical volume 'blok'; it has 'block'");
+    plate->mesh.kind = SHV_MESH_BOX;
+    check_fails(build(&model, &scene, &error), SHV_BAD_INPUT, error, "only gmsh files that define physical volumes");
+}
+
 /* The block of 1 × 2 × 1, turned a quarter about z, spans 2 × 1 × 1 about its position. */
 static void placement_turns_then_shifts(void **state)
 {
@@ -151,6 +178,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(objects_stand_one_after_another),
+        cmocka_unit_test(groups_are_of_their_material),
         cmocka_unit_test(placement_turns_then_shifts),
         cmocka_unit_test(adjacency_is_made_only_where_something_can_break),
         cmocka_unit_test(bad_scenes_are_refused_with_a_name),

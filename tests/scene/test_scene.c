@@ -125,6 +125,9 @@ static void check_meshes(const ShvSceneDefinition *scene)
     assert_int_equal(scene->object_count, 14);
     assert_int_equal(o[0].crack_count, 0);
     assert_int_equal(o[4].crack_count, 1);
+    assert_int_equal(o[4].group_count, 1);
+    assert_string_equal(o[4].groups[0].name, "an inlay");
+    assert_string_equal(o[4].groups[0].material, "steel");
     same(o[4].cracks[0].plane.plane_normal[2], 1.0);
     same(o[4].cracks[0].plane.plane_offset, 0.01);
     same(o[4].cracks[0].plane.tolerance, 1e-6);

@@ -131,7 +131,8 @@ static inline void block_finish(Block *block, int32_t threads)
     model->objects = shv_allocate(block->memory, SHV_PART_GENERAL, 1, sizeof *model->objects);
     assert_non_null(model->objects);
     model->object_count = 1;
-    model->objects[0] = (ShvObject){"block", 0, 0, model->mesh.element_count, 0, model->mesh.node_count};
+    model->objects[0] =
+        (ShvObject){.name = "block", .element_end = model->mesh.element_count, .node_end = model->mesh.node_count};
     block->object = shv_object_default();
     block->scene = shv_scene_default();
     block->scene.objects = &block->object;
