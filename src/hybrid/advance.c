@@ -39,13 +39,23 @@ static ShvStatus fly(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-/* Rigid interval from the present moment: at most a rigid step, a whole number of which make up what is left until `until`,
-   ending no later than the next event of the time line. All flight of the interval happens here. */
+/* Beside what is awake: what flies learns of what happens there from one interval to the next, so that they are a tenth as long;
+   but there is no use in less than a few steps of fracture mode. */
+static double longest_interval(const ShvHybrid *hybrid)
+{
+    enum { LEAST_STEPS = 16 };
+    const double share = 0.1, flight = hybrid->scene->rigid.time_step;
+    if (hybrid->awake.count == 0 || hybrid->dozes || !hybrid->mutual) return flight;
+    return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->step));
+}
+
+/* Rigid interval from the present moment: a whole number of equal ones make up what is left until `until`, ending no later than the
+   next event of the time line. All flight of the interval happens here. */
 static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error)
 {
     const double now = hybrid->state.time;
     const double end = fmin(until, shv_hybrid_next_event_time(hybrid));
-    const double steps = ceil((end - now) / hybrid->scene->rigid.time_step * (1.0 - 1e-9));
+    const double steps = ceil((end - now) / longest_interval(hybrid) * (1.0 - 1e-9));
     const double step = (end - now) / fmax(1.0, steps);
     hybrid->interval_end = steps > 1.0 ? now + step : end;
     SHV_TRY(reserve_wakes(hybrid, error));
@@ -53,12 +63,11 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_next = 0;
     shv_hybrid_hold_waiting(hybrid);
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
-    shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
-    shv_companions_take_back(hybrid);
     shv_hybrid_stir(hybrid);
     if (!hybrid->dozes) SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
+    shv_companions_show(hybrid);
     SHV_TRY(fly(hybrid, error));
-    shv_companions_begin(hybrid);
+    shv_companions_take(hybrid);
     return SHV_OK;
 }
 

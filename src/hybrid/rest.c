@@ -364,7 +364,7 @@ ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
     const double start = shv_now();
     SHV_TRY(rest_quiet_ones(hybrid, error));
     if (hybrid->awake.count == 0 && hybrid->interval_end <= hybrid->state.time)
-        SHV_TRY(shv_companions_dismiss(hybrid, error));
+        SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;
 }

@@ -34,7 +34,6 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
         const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
         shv_surface_contact_book(&hybrid->surface, &bodies);
         shv_surface_contact_book_ledger(&hybrid->surface, ledger);
-        shv_companions_book(hybrid);
     }
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);

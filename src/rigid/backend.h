@@ -45,9 +45,6 @@ typedef struct ShvRigidFunctions {
     ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error);
-    /* What companions have not taken so far of the last step's impulses goes back to those that gave them. NULL: a backend without
-       companions. */
-    void (*take_back)(ShvRigidBackend *backend);
     /* To a checkpoint, or from it into a backend that was just made of the same scene, once fragments and obstacles are as they
        were. NULL: a backend without checkpoints. */
     bool (*archive)(ShvRigidBackend *backend, ShvArchive *archive);
