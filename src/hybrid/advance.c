@@ -71,13 +71,12 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     return SHV_OK;
 }
 
-/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it; where flight has taken the
-   interval in one step already, they are companions until then. */
+/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it. */
 static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 {
     const int32_t awake = hybrid->awake.count;
     SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
-    if (hybrid->awake.count == awake || hybrid->backend->whole_steps) return SHV_OK;
+    if (hybrid->awake.count == awake) return SHV_OK;
     hybrid->wake_count -= hybrid->wake_next;
     memmove(hybrid->wakes, hybrid->wakes + hybrid->wake_next, (size_t)hybrid->wake_count * sizeof *hybrid->wakes);
     hybrid->wake_next = 0;
@@ -85,10 +84,11 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
     return fly(hybrid, error);
 }
 
-/* Whether fragments are asked, within an interval, if they may rest. */
+/* Whether fragments are asked, within an interval, if they may rest. Where they meet one another intervals are short, and flight
+   takes each of them whole. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
-    return hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
+    return !hybrid->mutual && hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a moment. */
@@ -113,7 +113,7 @@ static double next_wake_time(const ShvHybrid *hybrid)
    make them long and short by turns, which vibration near the stable step does not bear. */
 static double end_of_now(const ShvHybrid *hybrid)
 {
-    if (!shv_hybrid_in_substeps(hybrid)) return hybrid->state.time;
+    if (hybrid->awake.count == 0) return hybrid->state.time;
     const double left = hybrid->interval_end - hybrid->state.time;
     return hybrid->state.time + 0.5 * shv_hybrid_choose_step(hybrid, left);
 }
@@ -123,7 +123,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
-    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
+    if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
     hybrid->dozes = false;
     while (next_wake_time(hybrid) <= now) {
         const ShvRigidContact *wake = &hybrid->wakes[hybrid->wake_next++];
@@ -164,7 +164,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (shv_hybrid_in_substeps(hybrid) && !hybrid->dozes) {
+        if (hybrid->awake.count > 0 && !hybrid->dozes) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
         } else {

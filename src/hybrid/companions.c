@@ -144,16 +144,6 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
     shv_surface_contact_wake(&hybrid->surface);
 }
 
-void shv_companions_restart(ShvHybrid *hybrid)
-{
-    const double half = 0.5 * hybrid->state.last_step;
-    for (int32_t i = 0; i < hybrid->companions.count; i++) {
-        ShvCompanion *companion = &hybrid->companions.items[i];
-        companion->velocity = shv_madd(companion->velocity, half, shv_load3(hybrid->gravity));
-    }
-    hybrid->state.last_step = 0.0;
-}
-
 /* ---- waking ---- */
 
 /* What a companion felt is judged as any contact of a rigid body. */
@@ -169,7 +159,6 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
                                      .load = load};
     const bool wakes = isfinite(hybrid->fragments.items[index].strength) && shv_hybrid_judge(hybrid, &contact);
     if (!wakes) return SHV_OK;
-    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
     return shv_hybrid_wake(hybrid, &contact, error);
 }
 
@@ -295,18 +284,6 @@ void shv_companions_drift(ShvHybrid *hybrid, double step)
         fragment->angular_velocity = companion->angular_velocity;
         companion->inverse_inertia = world_inverse(fragment, rotation);
     }
-}
-
-double shv_companions_crossing_time(const ShvHybrid *hybrid)
-{
-    double smallest = HUGE_VAL, fastest = 0.0;
-    for (int32_t i = 0; i < hybrid->companions.count; i++) {
-        const ShvCompanion *companion = &hybrid->companions.items[i];
-        smallest = fmin(smallest, companion->radius);
-        fastest =
-            fmax(fastest, shv_norm(companion->velocity) + shv_norm(companion->angular_velocity) * companion->radius);
-    }
-    return smallest / fastest;
 }
 
 /* ---- the present moment ---- */

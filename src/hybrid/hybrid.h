@@ -172,12 +172,6 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 
 /* ---- parts of the loop, one file each ---- */
 
-/* Whether time goes in substeps: something is awake, or came to rest in the present interval. */
-static inline bool shv_hybrid_in_substeps(const ShvHybrid *hybrid)
-{
-    return hybrid->awake.count > 0 || hybrid->companions.count > 0;
-}
-
 /* awake.c: lists of what is awake, rebuilt when stale; and after insertions, when the same elements are awake in other
    fragments and with more nodes. */
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
@@ -240,11 +234,6 @@ void shv_companions_take(ShvHybrid *hybrid);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);
-/* Before the first fragment wakes: velocities of n − 1/2, where there are companions, become those of n, from which the first
-   kick is half a one. Companions alone go in steps that are too long for what deforms. */
-void shv_companions_restart(ShvHybrid *hybrid);
-/* In which no companion goes farther than the smallest one's radius, s. */
-double shv_companions_crossing_time(const ShvHybrid *hybrid);
 /* Those that the step's touches wake. */
 ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error);
 void shv_companions_release(ShvHybrid *hybrid);

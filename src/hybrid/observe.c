@@ -349,7 +349,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
-    if (shv_hybrid_in_substeps(hybrid)) {
+    if (hybrid->awake.count > 0) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
             if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);

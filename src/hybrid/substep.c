@@ -102,14 +102,11 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     return SHV_OK;
 }
 
-/* No longer than the stable one. Bodies that are all rigid have none: from one look at
-   them to the next they may go a tenth of the smallest one's size. */
+/* No longer than the stable one. */
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
-    if (hybrid->awake.count == 0)
-        longest = fmax(longest, 0.1 / SHV_SURFACE_BEAT * shv_companions_crossing_time(hybrid));
+    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
 }
 
@@ -179,6 +176,6 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     state->time += step;
     state->last_step = step;
     state->step++;
-    if (hybrid->awake.count > 0) hybrid->step = step;
+    hybrid->step = step;
     return shv_companions_judge(hybrid, error);
 }

@@ -62,7 +62,6 @@ struct ShvRigidBackend {
         keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
                          the present moment, and need not scatter the record when it wakes */
-    bool whole_steps;     /* what flies takes every step together: fragments join between steps only */
     bool moves_obstacles; /* free obstacles are moved by `advance`; nobody else must, unless */
     bool
         leaves_obstacles; /* this was set before it: they take part in contacts, but only their velocities change, by the

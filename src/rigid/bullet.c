@@ -282,7 +282,6 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.functions = &functions;
     bullet->backend.world = *world;
     bullet->backend.moves_obstacles = true;
-    bullet->backend.whole_steps = true;
     bullet->backend.fragment_friction = world->settings->friction;
     bullet->backend.fragment_restitution = world->settings->restitution;
     const ShvBulletDefinition *settings = &world->settings->bullet;

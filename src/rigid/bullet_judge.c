@@ -96,7 +96,8 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double momen
     if (!supported) flyer->velocity = shv_bullet_flyer_velocity(flyer, moment, bullet->gravity);
     flyer->orientation = orientation;
     shv_bullet_flyer_write(flyer, &bullet->backend.world);
-    bullet->backend.contact_work += shv_bullet_flyer_energy(flyer, bullet->gravity) - before;
+    if (supported) /* what holds it has worked */
+        bullet->backend.contact_work += shv_bullet_flyer_energy(flyer, bullet->gravity) - before;
 }
 
 static void judge_meeting(ShvBullet *bullet, const ShvBulletMeeting *meeting, ShvWakeJudge judge, void *judge_data,
