@@ -20,9 +20,8 @@ struct ShvBulletBody {
     btVector3 position{0, 0, 0};           // m, world: not scaled, so that far from the origin nothing is lost
     btMatrix3x3 axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
     std::unique_ptr<btRigidBody> body; // as the solver sees it: turned, its origin in the world's. User: number, motion
-    btScalar mass = 0, give = 1;
+    btScalar mass = 0;
     btVector3 inverse_moment{0, 0, 0};
-    void yield(btScalar share);                    // to impulses
     btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world on its way, scaled
     btVector3 way{0, 0, 0};                        // scaled
     btScalar ball = 0;                             // radius with its drift, scaled

@@ -150,14 +150,6 @@ static void make_mass(ShvBulletBody *body, double inverse_mass, const double inv
     body->body->setActivationState(DISABLE_DEACTIVATION);
 }
 
-void ShvBulletBody::yield(btScalar share)
-{
-    if (share == give) return;
-    give = share;
-    body->setMassProps(mass / share, btVector3(0, 0, 0));
-    body->setInvInertiaDiagLocal(inverse_moment * share);
-}
-
 static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &way, double drift, double turn)
 {
     body->way = way;
@@ -284,7 +276,6 @@ static void enter_bodies(ShvBulletWorld *world)
         ShvBulletMotion *motion = &world->task.motions[i];
         ShvBulletBody *body = body_of(world, motion->body);
         body->body->setUserPointer(motion);
-        body->yield(motion->give);
         body->body->setWorldTransform(btTransform(body->axes, btVector3(0, 0, 0)));
         body->body->updateInertiaTensor();
         body->body->setLinearVelocity(btVector3(motion->velocity[0], motion->velocity[1], motion->velocity[2]));

@@ -71,11 +71,10 @@ typedef struct ShvBulletContact {
 } ShvBulletContact;
 
 typedef struct ShvBulletMotion {
-    int32_t body;       /* with mass */
-    int32_t island;     /* out: the first motion of all that hang together */
-    double give;        /* in (0, 1]: share of its mass's and inertia's answer to impulses; less than 1: it is held */
-    double velocity[3]; /* m/s; in: without the contacts, out: with them */
-    double spin[3];     /* rad/s, world; likewise */
+    int32_t body;            /* with mass */
+    int32_t island;          /* out: the first motion of all that hang together */
+    double velocity[3];      /* m/s; in: without the contacts, out: with them */
+    double spin[3];          /* rad/s, world; likewise */
     double push[3], turn[3]; /* m/s, rad/s, out: undo overlaps over the step, leave no velocity */
 } ShvBulletMotion;
 

@@ -56,6 +56,11 @@ void shv_surface_contact_wake(ShvSurfaceContact *contact)
     contact->woken = true;
 }
 
+void shv_surface_contact_strike(ShvSurfaceContact *contact)
+{
+    contact->beat = -1; /* whether this moment has been counted or not */
+}
+
 /* ---- before the kick ---- */
 
 static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *state, ShvError *error)

@@ -250,7 +250,7 @@ ShvStatus shv_surface_draw(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     draw->count = draw->key_count = 0;
     shv_surface_candidates_look(contact, bodies);
     SHV_TRY(draw_kind(contact, bodies, 0, step, error));
-    if (contact->beat == 0 && contact->candidates[1].count > 0)
+    if (contact->beat <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(draw_kind(contact, bodies, 1, contact->beats * step, error));
     if (draw->key_count > 0) qsort(draw->keys, (size_t)draw->key_count, sizeof *draw->keys, by_number);
     return SHV_OK;

@@ -39,13 +39,23 @@ static ShvStatus fly(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-/* Rigid interval from the present moment: at most a rigid step, a whole number of which make up what is left until `until`,
-   ending no later than the next event of the time line. All flight of the interval happens here. */
+/* Beside what is awake: what flies learns of what happens there from one interval to the next, so that they are a tenth as long;
+   but there is no use in less than a few steps of fracture mode. */
+static double longest_interval(const ShvHybrid *hybrid)
+{
+    enum { LEAST_STEPS = 16 };
+    const double share = 0.1, flight = hybrid->scene->rigid.time_step;
+    if (hybrid->awake.count == 0 || hybrid->dozes || !hybrid->mutual) return flight;
+    return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->step));
+}
+
+/* Rigid interval from the present moment: a whole number of equal ones make up what is left until `until`, ending no later than the
+   next event of the time line. All flight of the interval happens here. */
 static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error)
 {
     const double now = hybrid->state.time;
     const double end = fmin(until, shv_hybrid_next_event_time(hybrid));
-    const double steps = ceil((end - now) / hybrid->scene->rigid.time_step * (1.0 - 1e-9));
+    const double steps = ceil((end - now) / longest_interval(hybrid) * (1.0 - 1e-9));
     const double step = (end - now) / fmax(1.0, steps);
     hybrid->interval_end = steps > 1.0 ? now + step : end;
     SHV_TRY(reserve_wakes(hybrid, error));
@@ -53,22 +63,20 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wake_next = 0;
     shv_hybrid_hold_waiting(hybrid);
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
-    shv_companions_settle(hybrid, 0.5 * hybrid->state.last_step);
-    shv_companions_take_back(hybrid);
     shv_hybrid_stir(hybrid);
     if (!hybrid->dozes) SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
+    shv_companions_show(hybrid);
     SHV_TRY(fly(hybrid, error));
-    shv_companions_begin(hybrid);
+    shv_companions_take(hybrid);
     return SHV_OK;
 }
 
-/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it; where flight has taken the
-   interval in one step already, they are companions until then. */
+/* Fragments that awoke in this interval may come to rest before its end, and fly the rest of it. */
 static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 {
     const int32_t awake = hybrid->awake.count;
     SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
-    if (hybrid->awake.count == awake || hybrid->backend->whole_steps) return SHV_OK;
+    if (hybrid->awake.count == awake) return SHV_OK;
     hybrid->wake_count -= hybrid->wake_next;
     memmove(hybrid->wakes, hybrid->wakes + hybrid->wake_next, (size_t)hybrid->wake_count * sizeof *hybrid->wakes);
     hybrid->wake_next = 0;
@@ -76,10 +84,11 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
     return fly(hybrid, error);
 }
 
-/* Whether fragments are asked, within an interval, if they may rest. */
+/* Whether fragments are asked, within an interval, if they may rest. Where they meet one another intervals are short, and flight
+   takes each of them whole. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
-    return hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
+    return !hybrid->mutual && hybrid->quiet_looks >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a moment. */
@@ -104,7 +113,7 @@ static double next_wake_time(const ShvHybrid *hybrid)
    make them long and short by turns, which vibration near the stable step does not bear. */
 static double end_of_now(const ShvHybrid *hybrid)
 {
-    if (!shv_hybrid_in_substeps(hybrid)) return hybrid->state.time;
+    if (hybrid->awake.count == 0) return hybrid->state.time;
     const double left = hybrid->interval_end - hybrid->state.time;
     return hybrid->state.time + 0.5 * shv_hybrid_choose_step(hybrid, left);
 }
@@ -114,7 +123,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
 {
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
-    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
+    if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
     hybrid->dozes = false;
     while (next_wake_time(hybrid) <= now) {
         const ShvRigidContact *wake = &hybrid->wakes[hybrid->wake_next++];
@@ -155,7 +164,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (shv_hybrid_in_substeps(hybrid) && !hybrid->dozes) {
+        if (hybrid->awake.count > 0 && !hybrid->dozes) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
         } else {

@@ -19,8 +19,6 @@ ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error)
     GROW(kept)
     GROW(rotations)
     GROW(impulses)
-    GROW(shares)
-    GROW(acting)
     GROW(touches)
     GROW(masses)
     GROW(wanted)
@@ -42,8 +40,6 @@ void shv_companions_release(ShvHybrid *hybrid)
     shv_release(companions->kept);
     shv_release(companions->rotations);
     shv_release(companions->impulses);
-    shv_release(companions->shares);
-    shv_release(companions->acting);
     shv_release(companions->touches);
     shv_release(companions->masses);
     shv_release(companions->wanted);
@@ -80,7 +76,6 @@ ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
     companions->by_fragment[index] = &companions->items[place];
     companions->rotations[place] = shv_free_rotation_make(&fragment->inertia);
     companions->impulses[place] = 0.0;
-    companions->shares[place] = 0.0;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     companions->items[place] =
         (ShvCompanion){.mass = fragment->mass,
@@ -111,128 +106,42 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
     companions->items[place] = companions->items[last];
     companions->rotations[place] = companions->rotations[last];
     companions->impulses[place] = companions->impulses[last];
-    companions->shares[place] = companions->shares[last];
     companions->fragments[place] = companions->fragments[last];
     companions->by_fragment[companions->fragments[place]] = &companions->items[place];
 }
 
 /* ---- contacts with what is in flight ---- */
 
-/* Their power, W. */
-static double power(const ShvCompanion *companion, const ShvFragment *fragment)
+/* Flight sees them with the velocities of now, */
+void shv_companions_show(ShvHybrid *hybrid)
 {
-    return shv_dot(fragment->contact_force, companion->velocity) +
-           shv_dot(fragment->contact_torque, companion->angular_velocity);
-}
-
-/* What flight found with a companion that is held fast may be the weight of far more than its own: should it slip away, those
-   do not follow. How much of the contacts, over a time, brings it to the power at which they are left behind; 1: all of it
-   does not. */
-static double share_to_leave(const ShvCompanion *companion, const ShvFragment *fragment, double time)
-{
-    const ShvVec3 force = fragment->contact_force, torque = fragment->contact_torque;
-    const double gain =
-        shv_dot(force, force) / companion->mass + shv_dot(torque, shv_apply(&companion->inverse_inertia, torque));
-    const double room = fragment->contact_power - power(companion, fragment);
-    return room < time * gain ? room / (time * gain) : 1.0;
-}
-
-/* The share that acts over a kick: none on what leaves, and more from step to step on what other contacts hold against it. */
-static double choose_share(const ShvHybrid *hybrid, int32_t place, double kick)
-{
-    const double first = 1e-3;
-    const ShvCompanion *companion = &hybrid->companions.items[place];
-    const ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[place]];
-    const double share = share_to_leave(companion, fragment, kick);
-    const bool held = fragment->contact_power - power(companion, fragment) >= 0.5 * fragment->contact_slack;
-    return fmin(1.0, fmax(share, held ? fmax(first, 2.0 * hybrid->companions.shares[place]) : 0.0));
-}
-
-static void give(ShvCompanion *companion, const ShvFragment *fragment, double time)
-{
-    companion->velocity = shv_madd(companion->velocity, time / companion->mass, fragment->contact_force);
-    companion->angular_velocity =
-        shv_madd(companion->angular_velocity, time, shv_apply(&companion->inverse_inertia, fragment->contact_torque));
-}
-
-/* Over a time, with the share of the last step. */
-static void push(ShvHybrid *hybrid, int32_t place, double time)
-{
-    ShvCompanion *companion = &hybrid->companions.items[place];
-    ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[place]];
-    const double before = power(companion, fragment), own = time * hybrid->companions.shares[place];
-    give(companion, fragment, own);
-    fragment->contact_untaken += time - own;
-    hybrid->ledger.booked[SHV_WORK_CONTACT] += 0.5 * own * (before + power(companion, fragment));
-}
-
-void shv_companions_begin(ShvHybrid *hybrid)
-{
+    const double half = 0.5 * hybrid->state.last_step;
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
-        hybrid->companions.shares[i] = 0.0;
-        hybrid->companions.shares[i] = choose_share(hybrid, i, hybrid->state.last_step);
-        push(hybrid, i, -0.5 * hybrid->state.last_step);
+        ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[i]];
+        fragment->velocity = shv_madd(hybrid->companions.items[i].velocity, half, shv_load3(hybrid->gravity));
     }
 }
 
-void shv_companions_settle(ShvHybrid *hybrid, double time)
+/* and what it met gives them its impulses at once. */
+void shv_companions_take(ShvHybrid *hybrid)
 {
-    ShvCompanions *companions = &hybrid->companions;
-    for (int32_t i = 0; i < companions->count; i++) {
-        push(hybrid, i, time);
-        ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
-        fragment->contact_force = fragment->contact_torque = shv_vec3(0.0, 0.0, 0.0);
+    const double half = 0.5 * hybrid->state.last_step;
+    for (int32_t i = 0; i < hybrid->companions.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[hybrid->companions.fragments[i]];
+        hybrid->companions.items[i].velocity = shv_madd(fragment->velocity, -half, shv_load3(hybrid->gravity));
+        hybrid->companions.items[i].angular_velocity = fragment->angular_velocity;
     }
-}
-
-/* What a companion met in flight has its whole impulse already, of which the companion has got its share of the interval so
-   far: the time, s, of which it still lacks it. */
-static double outstanding(const ShvHybrid *hybrid)
-{
-    return hybrid->interval_end - hybrid->state.time + 0.5 * hybrid->state.last_step; /* v is of n − 1/2 */
-}
-
-static void give_rest_of_impulse(ShvHybrid *hybrid, ShvCompanion *companion, ShvFragment *fragment)
-{
-    const double left = outstanding(hybrid);
-    if (!(left > 0.0)) return;
-    companion->velocity = fragment->velocity; /* of now */
-    const double before = shv_fragment_kinetic(fragment);
-    const double own = left * fmax(0.0, share_to_leave(companion, fragment, left));
-    give(companion, fragment, own);
-    fragment->contact_untaken += left - own;
-    fragment->velocity = companion->velocity;
-    fragment->angular_velocity = companion->angular_velocity;
-    hybrid->ledger.booked[SHV_WORK_CONTACT] += shv_fragment_kinetic(fragment) - before;
-}
-
-void shv_companions_take_back(ShvHybrid *hybrid)
-{
-    if (hybrid->backend->functions->take_back) hybrid->backend->functions->take_back(hybrid->backend);
+    shv_surface_contact_strike(&hybrid->surface);
 }
 
 void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
 {
     for (int32_t place = 0; place < hybrid->companions.count; place++)
         if (hybrid->companions.fragments[place] == index) {
-            ShvCompanion companion = hybrid->companions.items[place];
             let_go(hybrid, place);
-            give_rest_of_impulse(hybrid, &companion, &hybrid->fragments.items[index]);
-            if (hybrid->fragments.items[index].contact_untaken != 0.0) shv_companions_take_back(hybrid);
             break;
         }
     shv_surface_contact_wake(&hybrid->surface);
-}
-
-void shv_companions_restart(ShvHybrid *hybrid)
-{
-    const double half = 0.5 * hybrid->state.last_step;
-    for (int32_t i = 0; i < hybrid->companions.count; i++) {
-        push(hybrid, i, half);
-        ShvCompanion *companion = &hybrid->companions.items[i];
-        companion->velocity = shv_madd(companion->velocity, half, shv_load3(hybrid->gravity));
-    }
-    hybrid->state.last_step = 0.0;
 }
 
 /* ---- waking ---- */
@@ -250,7 +159,6 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
                                      .load = load};
     const bool wakes = isfinite(hybrid->fragments.items[index].strength) && shv_hybrid_judge(hybrid, &contact);
     if (!wakes) return SHV_OK;
-    if (hybrid->awake.count == 0) shv_companions_restart(hybrid);
     return shv_hybrid_wake(hybrid, &contact, error);
 }
 
@@ -302,6 +210,27 @@ static void choose_beside(ShvHybrid *hybrid, const ShvNear *near, double interva
     }
 }
 
+static bool touches(const ShvFragment *a, const ShvFragment *b)
+{
+    return shv_norm(shv_sub(a->position, b->position)) <= (1.0 + 1e-3) * (a->radius + b->radius);
+}
+
+/* What presses on a companion goes along with it, since flight does not know what holds that; and those that do stay while they
+   are near. Returns whether there are more. */
+static bool choose_pressing(const ShvHybrid *hybrid)
+{
+    uint8_t *wanted = hybrid->companions.wanted;
+    const ShvFragment *items = hybrid->fragments.items;
+    bool more = false;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        if (items[i].mode != SHV_MODE_FLIGHT || wanted[i] || !(items[i].companion || items[i].presses)) continue;
+        for (int32_t k = 0; k < hybrid->fragments.count && !wanted[i]; k++)
+            wanted[i] = wanted[k] && touches(&items[i], &items[k]);
+        more |= wanted[i];
+    }
+    return more;
+}
+
 ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error)
 {
     ShvCompanions *companions = &hybrid->companions;
@@ -315,6 +244,7 @@ ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *er
         shv_near_find(hybrid, &hybrid->fragments.items[i], &near);
         choose_beside(hybrid, &near, interval);
     }
+    while (choose_pressing(hybrid)) continue;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (companions->wanted[i] && !hybrid->fragments.items[i].companion)
             SHV_TRY(shv_companions_add(hybrid, i, error));
@@ -326,39 +256,14 @@ ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *er
     return SHV_OK;
 }
 
-ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error)
-{
-    shv_companions_settle(hybrid, outstanding(hybrid));
-    return shv_companions_choose(hybrid, 0.0, error);
-}
-
 /* ---- the step ---- */
-
-/* Half of the work of contacts in flight over a kick, with the velocities as they are, J. */
-static double half_work(const ShvHybrid *hybrid)
-{
-    double sum = 0.0;
-    for (int32_t i = 0; i < hybrid->companions.count; i++)
-        sum += hybrid->companions.acting[i] *
-               power(&hybrid->companions.items[i], &hybrid->fragments.items[hybrid->companions.fragments[i]]);
-    return 0.5 * hybrid->companions.kick * sum;
-}
 
 void shv_companions_kick(ShvHybrid *hybrid, double kick)
 {
-    hybrid->companions.kick = kick;
-    for (int32_t i = 0; i < hybrid->companions.count; i++) hybrid->companions.acting[i] = choose_share(hybrid, i, kick);
-    hybrid->companions.work_before = half_work(hybrid);
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
         ShvCompanion *companion = &hybrid->companions.items[i];
         companion->velocity = shv_madd(companion->velocity, kick, shv_load3(hybrid->gravity));
-        give(companion, &hybrid->fragments.items[hybrid->companions.fragments[i]], hybrid->companions.acting[i] * kick);
     }
-}
-
-void shv_companions_book(ShvHybrid *hybrid)
-{
-    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, hybrid->companions.work_before, half_work(hybrid));
 }
 
 void shv_companions_drift(ShvHybrid *hybrid, double step)
@@ -368,8 +273,6 @@ void shv_companions_drift(ShvHybrid *hybrid, double step)
         ShvCompanion *companion = &companions->items[i];
         ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
         const ShvFreeRotation *rotation = &companions->rotations[i];
-        companions->shares[i] = companions->acting[i];
-        fragment->contact_untaken += (1.0 - companions->acting[i]) * companions->kick;
         const ShvVec3 momentum =
             shv_free_rotation_momentum(rotation, companion->orientation, companion->angular_velocity);
         companion->position = shv_madd(companion->position, step, companion->velocity);
@@ -381,18 +284,6 @@ void shv_companions_drift(ShvHybrid *hybrid, double step)
         fragment->angular_velocity = companion->angular_velocity;
         companion->inverse_inertia = world_inverse(fragment, rotation);
     }
-}
-
-double shv_companions_crossing_time(const ShvHybrid *hybrid)
-{
-    double smallest = HUGE_VAL, fastest = 0.0;
-    for (int32_t i = 0; i < hybrid->companions.count; i++) {
-        const ShvCompanion *companion = &hybrid->companions.items[i];
-        smallest = fmin(smallest, companion->radius);
-        fastest =
-            fmax(fastest, shv_norm(companion->velocity) + shv_norm(companion->angular_velocity) * companion->radius);
-    }
-    return smallest / fastest;
 }
 
 /* ---- the present moment ---- */

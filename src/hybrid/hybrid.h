@@ -55,15 +55,13 @@ typedef struct ShvCompanions {
     ShvCompanion *items, *kept; /* kept: while a ghost step is made */
     ShvFreeRotation *rotations;
     double *impulses;           /* N·s: Σ of magnitudes since the interval began */
-    double *shares, *acting;    /* of the contacts in flight: that acted in the last step, and in the one under way */
     int32_t *fragments;         /* index of each */
     ShvCompanion **by_fragment; /* NULL where none */
     ShvFragmentTouch *touches;  /* per fragment, of the step */
     double *masses;             /* per fragment, kg */
     uint8_t *wanted;            /* per fragment: it goes along */
     int32_t count, room;
-    double since;             /* s: when the sums of impulses began */
-    double kick, work_before; /* s, J: of the step under way; half the work of contacts in flight, before the kick */
+    double since; /* s: when the sums of impulses began */
 } ShvCompanions;
 
 /* Velocities around the present moment, made by a step that is not taken (observe.c). */
@@ -174,12 +172,6 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 
 /* ---- parts of the loop, one file each ---- */
 
-/* Whether time goes in substeps: something is awake, or came to rest in the present interval. */
-static inline bool shv_hybrid_in_substeps(const ShvHybrid *hybrid)
-{
-    return hybrid->awake.count > 0 || hybrid->companions.count > 0;
-}
-
 /* awake.c: lists of what is awake, rebuilt when stale; and after insertions, when the same elements are awake in other
    fragments and with more nodes. */
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
@@ -234,26 +226,14 @@ ShvStatus shv_companions_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_companions_choose(ShvHybrid *hybrid, double interval, ShvError *error);
 ShvStatus shv_companions_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
 void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
-/* Nothing is awake any more: all go back to flight, with what their contacts in flight still owe them for the interval. */
-ShvStatus shv_companions_dismiss(ShvHybrid *hybrid, ShvError *error);
-/* `book`: the work of their contacts in flight, once all impulses of the step have acted on them too. */
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
-void shv_companions_book(ShvHybrid *hybrid);
-/* The forces of what flies alone: where an interval begins velocities of n − 1/2 have had half a step less of the last
-   interval's (`settle`, s: from then on whoever wakes or leaves is owed nothing more), and half a step less, from then on, of
-   the next one's (`begin`). */
-void shv_companions_settle(ShvHybrid *hybrid, double time);
-void shv_companions_begin(ShvHybrid *hybrid);
-/* What they have not taken so far goes back to what flies alone. */
-void shv_companions_take_back(ShvHybrid *hybrid);
+/* Before and after flight has crossed a rigid interval: it sees them as they are now, and the impulses of what meets them there
+   act on both at once. */
+void shv_companions_show(ShvHybrid *hybrid);
+void shv_companions_take(ShvHybrid *hybrid);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);
-/* Before the first fragment wakes: velocities of n − 1/2, where there are companions, become those of n, from which the first
-   kick is half a one. Companions alone go in steps that are too long for what deforms. */
-void shv_companions_restart(ShvHybrid *hybrid);
-/* In which no companion goes farther than the smallest one's radius, s. */
-double shv_companions_crossing_time(const ShvHybrid *hybrid);
 /* Those that the step's touches wake. */
 ShvStatus shv_companions_judge(ShvHybrid *hybrid, ShvError *error);
 void shv_companions_release(ShvHybrid *hybrid);

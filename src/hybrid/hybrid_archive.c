@@ -37,8 +37,6 @@ static bool archive_companions(ShvCompanions *companions, ShvArchive *archive)
         SHV_FIELD_OF(ShvCompanions, kept, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCompanions, rotations, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCompanions, impulses, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvCompanions, shares, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvCompanions, acting, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCompanions, fragments, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCompanions, touches, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCompanions, masses, SHV_FIELD_BLOCK),

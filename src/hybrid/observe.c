@@ -125,18 +125,6 @@ static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const Sh
     add_momentum(balance, fragment->position, shv_scale(fragment->velocity, fragment->mass), spin);
 }
 
-/* Of contacts in flight what companions have not taken: whoever gave it gets it back when the interval is over. */
-static void add_untaken(const ShvHybrid *hybrid, ShvLedgerView *balance)
-{
-    const ShvCompanions *companions = &hybrid->companions;
-    for (int32_t i = 0; i < companions->count; i++) {
-        const ShvFragment *fragment = &hybrid->fragments.items[companions->fragments[i]];
-        const double time = fragment->contact_untaken + 0.5 * (1.0 - companions->acting[i]) * companions->kick;
-        add_momentum(balance, fragment->position, shv_scale(fragment->contact_force, time),
-                     shv_scale(fragment->contact_torque, time));
-    }
-}
-
 static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     const ShvState *state = &hybrid->state;
@@ -151,7 +139,6 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
         balance->gravity_potential -= state->mass[node] * shv_dot(gravity, x);
         add_momentum(balance, x, momentum, shv_vec3(0.0, 0.0, 0.0));
     }
-    add_untaken(hybrid, balance);
     balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
 }
 
@@ -362,7 +349,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
-    if (shv_hybrid_in_substeps(hybrid)) {
+    if (hybrid->awake.count > 0) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
             if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);

@@ -298,8 +298,6 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
-    if (taker != TAKER_BIN && hybrid->backend->whole_steps && hybrid->state.time < hybrid->interval_end)
-        SHV_TRY(shv_companions_add(hybrid, index, error));
     shv_audit_hulls(fragment, &event);
     return shv_audit_close(hybrid, &event, error);
 }
@@ -360,11 +358,10 @@ ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, 
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
 {
     hybrid->quiet_looks = 0;
-    if (!shv_hybrid_in_substeps(hybrid)) return SHV_OK;
+    if (hybrid->awake.count == 0) return SHV_OK;
     const double start = shv_now();
     SHV_TRY(rest_quiet_ones(hybrid, error));
-    if (hybrid->awake.count == 0 && hybrid->interval_end <= hybrid->state.time)
-        SHV_TRY(shv_companions_dismiss(hybrid, error));
+    if (hybrid->awake.count == 0) SHV_TRY(shv_companions_choose(hybrid, 0.0, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
     return SHV_OK;
 }

@@ -34,7 +34,6 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
         const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
         shv_surface_contact_book(&hybrid->surface, &bodies);
         shv_surface_contact_book_ledger(&hybrid->surface, ledger);
-        shv_companions_book(hybrid);
     }
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
@@ -103,14 +102,11 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     return SHV_OK;
 }
 
-/* No longer than the stable one. Bodies that are all rigid have none: from one look at
-   them to the next they may go a tenth of the smallest one's size. */
+/* No longer than the stable one. */
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
-    if (hybrid->awake.count == 0)
-        longest = fmax(longest, 0.1 / SHV_SURFACE_BEAT * shv_companions_crossing_time(hybrid));
+    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
 }
 
@@ -180,6 +176,6 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     state->time += step;
     state->last_step = step;
     state->step++;
-    if (hybrid->awake.count > 0) hybrid->step = step;
+    hybrid->step = step;
     return shv_companions_judge(hybrid, error);
 }

@@ -120,12 +120,12 @@ static ShvStatus open_moment(ShvHybrid *hybrid, ShvError *error)
 {
     hybrid->dozes = false;
     SHV_TRY(shv_hybrid_observe(hybrid, error));
-    return shv_hybrid_in_substeps(hybrid) ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
+    return hybrid->awake.count > 0 ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
 }
 
 static void close_moment(ShvHybrid *hybrid)
 {
-    if (shv_hybrid_in_substeps(hybrid)) shv_hybrid_resume(hybrid);
+    if (hybrid->awake.count > 0) shv_hybrid_resume(hybrid);
     shv_node_contact_invalidate(&hybrid->contact);
 }
 

@@ -45,9 +45,6 @@ typedef struct ShvRigidFunctions {
     ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error);
-    /* What companions have not taken so far of the last step's impulses goes back to those that gave them. NULL: a backend without
-       companions. */
-    void (*take_back)(ShvRigidBackend *backend);
     /* To a checkpoint, or from it into a backend that was just made of the same scene, once fragments and obstacles are as they
        were. NULL: a backend without checkpoints. */
     bool (*archive)(ShvRigidBackend *backend, ShvArchive *archive);
@@ -65,7 +62,6 @@ struct ShvRigidBackend {
         keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
                          the present moment, and need not scatter the record when it wakes */
-    bool whole_steps;     /* what flies takes every step together: fragments join between steps only */
     bool moves_obstacles; /* free obstacles are moved by `advance`; nobody else must, unless */
     bool
         leaves_obstacles; /* this was set before it: they take part in contacts, but only their velocities change, by the

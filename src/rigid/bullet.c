@@ -83,8 +83,6 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
     ShvBullet *bullet = (ShvBullet *)backend;
     const int32_t place = shv_bullet_place(bullet, backend->world.obstacles->count + fragment);
     if (place < 0) return;
-    ShvFragment *record = &backend->world.fragments->items[fragment];
-    record->contact_force = record->contact_torque = shv_vec3(0.0, 0.0, 0.0);
     let_go(bullet, &bullet->flyers[place]);
 }
 
@@ -112,13 +110,29 @@ static bool same_gravity(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
     return shv_dot(change, change) == 0.0;
 }
 
+/* What comes back to flight is among what it touches, however close. */
+static void note_companion(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+{
+    if (flyer->fragment < 0) return;
+    const bool was = flyer->companion;
+    ShvFragment *record = &bullet->backend.world.fragments->items[flyer->fragment];
+    record->presses = false;
+    flyer->companion = record->companion;
+    if (flyer->companion) {
+        flyer->asleep = flyer->settled = false;
+        flyer->still = 0;
+    } else if (was) {
+        flyer->born = true;
+    }
+}
+
 static ShvStatus begin(ShvBullet *bullet, ShvError *error)
 {
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         const bool changed = shv_bullet_flyer_read(flyer, &bullet->backend.world);
         flyer->settled &= !changed;
-        shv_bullet_companion_begin(bullet, flyer);
+        note_companion(bullet, flyer);
         if (flyer->asleep && (changed || !same_gravity(bullet, flyer))) {
             flyer->asleep = false;
             flyer->still = 0;
@@ -203,7 +217,6 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     SHV_TRY(shv_bullet_world_step(bullet->bullet, step, detect, &detection, error));
     shv_bullet_take_motions(bullet);
     SHV_TRY(shv_bullet_guard(bullet, error));
-    shv_bullet_companions_take(bullet);
     shv_bullet_move(bullet);
     end(bullet);
     return SHV_OK;
@@ -261,7 +274,6 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
                                                 .add = add,
                                                 .remove = take_out,
                                                 .advance = advance,
-                                                .take_back = shv_bullet_take_back,
                                                 .archive = shv_bullet_archive,
                                                 .destroy = destroy};
     *backend = NULL;
@@ -270,7 +282,6 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
     bullet->backend.functions = &functions;
     bullet->backend.world = *world;
     bullet->backend.moves_obstacles = true;
-    bullet->backend.whole_steps = true;
     bullet->backend.fragment_friction = world->settings->friction;
     bullet->backend.fragment_restitution = world->settings->restitution;
     const ShvBulletDefinition *settings = &world->settings->bullet;

@@ -21,6 +21,12 @@ ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlye
 
 /* ---- pairs ---- */
 
+bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b)
+{
+    if ((a->dust || b->dust) && a->fragment >= 0 && b->fragment >= 0) return true;
+    return (a->companion && (b->companion || b->obstacle >= 0)) || (b->companion && a->obstacle >= 0);
+}
+
 /* Beside the straight way: what gravity and supports that give way make of it in a step; and a share of the radius, so that
    near neighbours are pairs, whatever pushes them together. */
 static const double beside_of_radius = 0.02;

@@ -154,10 +154,11 @@ void shv_bullet_flyer_place(const ShvBulletFlyer *flyer, ShvBulletWorld *bullet,
     shv_bullet_world_place(bullet, flyer->number, origin, rows);
 }
 
-double shv_bullet_flyer_kinetic(const ShvBulletFlyer *flyer)
+double shv_bullet_flyer_energy(const ShvBulletFlyer *flyer, ShvVec3 gravity)
 {
     return 0.5 * flyer->mass * shv_dot(flyer->velocity, flyer->velocity) +
-           shv_free_rotation_energy(&flyer->rotation, flyer->orientation, flyer->angular_momentum);
+           shv_free_rotation_energy(&flyer->rotation, flyer->orientation, flyer->angular_momentum) -
+           flyer->mass * shv_dot(gravity, flyer->position);
 }
 
 double shv_bullet_flyer_load(const ShvBulletFlyer *flyer)

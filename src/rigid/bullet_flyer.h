@@ -6,7 +6,7 @@
 #include "rigid/backend.h"
 #include "rigid/bullet_shape.h"
 
-enum { SHV_LOAD_STEPS = 8 /* steps over which contact forces are averaged */ };
+enum { SHV_LOAD_STEPS = 8 /* beats over which contact forces are averaged */ };
 
 typedef struct ShvBulletFlyer {
     int32_t number;             /* in the world of Bullet: obstacles by their index, then fragments by theirs */
@@ -25,24 +25,19 @@ typedef struct ShvBulletFlyer {
     /* as last written to the record: events of the time line change it */
     ShvVec3 seen_position, seen_velocity, seen_spin;
     ShvQuat seen_orientation;
-    double loads[SHV_LOAD_STEPS]; /* N: Σ |contact force| in the last steps */
+    double loads[SHV_LOAD_STEPS]; /* N: mean Σ |contact force| in the last beats */
     int32_t load_count, load_next;
-    int32_t still; /* steps in a row without noticeable motion on supports */
+    double load_impulse; /* N s: since the last of them */
+    int32_t still;       /* beats in a row without noticeable motion on supports */
     bool asleep;
     ShvVec3 asleep_gravity;
     bool settled; /* Bullet knows the pose in which it stays */
     bool gone;    /* has left; its shapes are released */
     bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
-    ShvVec3 last_velocity, last_angular_momentum; /* at the start of the last step */
-    ShvVec3 passed, passed_angular;   /* N s, N m s about its centre: from fragments in flight in that step */
-    double passed_work, passed_slack; /* J: most that those do on it before they are left behind; beyond what it saw */
-    double passed_speed;              /* m/s: at which it met the fastest companion */
-    ShvVec3 returned, returned_angular; /* N s, N m s: of what it gave companions, not taken by them */
-
     /* of the present step */
     bool dust;                  /* fragments: meets obstacles alone */
     bool companion;             /* moved by somebody else meanwhile */
-    double fall;                /* share of gravity, and of contacts' impulses, that it follows */
+    double fall;                /* share of gravity that it follows: 1; 0 of what sleeps on */
     double fastest;             /* bound of |ω|, rad/s */
     double impact_time;         /* s since its start at which it meets something fast; −1: nothing */
     double until;               /* s since its start: goes no further */
@@ -83,7 +78,8 @@ ShvVec3 shv_bullet_flyer_velocity(const ShvBulletFlyer *flyer, double time, ShvV
 ShvVec3 shv_bullet_flyer_spin(const ShvBulletFlyer *flyer, ShvQuat orientation);
 /* Tells Bullet a pose. */
 void shv_bullet_flyer_place(const ShvBulletFlyer *flyer, ShvBulletWorld *bullet, ShvVec3 position, ShvQuat orientation);
-double shv_bullet_flyer_kinetic(const ShvBulletFlyer *flyer);
+/* Kinetic energy and that of weight, J. */
+double shv_bullet_flyer_energy(const ShvBulletFlyer *flyer, ShvVec3 gravity);
 /* Contact force, N: the mean of the last steps, over at least 5 of them (missing ones count as 0). */
 double shv_bullet_flyer_load(const ShvBulletFlyer *flyer);
 /* For impact_time.h; the flyer must outlive the motion. */

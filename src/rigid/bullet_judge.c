@@ -10,7 +10,7 @@ static ShvStatus find_heaps(ShvBullet *bullet, ShvError *error)
     SHV_BACKEND_RESERVE(&bullet->backend, bullet->heaps, bullet->heap_room, bullet->flyer_count, "heaps", error);
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         bullet->heaps[i] = i;
-        flyers[i].heap_mass = shv_bullet_flyer_holds(&flyers[i]) ? (double)INFINITY : flyers[i].mass;
+        flyers[i].heap_mass = flyers[i].moves ? flyers[i].mass : (double)INFINITY;
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
         const ShvBulletMeeting *meeting = &bullet->meetings[i];
@@ -91,10 +91,13 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double momen
     if (flyer->companion) return; /* it will be there when somebody else has led it there */
     const ShvQuat orientation = shv_bullet_flyer_orientation(flyer, moment);
     const bool supported = shv_bullet_flyer_load(flyer) > 0.0;
+    const double before = shv_bullet_flyer_energy(flyer, bullet->gravity);
     flyer->position = shv_bullet_flyer_position(flyer, moment, bullet->gravity);
     if (!supported) flyer->velocity = shv_bullet_flyer_velocity(flyer, moment, bullet->gravity);
     flyer->orientation = orientation;
     shv_bullet_flyer_write(flyer, &bullet->backend.world);
+    if (supported) /* what holds it has worked */
+        bullet->backend.contact_work += shv_bullet_flyer_energy(flyer, bullet->gravity) - before;
 }
 
 static void judge_meeting(ShvBullet *bullet, const ShvBulletMeeting *meeting, ShvWakeJudge judge, void *judge_data,

@@ -29,8 +29,10 @@ static void find_holds(ShvBullet *bullet)
         for (int side = 0; side < 2; side++) {
             pair[side]->impulse += sum;
             if (!meeting->struck && sum > 0.0) pair[side]->held = true;
+            if (sum > 0.0 && pair[!side]->companion && pair[side]->fragment >= 0)
+                bullet->backend.world.fragments->items[pair[side]->fragment].presses = true;
         }
-        if (sum > 0.0 && (shv_bullet_flyer_holds(pair[0]) || shv_bullet_flyer_holds(pair[1])))
+        if (sum > 0.0 && (!pair[0]->moves || !pair[1]->moves))
             bullet->flyers[mover_of(bullet, meeting)->island].supported = true;
     }
 }
@@ -124,12 +126,20 @@ static void leave_obstacle(const ShvBullet *bullet, ShvBulletFlyer *flyer)
     flyer->velocity = shv_madd(flyer->new_velocity, -bullet->step, bullet->gravity);
 }
 
-/* ---- works ---- */
-
-static double energy(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
+/* A companion: what contacts gave it acts where it is now, so that momentum and angular momentum of both sides stay the same. */
+static void strike(const ShvBullet *bullet, ShvBulletFlyer *flyer)
 {
-    return shv_bullet_flyer_kinetic(flyer) - flyer->mass * shv_dot(bullet->gravity, flyer->position);
+    const double moment = fmax(0.0, flyer->impact_time);
+    const ShvVec3 free = shv_bullet_flyer_velocity(flyer, bullet->step, bullet->gravity);
+    const ShvVec3 change = shv_sub(flyer->new_velocity, free);
+    const ShvVec3 turn = shv_sub(flyer->new_spin, flyer->solver_spin);
+    const ShvVec3 way = shv_sub(shv_bullet_flyer_position(flyer, moment, bullet->gravity), flyer->position);
+    const ShvVec3 spin = shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, turn);
+    flyer->velocity = shv_add(flyer->velocity, change);
+    flyer->angular_momentum = shv_add(flyer->angular_momentum, shv_madd(spin, flyer->mass, shv_cross(way, change)));
 }
+
+/* ---- works ---- */
 
 /* Friction's impulses on the mean velocities of the points of what moves here. */
 static double friction_work(const ShvBullet *bullet)
@@ -140,14 +150,14 @@ static double friction_work(const ShvBullet *bullet)
         if (meeting->contact_count == 0) continue;
         const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
         const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
-        const bool own_a = a->moves && !a->companion, own_b = b->moves && !b->companion;
         for (int32_t k = 0; k < meeting->contact_count; k++) {
             const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            const ShvVec3 before = shv_bullet_relative(contact, own_a ? a->velocity : none, own_a ? a->spin : none,
-                                                       own_b ? b->velocity : none, own_b ? b->spin : none);
+            const ShvVec3 before =
+                shv_bullet_relative(contact, a->moves ? a->velocity : none, a->moves ? a->spin : none,
+                                    b->moves ? b->velocity : none, b->moves ? b->spin : none);
             const ShvVec3 after =
-                shv_bullet_relative(contact, own_a ? a->new_velocity : none, own_a ? a->new_spin : none,
-                                    own_b ? b->new_velocity : none, own_b ? b->new_spin : none);
+                shv_bullet_relative(contact, a->moves ? a->new_velocity : none, a->moves ? a->new_spin : none,
+                                    b->moves ? b->new_velocity : none, b->moves ? b->new_spin : none);
             work += 0.5 * shv_dot(shv_load3(contact->friction_impulse), shv_add(before, after));
         }
     }
@@ -156,27 +166,38 @@ static double friction_work(const ShvBullet *bullet)
 
 /* ---- rest ---- */
 
+/* Beside what is awake steps are short. Whether something rests, and under which load, is told by what lasts: by steps of at least
+   this part of the scene's. */
+static const double least_beat = 0.5;
+
 static void note_loads(ShvBullet *bullet)
 {
+    bullet->beat_time += bullet->step;
+    bullet->beats = bullet->beat_time > least_beat * bullet->backend.world.settings->time_step;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
-        flyer->loads[flyer->load_next] = flyer->impulse / bullet->step;
+        flyer->load_impulse += flyer->impulse;
+        if (!bullet->beats) continue;
+        flyer->loads[flyer->load_next] = flyer->load_impulse / bullet->beat_time;
+        flyer->load_impulse = 0.0;
         flyer->load_next = (flyer->load_next + 1) % SHV_LOAD_STEPS;
         if (flyer->load_count < SHV_LOAD_STEPS) flyer->load_count++;
     }
+    if (bullet->beats) bullet->beat_time = 0.0;
 }
 
 static void count_still_steps(ShvBullet *bullet)
 {
-    const double none = still_share * bullet->rest;
+    const double beat = fmax(bullet->step, least_beat * bullet->backend.world.settings->time_step);
+    const double none = still_share * shv_norm(bullet->gravity) * beat;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->asleep) continue;
         const ShvVec3 spin = shv_free_rotation_velocity(&flyer->rotation, flyer->orientation, flyer->angular_momentum);
         const bool still = !flyer->companion && flyer->impulse > 0.0 &&
                            shv_norm(flyer->velocity) + shv_norm(spin) * flyer->radius <= none;
-        flyer->still = still ? flyer->still + 1 : 0;
+        flyer->still = still ? flyer->still + bullet->beats : 0;
         bullet->flyers[flyer->island].restless |= flyer->still < STILL_STEPS;
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
@@ -228,20 +249,22 @@ void shv_bullet_move(ShvBullet *bullet)
     double change = 0.0;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || flyer->asleep || flyer->companion) continue;
-        flyer->energy = energy(bullet, flyer);
+        if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
+        flyer->energy = shv_bullet_flyer_energy(flyer, bullet->gravity);
         if (flyer->obstacle >= 0 && bullet->backend.leaves_obstacles)
             leave_obstacle(bullet, flyer);
-        else
+        else if (flyer->companion && flyer->solved)
+            strike(bullet, flyer);
+        else if (!flyer->companion)
             move_body(bullet, flyer);
     }
     note_loads(bullet);
     put_to_rest(bullet);
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || flyer->companion || (flyer->asleep && !flyer->solved)) continue;
+        if (!flyer->moves || flyer->leaves || ((flyer->asleep || flyer->companion) && !flyer->solved)) continue;
         if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight)
-            change += energy(bullet, flyer) - flyer->energy;
+            change += shv_bullet_flyer_energy(flyer, bullet->gravity) - flyer->energy;
         shv_bullet_flyer_write(flyer, &bullet->backend.world);
     }
     bullet->backend.friction_work += friction;

@@ -5,8 +5,6 @@ static const double undone_share = 0.2, largest_shift = 0.05;
 /* Of the radius: a contact this close at the moment of impact takes part in it; contacts this close are the same from step to
    step. */
 static const double impact_band = 1e-4, same_place = 0.05;
-/* Of the mass's own answer to impulses, that of a companion which is held. */
-static const double least_give = 1e-6;
 /* ---- what a contact leaves ---- */
 
 static void pair_laws(const ShvBullet *bullet, const ShvBulletMeeting *meeting, double *friction, double *restitution)
@@ -144,14 +142,6 @@ static void enter(ShvBullet *bullet, ShvBulletFlyer *flyer)
     if (flyer->solved) shv_bullet_flyer_place(flyer, bullet->bullet, flyer->position, flyer->solver_orientation);
 }
 
-/* A companion that something lies on may be held, one that comes to something gives way by its own mass: two that were
-   held as they came to each other would squeeze what is between them at will. */
-static double give_of(const ShvBulletFlyer *flyer)
-{
-    const bool held = flyer->companion && flyer->impact_time < 0.0 && !flyer->meets;
-    return held ? fmax(least_give, flyer->fall) : 1.0;
-}
-
 /* Contacts that take part, in one list, by meetings; whom they move. */
 static ShvStatus gather_contacts(ShvBullet *bullet, ShvError *error)
 {
@@ -210,8 +200,6 @@ ShvStatus shv_bullet_gather(ShvBullet *bullet, ShvBulletTask *task, ShvError *er
         for (int32_t k = 0; k < meeting->contact_count; k++)
             set_contact(bullet, meeting, last, &bullet->contacts[meeting->contact_begin + k]);
     }
-    for (int32_t i = 0; i < bullet->motion_count; i++)
-        bullet->motions[i].give = give_of(&bullet->flyers[shv_bullet_place(bullet, bullet->motions[i].body)]);
     *task = (ShvBulletTask){.motions = bullet->motions,
                             .motion_count = bullet->motion_count,
                             .contacts = bullet->contacts,

@@ -8,7 +8,7 @@
      guard   what has been struck and meets something fast again in the same step waits there          (bullet_guard.c)
      move    poses at the end, works, rest                                                              (bullet_move.c)
 
-   Companions (fragment.h) take part in all but the last, with what is in flight alone               (bullet_companions.c)
+   Companions (fragment.h) take part in all but the last, with what is in flight alone.
 
    Each body has one moment of impact in a step, or none: it flies freely until then, and the solver sees it in the pose of that
    moment. What else it meets in the step is held off by the velocity that just closes the gap, without rebound. */
@@ -26,7 +26,6 @@ typedef struct ShvBulletMeeting {
     bool touching;         /* now: a gap within the slop */
     bool struck;           /* meets at its own time of impact */
     double allowance;      /* m: overlap that is let be */
-    int passes;            /* 1, 2: its impulses act on the first, the second as a companion; 0: on none */
     double slop;           /* m: a smaller gap is a touch */
     double reach;          /* m: bound of their relative motion in the step */
     double impact;         /* s since the step's start; −1: no fast impact */
@@ -67,7 +66,9 @@ typedef struct ShvBullet {
     /* the step */
     ShvVec3 gravity;
     double time, step, last_step;
-    double rest; /* m/s: what closes slower is held, not thrown back */
+    double rest;      /* m/s: what closes slower is held, not thrown back */
+    double beat_time; /* s: since the last beat, a step or some short ones */
+    bool beats;       /* the step ends one */
 } ShvBullet;
 
 /* Place of a number among the flyers; −1 when it is not there. */
@@ -87,16 +88,8 @@ ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a,
 /* Acceleration of a's centre against b's, without contacts. */
 ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletFlyer *a, const ShvBulletFlyer *b);
 
-/* A flyer whose record has just been read: whether it is a companion in this step, and what then holds it. */
-void shv_bullet_companion_begin(const ShvBullet *bullet, ShvBulletFlyer *flyer);
 /* Whether the pair is somebody else's to keep apart, or nobody's. */
 bool shv_bullet_leaves_pair(const ShvBulletFlyer *a, const ShvBulletFlyer *b);
-/* Whether a body gives no way to what rests on it. */
-bool shv_bullet_flyer_holds(const ShvBulletFlyer *flyer);
-/* Companions' shares of the impulses. */
-void shv_bullet_companions_take(ShvBullet *bullet);
-/* backend.h: what they have not taken of them. */
-void shv_bullet_take_back(ShvRigidBackend *backend);
 
 /* Whether it may move in this step. */
 bool shv_bullet_is_active(const ShvBulletFlyer *flyer);

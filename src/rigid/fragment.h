@@ -45,13 +45,10 @@ typedef struct ShvFragment {
     double borne;        /* N: largest such force that did not break it */
     double impact;       /* m/s: severity of the impact that woke it last, 0 once a facet has been inserted since */
     double borne_impact; /* m/s: largest severity that inserted none */
-    /* It stays rigid, but whoever advances the awake moves it in their steps; its contacts with what is in flight then act as
-       this mean force and torque about the centre over the backend's step (N, N m; zero otherwise). What touches it follows it no
-       faster than that they do the work `contact_power`, W; more than it has seen in flight by `contact_slack`. For the time
-       `contact_untaken`, s, in all, they have not acted. */
+    /* It stays rigid, but whoever advances the awake moves it in their steps: the backend leaves its pose, and changes its
+       velocities by the impulses of what meets it in flight. */
     bool companion;
-    ShvVec3 contact_force, contact_torque;
-    double contact_power, contact_slack, contact_untaken;
+    bool presses; /* in the backend's last step it met a companion */
     /* Of the contact that woke it (waking_contact.c); children inherit. */
     int32_t contact_obstacle, contact_other; /* the other side; −1: none of that kind */
     double contact_speed;                    /* m/s: with which it closed */

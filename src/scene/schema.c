@@ -777,7 +777,9 @@ static const ShvKey rigid_keys[] = {
          "closed form, surfaces against obstacles, "
          "fragments do not see each other. `pbd`: nodes that bars hold together and damping makes rigid."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, .range = &positive, .offset = SCENE(rigid.time_step),
-     .sentence = "Time step of rigid flight."},
+     .sentence =
+         "Time step of rigid flight; under `bullet` a tenth of it while something is in fracture mode, but not less "
+         "than 16 of that mode's steps."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
      .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one."},
     {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),

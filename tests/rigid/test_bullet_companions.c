@@ -1,4 +1,4 @@
-/* Companions under Bullet: somebody else moves them; contacts with what is in flight give mean forces on them. */
+/* Companions under Bullet: somebody else moves them; what meets them in flight changes their velocities at once. */
 #include "check.h"
 
 #include "bullet_world.h"
@@ -11,15 +11,14 @@ static ShvFragment *fragment_of(World *world, int32_t index)
     return &world->fragments.items[index];
 }
 
-/* What the caller does over a step: the mean force and torque on an otherwise free body, half before and half after. */
+/* What the caller does over a step. */
 static void carry(ShvFragment *fragment, const double gravity[3])
 {
     const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
-    ShvVec3 momentum = shv_free_rotation_momentum(&rotation, fragment->orientation, fragment->angular_velocity);
-    const ShvVec3 pull = shv_madd(shv_load3(gravity), 1.0 / fragment->mass, fragment->contact_force);
-    fragment->position = shv_madd(shv_madd(fragment->position, step, fragment->velocity), 0.5 * step * step, pull);
-    fragment->velocity = shv_madd(fragment->velocity, step, pull);
-    momentum = shv_madd(momentum, step, fragment->contact_torque);
+    const ShvVec3 momentum = shv_free_rotation_momentum(&rotation, fragment->orientation, fragment->angular_velocity);
+    const ShvVec3 fall = shv_load3(gravity);
+    fragment->position = shv_madd(shv_madd(fragment->position, step, fragment->velocity), 0.5 * step * step, fall);
+    fragment->velocity = shv_madd(fragment->velocity, step, fall);
     fragment->orientation = shv_free_rotation_advance(&rotation, fragment->orientation, momentum, step);
     fragment->angular_velocity = shv_free_rotation_velocity(&rotation, fragment->orientation, momentum);
 }
@@ -29,13 +28,26 @@ static void check_same(ShvVec3 a, ShvVec3 b)
     assert_true(a.x == b.x && a.y == b.y && a.z == b.z);
 }
 
-static void check_same_record(const ShvFragment *a, const ShvFragment *b)
+static void check_same_pose(const ShvFragment *a, const ShvFragment *b)
 {
     check_same(a->position, b->position);
-    check_same(a->velocity, b->velocity);
-    check_same(a->angular_velocity, b->angular_velocity);
     assert_true(a->orientation.w == b->orientation.w && a->orientation.x == b->orientation.x &&
                 a->orientation.y == b->orientation.y && a->orientation.z == b->orientation.z);
+}
+
+static void check_same_record(const ShvFragment *a, const ShvFragment *b)
+{
+    check_same_pose(a, b);
+    check_same(a->velocity, b->velocity);
+    check_same(a->angular_velocity, b->angular_velocity);
+}
+
+/* About the origin. */
+static ShvVec3 angular_momentum(const ShvFragment *fragment)
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    return shv_add(shv_apply(&inertia, fragment->angular_velocity),
+                   shv_cross(fragment->position, shv_scale(fragment->velocity, fragment->mass)));
 }
 
 /* Two boxes of which the second is a companion. */
@@ -49,12 +61,12 @@ static void two_boxes(World *world, double second_size)
     fragment_of(world, 1)->companion = true;
 }
 
-/* Momentum of the companion's share and its partner, and its record, over tumbling impacts. */
+/* Both sides' momentum and angular momentum at each step, and the works, over tumbling impacts. */
 static void test_momentum(void **unused)
 {
     (void)unused;
     uint64_t index = 300;
-    int met = 0;
+    int met = 0, exact = 0;
     for (int trial = 0; trial < 10; trial++) {
         World world;
         two_boxes(&world, 0.15);
@@ -70,15 +82,21 @@ static void test_momentum(void **unused)
         for (int i = 0; i < 200; i++) {
             const ShvFragment before = *companion, other = *flying;
             world_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
-            check_same_record(companion, &before);
+            check_same_pose(companion, &before);
             const ShvVec3 given = shv_scale(shv_sub(flying->velocity, other.velocity), flying->mass);
-            check_near(shv_norm(shv_madd(given, step, companion->contact_force)), 0.0, 1e-13 * scale);
-            met += shv_norm(companion->contact_force) > 0.0;
+            const ShvVec3 got = shv_scale(shv_sub(companion->velocity, before.velocity), companion->mass);
+            check_near(shv_norm(shv_add(given, got)), 0.0, 1e-13 * scale);
+            const ShvVec3 turned = shv_sub(angular_momentum(flying), angular_momentum(&other));
+            const ShvVec3 turned_back = shv_sub(angular_momentum(companion), angular_momentum(&before));
+            exact += shv_norm(shv_add(turned, turned_back)) < 1e-14 * scale;
+            met += shv_norm(got) > 0.0;
             carry(companion, no_gravity);
         }
         world_end(&world);
     }
     assert_true(met >= 8);
+    /* where hulls overlap the one in flight is moved aside without a velocity, which shifts its momentum */
+    assert_true(exact > 0.98 * 2000);
 }
 
 /* Head on, frictionless: the velocities after are those of two free bodies with Newton's restitution, and the torque vanishes;
@@ -97,16 +115,16 @@ static void test_impact(void **unused)
         companion->velocity.x = -1.0;
         const double m = flying->mass, n = companion->mass, wanted = (m * 3.0 - n + 0.6 * n * -4.0) / (m + n);
         ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0), angular = impulse;
+        const ShvMat3 inertia = shv_fragment_world_inertia(companion), own = shv_fragment_world_inertia(flying);
         for (int i = 0; i < 100; i++) {
             world_advance(&world, i * step, step, no_gravity, NULL, NULL, NULL);
-            impulse = shv_madd(impulse, step, companion->contact_force);
-            angular = shv_madd(angular, step, companion->contact_torque);
+            impulse = shv_scale(shv_vec3(companion->velocity.x + 1.0, companion->velocity.y, companion->velocity.z), n);
+            angular = shv_apply(&inertia, companion->angular_velocity);
             carry(companion, no_gravity);
         }
         /* At the impact the flying centre lies (−0.15, ±0.05, 0) from the companion's, and no impulse has another direction than
            x: what both get about one point is opposite. */
-        const ShvMat3 inertia = shv_fragment_world_inertia(flying);
-        const double spin = shv_apply(&inertia, flying->angular_velocity).z;
+        const double spin = shv_apply(&own, flying->angular_velocity).z;
         check_near(angular.z + spin + (aside ? 0.05 : 0.0) * impulse.x, 0.0, 1e-6 * impulse.x);
         assert_true(aside == (fabs(angular.z) > 0.01 * impulse.x));
         if (!aside) check_near(flying->velocity.x, wanted, 1e-6);
@@ -143,10 +161,7 @@ static void test_neither_floor_nor_companions(void **unused)
     for (int i = 0; i < 100; i++)
         assert_int_equal(world_advance(&world, i * step, step, earth, never_called, &calls, wakes), 0);
     assert_int_equal(calls, 0);
-    for (int f = 0; f < 2; f++) {
-        check_same_record(fragment_of(&world, f), &before[f]);
-        check_same(fragment_of(&world, f)->contact_force, shv_vec3(0.0, 0.0, 0.0));
-    }
+    for (int f = 0; f < 2; f++) check_same_record(fragment_of(&world, f), &before[f]);
     check_near(world.backend->contact_work, 0.0, 0.0);
     world_end(&world);
 }
@@ -164,69 +179,40 @@ static void brick_on_box(World *world, double width)
     bullet_fly(world);
 }
 
-/* A brick on a box on the floor: the box becomes a companion, the floor holds it (here: the caller leaves it as it is). */
+/* A brick on a box on the floor: the box becomes a companion, the floor holds it (here: the caller stops it). It gets the weight of
+   the brick, which follows no faster than what both together gain from one step to the next, and overlaps left by that are let be. */
 static void test_brick_on_companion(void **unused)
 {
     (void)unused;
+    const double beat = 0.1 * step; /* of rigid intervals beside what is awake */
     for (int large = 0; large < 2; large++) {
         World world;
         brick_on_box(&world, large ? 0.4 : 0.06);
         for (int i = 0; i < 200; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
         ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
-        const double weight = 9.81 * flying->mass;
-        const ShvVec3 place = flying->position;
+        const double ratio = flying->mass / companion->mass, weight = 9.81 * flying->mass, height = flying->position.z;
+        const double least_work = world.backend->contact_work;
+        double impulse = 0.0;
         companion->companion = true;
         for (int i = 0; i < 300; i++) {
-            world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
-            check_near(companion->contact_force.z, -weight, 0.01 * weight);
-            check_near(companion->contact_torque.y, 0.01 * weight, 0.01 * 0.1 * weight);
-            /* the brick stands still: it follows at what it would gain by falling for a few steps, no faster */
-            assert_true(companion->contact_slack > 0.0 && companion->contact_power >= companion->contact_slack);
-            assert_true(companion->contact_power < 3.0 * 9.81 * step * weight);
+            world_advance(&world, i * beat, beat, earth, NULL, NULL, NULL);
+            if (i >= 200) impulse -= companion->mass * companion->velocity.z;
+            assert_true(companion->velocity.z > -1.01 * ratio * 9.81 * beat && companion->velocity.z <= 0.0);
+            companion->velocity = companion->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
         }
-        check_near(shv_norm(shv_sub(flying->position, place)), 0.0, 1e-6);
+        check_near(impulse, weight * 100 * beat, 0.02 * weight * 100 * beat);
+        assert_true(flying->position.z > height - 1.05 * (1.0 + ratio) * 9.81 * beat * 300 * beat);
+        assert_true(world.backend->contact_work - least_work < 1.01 * weight * (height - flying->position.z));
         companion->companion = false;
-        for (int i = 0; i < 100; i++) {
-            world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
-            check_same(companion->contact_force, shv_vec3(0.0, 0.0, 0.0));
-            check_same(companion->contact_torque, shv_vec3(0.0, 0.0, 0.0));
-        }
-        check_near(shv_norm(shv_sub(flying->position, place)), 0.0, 1e-6);
-        check_near(companion->position.z, 0.05, 1e-6);
+        const double left = flying->position.z;
+        for (int i = 0; i < 100; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+        check_near(flying->position.z, left, 1e-4);
+        check_near(companion->position.z, 0.05, 1e-5);
         world_end(&world);
     }
 }
 
-/* The companion has not taken a quarter of what the brick gave it: the brick gets that back, once, and the work is booked. */
-static void test_untaken_goes_back(void **unused)
-{
-    (void)unused;
-    World world;
-    brick_on_box(&world, 0.06);
-    for (int i = 0; i < 50; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
-    ShvFragment *companion = fragment_of(&world, 0), *flying = fragment_of(&world, 1);
-    companion->companion = true;
-    for (int i = 0; i < 20; i++) world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
-    const ShvVec3 before = flying->velocity, given = shv_scale(companion->contact_force, step);
-    const double kinetic = shv_fragment_kinetic(flying), booked = world.backend->contact_work;
-    assert_true(given.z < 0.0);
-    companion->contact_untaken = 0.25 * step;
-    world.backend->functions->take_back(world.backend);
-    const ShvVec3 gained = shv_scale(shv_sub(flying->velocity, before), flying->mass);
-    check_near(shv_norm(shv_madd(gained, -0.25, given)), 0.0, 1e-12 * shv_norm(given));
-    check_near(world.backend->contact_work - booked, shv_fragment_kinetic(flying) - kinetic, 1e-12 * kinetic + 1e-18);
-    const ShvVec3 after = flying->velocity;
-    assert_true(companion->contact_untaken == 0.0);
-    world.backend->functions->take_back(world.backend);
-    check_same(flying->velocity, after);
-    /* Between companions that come to each other it could have given anything: what it gets back is bounded. */
-    companion->contact_untaken = 1e6 * step;
-    world.backend->functions->take_back(world.backend);
-    assert_true(shv_norm(shv_sub(flying->velocity, after)) < 4.0 * 9.81 * step);
-    world_end(&world);
-}
-
-/* Both fall: nothing passes between them once the companion has been seen to fall. */
+/* Both fall: nothing passes between them. */
 static void test_falling_together(void **unused)
 {
     (void)unused;
@@ -240,7 +226,6 @@ static void test_falling_together(void **unused)
     companion->companion = true;
     for (int i = 0; i < 200; i++) {
         world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
-        check_near(shv_norm(companion->contact_force), 0.0, 1e-6 * 9.81 * flying->mass);
         carry(companion, earth);
     }
     check_near(flying->position.z - companion->position.z, 0.1, 1e-9);
@@ -285,7 +270,6 @@ int main(void)
         cmocka_unit_test(test_impact),
         cmocka_unit_test(test_neither_floor_nor_companions),
         cmocka_unit_test(test_brick_on_companion),
-        cmocka_unit_test(test_untaken_goes_back),
         cmocka_unit_test(test_falling_together),
         cmocka_unit_test(test_wake),
     };
