@@ -3,6 +3,8 @@
 #ifndef SHV_CONTACT_COMPANION_H
 #define SHV_CONTACT_COMPANION_H
 
+#include <stdint.h>
+
 #include "base/vector.h"
 
 typedef struct ShvCompanion {
@@ -13,7 +15,7 @@ typedef struct ShvCompanion {
     ShvQuat orientation;                /* reference axes → world, at time n */
     double radius;                      /* farthest node from the centre, m */
     ShvVec3 velocity, angular_velocity; /* m/s, rad/s, world */
-    bool alone;                         /* it meets obstacles, and no other body */
+    int64_t alone; /* 1: it meets obstacles, and no other body; wide, so that no padding goes to checkpoints */
 } ShvCompanion;
 
 static inline ShvVec3 shv_companion_point(const ShvCompanion *companion, ShvVec3 reference)
