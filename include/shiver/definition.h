@@ -145,8 +145,7 @@ typedef struct ShvObjectDefinition {
     uint32_t cookie;
     const char *name;
     ShvMeshDefinition mesh;
-    const char
-        *material; /* of all that is in none of `groups`; whether and when the object wakes and rests follows from it */
+    const char *material; /* of all that is in none of `groups`; when the object wakes and rests follows from it */
     const ShvGroupDefinition *groups;
     int32_t group_count;
     ShvPlacement placement;

@@ -78,8 +78,7 @@ ShvSvgOptions shv_svg_default(void);
 /* Writes PREFIX.svg: frames side by side with their times, seen from front and above (z up) by one camera around all but small
    splinters, with obstacles and, on planes, shadows. Colours follow the lines of descent; the heaviest living fragment of a
    frame is of stone. Where the run recorded nodes, bodies are deformed as recorded and cracks that part no piece yet are dark
-   brown; else they move rigidly. SHV_BAD_INPUT for frames, times or
-   sizes that cannot be, and as above. */
+   brown; else they move rigidly. SHV_BAD_INPUT for frames, times or sizes that cannot be, and as above. */
 ShvStatus shv_export_svg(ShvRunFile *file, const char *prefix, const ShvSvgOptions *options, ShvError *error);
 
 #ifdef __cplusplus

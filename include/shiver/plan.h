@@ -99,9 +99,9 @@ typedef struct ShvTrial {
     int32_t inserted, fragments;    /* cohesive facets; living fragments */
     /* s of processor time, of the whole run without its file. `low`: no step costs more than the last ones, and what is awake
        rests as soon as its waves allow. `high`: steps go on getting dearer as they did, and it stays awake for the longest time
-       that the quiet rule grants it; five times that where something has cracked, for what wakes again. `predicted`: steps cost what they did on the whole; bodies
-       that carry too much vibration to rest stay for the longest time, others for the geometric mean of least and longest.
-       What wakes later is not in the others. */
+       that the quiet rule grants it; five times that where something has cracked, for what wakes again. `predicted`: steps
+       cost what they did on the whole; bodies that carry too much vibration to rest stay for the longest time, others for the
+       geometric mean of least and longest. What wakes later is in `high` alone. */
     double low, predicted, high;
 } ShvTrial;
 

@@ -302,9 +302,9 @@ typedef struct ShvObstacleBody {
 ShvObstacleBody shv_simulation_obstacle(const ShvSimulation *simulation, int32_t index);
 /* Threads that the solver uses. */
 int32_t shv_simulation_threads(const ShvSimulation *simulation);
-/* shv_rigid_engine_name of what moves bodies between impacts. */
 /* What the scene's output.nodes_within says. */
 ShvNodesWithin shv_simulation_nodes_within(const ShvSimulation *simulation);
+/* shv_rigid_engine_name of what moves bodies between impacts. */
 const char *shv_simulation_rigid_engine(const ShvSimulation *simulation);
 /* 64-bit hash of the whole solver state: equal runs, equal hashes. */
 uint64_t shv_simulation_hash(const ShvSimulation *simulation);

@@ -138,6 +138,15 @@ static inline ShvVec3 shv_rotate(ShvQuat q, ShvVec3 v)
     return shv_add(shv_madd(v, q.w, t), shv_cross(u, t));
 }
 
+/* Where a point of a body is: it lay at `point` when the body's centre lay at `centre`, unturned, which is at `position` now,
+   turned by `orientation` (w, x, y, z). */
+static inline ShvVec3 shv_pose_point(const double *position, const double *orientation, const double *centre,
+                                     const double *point)
+{
+    const ShvQuat turn = {orientation[0], orientation[1], orientation[2], orientation[3]};
+    return shv_add(shv_load3(position), shv_rotate(turn, shv_sub(shv_load3(point), shv_load3(centre))));
+}
+
 /* linear.c */
 /* Inverse of a; returns 0 and leaves `inverse` alone when the determinant is zero or not finite. */
 int shv_invert(const ShvMat3 *a, ShvMat3 *inverse);

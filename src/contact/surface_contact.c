@@ -56,7 +56,7 @@ void shv_surface_contact_wake(ShvSurfaceContact *contact)
     contact->woken = true;
 }
 
-void shv_surface_contact_strike(ShvSurfaceContact *contact)
+void shv_surface_contact_recheck(ShvSurfaceContact *contact)
 {
     contact->beat = -1; /* whether this moment has been counted or not */
 }

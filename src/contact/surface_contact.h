@@ -145,7 +145,7 @@ void shv_surface_contact_invalidate(ShvSurfaceContact *contact);
 /* Companions have become awake where they stood: the lists go on with them. */
 void shv_surface_contact_wake(ShvSurfaceContact *contact);
 /* Companions have been given impulses from elsewhere: they are looked at together in the next step. */
-void shv_surface_contact_strike(ShvSurfaceContact *contact);
+void shv_surface_contact_recheck(ShvSurfaceContact *contact);
 /* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs look at all listed nodes every few steps and
    at those of candidates each step. */
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,

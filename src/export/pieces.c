@@ -64,9 +64,6 @@ ShvStatus shv_pieces_move(ShvPieces *pieces, int64_t frame, ShvError *error)
 ShvVec3 shv_pieces_point(const ShvPieces *pieces, int32_t owner, int32_t node)
 {
     const int32_t carrier = pieces->carrier[owner];
-    const double *q = pieces->orientation + 4 * (int64_t)carrier;
-    const ShvVec3 arm = shv_sub(shv_load3(pieces->reference + 3 * (int64_t)node),
-                                shv_load3(pieces->fragments[carrier].reference_centre));
-    return shv_add(shv_load3(pieces->position + 3 * (int64_t)carrier),
-                   shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, arm));
+    return shv_pose_point(pieces->position + 3 * (int64_t)carrier, pieces->orientation + 4 * (int64_t)carrier,
+                          pieces->fragments[carrier].reference_centre, pieces->reference + 3 * (int64_t)node);
 }

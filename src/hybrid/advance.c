@@ -65,9 +65,9 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_hybrid_stir(hybrid);
     if (!hybrid->dozes) SHV_TRY(shv_companions_choose(hybrid, hybrid->interval_end - now, error));
-    shv_companions_show(hybrid);
+    shv_companions_to_flight(hybrid);
     SHV_TRY(fly(hybrid, error));
-    shv_companions_take(hybrid);
+    shv_companions_from_flight(hybrid);
     return SHV_OK;
 }
 

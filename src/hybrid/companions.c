@@ -113,7 +113,7 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
 /* ---- contacts with what is in flight ---- */
 
 /* Flight sees them with the velocities of now, */
-void shv_companions_show(ShvHybrid *hybrid)
+void shv_companions_to_flight(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
@@ -123,7 +123,7 @@ void shv_companions_show(ShvHybrid *hybrid)
 }
 
 /* and what it met gives them its impulses at once. */
-void shv_companions_take(ShvHybrid *hybrid)
+void shv_companions_from_flight(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
     for (int32_t i = 0; i < hybrid->companions.count; i++) {
@@ -131,7 +131,7 @@ void shv_companions_take(ShvHybrid *hybrid)
         hybrid->companions.items[i].velocity = shv_madd(fragment->velocity, -half, shv_load3(hybrid->gravity));
         hybrid->companions.items[i].angular_velocity = fragment->angular_velocity;
     }
-    shv_surface_contact_strike(&hybrid->surface);
+    shv_surface_contact_recheck(&hybrid->surface);
 }
 
 void shv_companions_remove(ShvHybrid *hybrid, int32_t index)
@@ -223,7 +223,8 @@ static bool choose_pressing(const ShvHybrid *hybrid)
     const ShvFragment *items = hybrid->fragments.items;
     bool more = false;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
-        if (items[i].mode != SHV_MODE_FLIGHT || wanted[i] || !(items[i].companion || items[i].presses)) continue;
+        if (items[i].mode != SHV_MODE_FLIGHT || wanted[i] || !(items[i].companion || items[i].touches_companion))
+            continue;
         for (int32_t k = 0; k < hybrid->fragments.count && !wanted[i]; k++)
             wanted[i] = wanted[k] && touches(&items[i], &items[k]);
         more |= wanted[i];

@@ -229,8 +229,8 @@ void shv_companions_remove(ShvHybrid *hybrid, int32_t fragment);
 void shv_companions_kick(ShvHybrid *hybrid, double kick);
 /* Before and after flight has crossed a rigid interval: it sees them as they are now, and the impulses of what meets them there
    act on both at once. */
-void shv_companions_show(ShvHybrid *hybrid);
-void shv_companions_take(ShvHybrid *hybrid);
+void shv_companions_to_flight(ShvHybrid *hybrid);
+void shv_companions_from_flight(ShvHybrid *hybrid);
 void shv_companions_drift(ShvHybrid *hybrid, double step);
 void shv_companions_keep(ShvHybrid *hybrid);
 double shv_companions_put_back(ShvHybrid *hybrid);

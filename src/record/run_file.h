@@ -13,10 +13,10 @@ typedef struct ShvRunTexts {
 typedef struct ShvObstacleBodies ShvObstacleBodies;
 
 struct ShvRunFile {
-    bool partial; /* corners that were left out are NaN */
     ShvMemory *memory;
     char *path;
     int64_t bytes;         /* of the file */
+    bool partial;          /* corners that were left out are NaN */
     ShvSnapshot *snapshot; /* NULL: nobody writes the file */
     hid_t file;
     ShvSeries series[SHV_SERIES_COUNT];

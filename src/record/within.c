@@ -93,11 +93,8 @@ static ShvStatus read_poses(ShvRunFile *file, int64_t frame, Poses *poses, ShvEr
 
 static ShvVec3 place(const Poses *poses, int32_t node, int32_t owner)
 {
-    const double *q = poses->orientations + 4 * (int64_t)owner;
-    const ShvVec3 arm =
-        shv_sub(shv_load3(poses->nodes + 3 * (int64_t)node), shv_load3(poses->fragments[owner].reference_centre));
-    return shv_add(shv_load3(poses->positions + 3 * (int64_t)owner),
-                   shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, arm));
+    return shv_pose_point(poses->positions + 3 * (int64_t)owner, poses->orientations + 4 * (int64_t)owner,
+                          poses->fragments[owner].reference_centre, poses->nodes + 3 * (int64_t)node);
 }
 
 ShvStatus shv_within_fill(ShvRunFile *file, int64_t frame, double *corners, ShvError *error)

@@ -116,7 +116,7 @@ static void note_companion(const ShvBullet *bullet, ShvBulletFlyer *flyer)
     if (flyer->fragment < 0) return;
     const bool was = flyer->companion;
     ShvFragment *record = &bullet->backend.world.fragments->items[flyer->fragment];
-    record->presses = false;
+    record->touches_companion = false;
     flyer->companion = record->companion;
     if (flyer->companion) {
         flyer->asleep = flyer->settled = false;

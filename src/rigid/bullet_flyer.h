@@ -6,7 +6,7 @@
 #include "rigid/backend.h"
 #include "rigid/bullet_shape.h"
 
-enum { SHV_LOAD_STEPS = 8 /* beats over which contact forces are averaged */ };
+enum { SHV_LOAD_STEPS = 8 /* windows over which contact forces are averaged */ };
 
 typedef struct ShvBulletFlyer {
     int32_t number;             /* in the world of Bullet: obstacles by their index, then fragments by theirs */
@@ -25,28 +25,28 @@ typedef struct ShvBulletFlyer {
     /* as last written to the record: events of the time line change it */
     ShvVec3 seen_position, seen_velocity, seen_spin;
     ShvQuat seen_orientation;
-    double loads[SHV_LOAD_STEPS]; /* N: mean Σ |contact force| in the last beats */
+    double loads[SHV_LOAD_STEPS]; /* N: mean Σ |contact force| in the last windows (bullet_step.h) */
     int32_t load_count, load_next;
     double load_impulse; /* N s: since the last of them */
-    int32_t still;       /* beats in a row without noticeable motion on supports */
+    int32_t still;       /* windows in a row without noticeable motion on supports */
     bool asleep;
     ShvVec3 asleep_gravity;
     bool settled; /* Bullet knows the pose in which it stays */
     bool gone;    /* has left; its shapes are released */
     bool born;    /* came since the last step: what it touches now is not fresh, and overlaps are let be */
     /* of the present step */
-    bool dust;                  /* fragments: meets obstacles alone */
-    bool companion;             /* moved by somebody else meanwhile */
-    double fall;                /* share of gravity that it follows: 1; 0 of what sleeps on */
-    double fastest;             /* bound of |ω|, rad/s */
-    double impact_time;         /* s since its start at which it meets something fast; −1: nothing */
-    double until;               /* s since its start: goes no further */
-    bool leaves;                /* wakes */
-    bool thrown;                /* by its impact, off its foreseen way */
-    bool stopped;               /* its impact did not throw it back */
-    bool meets;                 /* closes on something that it touches, faster than bodies at rest do */
-    bool held;                  /* pushed by contacts other than its impact */
-    bool solved;                /* has contacts in the solver */
+    bool dust;          /* fragments: meets obstacles alone */
+    bool companion;     /* moved by somebody else meanwhile */
+    double fall;        /* share of gravity that it follows: 1; 0 of what is looked at as asleep (bullet_guard.c) */
+    double fastest;     /* bound of |ω|, rad/s */
+    double impact_time; /* s since its start at which it meets something fast; −1: nothing */
+    double until;       /* s since its start: goes no further */
+    bool leaves;        /* wakes */
+    bool thrown;        /* by its impact, off its foreseen way */
+    bool stopped;       /* its impact did not throw it back */
+    bool meets;         /* closes on something that it touches, faster than bodies at rest do */
+    bool held;          /* pushed by contacts other than its impact */
+    bool solved;        /* has contacts in the solver */
     bool restless, supported;   /* its island, where this stands for it: something moves; something holds it */
     int32_t island;             /* place of the flyer that stands for all that hangs together */
     double heap_mass;           /* kg of that */

@@ -30,7 +30,7 @@ static void find_holds(ShvBullet *bullet)
             pair[side]->impulse += sum;
             if (!meeting->struck && sum > 0.0) pair[side]->held = true;
             if (sum > 0.0 && pair[!side]->companion && pair[side]->fragment >= 0)
-                bullet->backend.world.fragments->items[pair[side]->fragment].presses = true;
+                bullet->backend.world.fragments->items[pair[side]->fragment].touches_companion = true;
         }
         if (sum > 0.0 && (!pair[0]->moves || !pair[1]->moves))
             bullet->flyers[mover_of(bullet, meeting)->island].supported = true;
@@ -127,7 +127,7 @@ static void leave_obstacle(const ShvBullet *bullet, ShvBulletFlyer *flyer)
 }
 
 /* A companion: what contacts gave it acts where it is now, so that momentum and angular momentum of both sides stay the same. */
-static void strike(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void apply_impulse(const ShvBullet *bullet, ShvBulletFlyer *flyer)
 {
     const double moment = fmax(0.0, flyer->impact_time);
     const ShvVec3 free = shv_bullet_flyer_velocity(flyer, bullet->step, bullet->gravity);
@@ -168,36 +168,36 @@ static double friction_work(const ShvBullet *bullet)
 
 /* Beside what is awake steps are short. Whether something rests, and under which load, is told by what lasts: by steps of at least
    this part of the scene's. */
-static const double least_beat = 0.5;
+static const double least_window = 0.5;
 
 static void note_loads(ShvBullet *bullet)
 {
-    bullet->beat_time += bullet->step;
-    bullet->beats = bullet->beat_time > least_beat * bullet->backend.world.settings->time_step;
+    bullet->window += bullet->step;
+    bullet->window_ends = bullet->window > least_window * bullet->backend.world.settings->time_step;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
         flyer->load_impulse += flyer->impulse;
-        if (!bullet->beats) continue;
-        flyer->loads[flyer->load_next] = flyer->load_impulse / bullet->beat_time;
+        if (!bullet->window_ends) continue;
+        flyer->loads[flyer->load_next] = flyer->load_impulse / bullet->window;
         flyer->load_impulse = 0.0;
         flyer->load_next = (flyer->load_next + 1) % SHV_LOAD_STEPS;
         if (flyer->load_count < SHV_LOAD_STEPS) flyer->load_count++;
     }
-    if (bullet->beats) bullet->beat_time = 0.0;
+    if (bullet->window_ends) bullet->window = 0.0;
 }
 
 static void count_still_steps(ShvBullet *bullet)
 {
-    const double beat = fmax(bullet->step, least_beat * bullet->backend.world.settings->time_step);
-    const double none = still_share * shv_norm(bullet->gravity) * beat;
+    const double window = fmax(bullet->step, least_window * bullet->backend.world.settings->time_step);
+    const double none = still_share * shv_norm(bullet->gravity) * window;
     for (int32_t i = 0; i < bullet->flyer_count; i++) {
         ShvBulletFlyer *flyer = &bullet->flyers[i];
         if (!flyer->moves || flyer->asleep) continue;
         const ShvVec3 spin = shv_free_rotation_velocity(&flyer->rotation, flyer->orientation, flyer->angular_momentum);
         const bool still = !flyer->companion && flyer->impulse > 0.0 &&
                            shv_norm(flyer->velocity) + shv_norm(spin) * flyer->radius <= none;
-        flyer->still = still ? flyer->still + bullet->beats : 0;
+        flyer->still = still ? flyer->still + bullet->window_ends : 0;
         bullet->flyers[flyer->island].restless |= flyer->still < STILL_STEPS;
     }
     for (int32_t i = 0; i < bullet->meeting_count; i++) {
@@ -254,7 +254,7 @@ void shv_bullet_move(ShvBullet *bullet)
         if (flyer->obstacle >= 0 && bullet->backend.leaves_obstacles)
             leave_obstacle(bullet, flyer);
         else if (flyer->companion && flyer->solved)
-            strike(bullet, flyer);
+            apply_impulse(bullet, flyer);
         else if (!flyer->companion)
             move_body(bullet, flyer);
     }

@@ -67,8 +67,8 @@ typedef struct ShvBullet {
     ShvVec3 gravity;
     double time, step, last_step;
     double rest;      /* m/s: what closes slower is held, not thrown back */
-    double beat_time; /* s: since the last beat, a step or some short ones */
-    bool beats;       /* the step ends one */
+    double window;    /* s: since contact forces are averaged, over a step or some short ones */
+    bool window_ends; /* with this step */
 } ShvBullet;
 
 /* Place of a number among the flyers; −1 when it is not there. */

@@ -48,7 +48,7 @@ typedef struct ShvFragment {
     /* It stays rigid, but whoever advances the awake moves it in their steps: the backend leaves its pose, and changes its
        velocities by the impulses of what meets it in flight. */
     bool companion;
-    bool presses; /* in the backend's last step it met a companion */
+    bool touches_companion; /* in the backend's last step it met a companion */
     /* Of the contact that woke it (waking_contact.c); children inherit. */
     int32_t contact_obstacle, contact_other; /* the other side; −1: none of that kind */
     double contact_speed;                    /* m/s: with which it closed */

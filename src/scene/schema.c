@@ -391,7 +391,6 @@ static const ShvTable crack_table = {.name = "objects.<name>.cracks.<index>",
                                      .size = sizeof(ShvCrackItem),
                                      .start = start_crack};
 
-static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
 static const ShvKey group_keys[] = {
     {"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = offsetof(ShvGroupItem, definition.name),
      .sentence = "Name of the physical volume, or its number."},
@@ -414,6 +413,7 @@ static const ShvTable group_table = {
     .size = sizeof(ShvGroupItem),
     .start = start_group};
 
+static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
 static const ShvKey object_keys[] = {
     {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
      .sentence = "Its tetrahedra."},

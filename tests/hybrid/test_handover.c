@@ -605,11 +605,11 @@ static void impulses_in_flight_act_at_once(void **unused)
         const ShvVec3 given = shv_vec3(0.03, -0.02, 0.01), turned = shv_vec3(0.2, 0.3, -0.1);
         ShvCompanion *companion = &hybrid.companions.items[0];
         hybrid.gravity[1] = -10.0;
-        shv_companions_show(&hybrid);
+        shv_companions_to_flight(&hybrid);
         check_near(other->velocity.y, -10.0 * half, 1e-18);
         other->velocity = shv_add(other->velocity, given);
         other->angular_velocity = turned;
-        shv_companions_take(&hybrid);
+        shv_companions_from_flight(&hybrid);
         check_near(shv_norm(shv_sub(companion->velocity, given)), 0.0, 1e-17);
         shv_companions_kick(&hybrid, hybrid.state.last_step);
         shv_companions_drift(&hybrid, hybrid.state.last_step);

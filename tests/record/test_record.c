@@ -243,6 +243,23 @@ static void test_cost_is_of_the_last_frame(void **state)
     shv_run_file_close(file);
 }
 
+enum { NODE_TETS = 16 };
+
+/* Corners of a frame as they are read, and as the next frame of the simulation has them; damage and owners must be the same. */
+static void read_next(ShvRunFile *file, int frame, ShvSimulation *again, double corners[12 * NODE_TETS],
+                      double expected[12 * NODE_TETS], int32_t owner[NODE_TETS])
+{
+    double damage[4 * NODE_TETS], expected_damage[4 * NODE_TETS];
+    int32_t expected_owner[NODE_TETS];
+    ShvError error;
+    fake_advance(again);
+    shv_simulation_corner_positions(again, expected);
+    shv_simulation_element_state(again, expected_owner, expected_damage);
+    check_ok(shv_run_file_corners(file, frame, corners, damage, owner, &error), error);
+    assert_memory_equal(damage, expected_damage, sizeof damage); /* quarters: exact in single precision too */
+    assert_memory_equal(owner, expected_owner, sizeof expected_owner);
+}
+
 static void test_nodes(void **state)
 {
     const char *path = file_in(*state, "run.h5");
@@ -255,15 +272,10 @@ static void test_nodes(void **state)
     assert_true(shv_run_file_info(file)->nodes);
     ShvSimulation *again = fake_create(&BREAKING);
     for (int i = 0; i < 5; i++) {
-        double corners[192], damage[64], expected[192], expected_damage[64];
-        int32_t owner[16], expected_owner[16];
-        fake_advance(again);
-        shv_simulation_corner_positions(again, expected);
-        shv_simulation_element_state(again, expected_owner, expected_damage);
-        check_ok(shv_run_file_corners(file, i, corners, damage, owner, &error), error);
+        double corners[12 * NODE_TETS], expected[12 * NODE_TETS];
+        int32_t owner[NODE_TETS];
+        read_next(file, i, again, corners, expected, owner);
         assert_memory_equal(corners, expected, sizeof corners);
-        assert_memory_equal(damage, expected_damage, sizeof damage); /* quarters: exact in single precision too */
-        assert_memory_equal(owner, expected_owner, sizeof owner);
     }
     fake_destroy(again);
     shv_run_file_close(file);
@@ -289,14 +301,9 @@ static void test_nodes_within(void **state)
     ShvSimulation *again = fake_create(&setup);
     const ShvMeshView mesh = shv_simulation_mesh(again);
     for (int i = 0; i < 5; i++) {
-        double corners[192], damage[64], expected[192], expected_damage[64];
-        int32_t owner[16], expected_owner[16];
-        fake_advance(again);
-        shv_simulation_corner_positions(again, expected);
-        shv_simulation_element_state(again, expected_owner, expected_damage);
-        check_ok(shv_run_file_corners(file, i, corners, damage, owner, &error), error);
-        assert_memory_equal(damage, expected_damage, sizeof damage);
-        assert_memory_equal(owner, expected_owner, sizeof owner);
+        double corners[12 * NODE_TETS], expected[12 * NODE_TETS];
+        int32_t owner[NODE_TETS];
+        read_next(file, i, again, corners, expected, owner);
         for (int k = 0; k < 64; k++) {
             const ShvFragmentView *fragment = &shv_simulation_frame(again)->fragments[owner[k / 4]];
             const double *q = fragment->orientation;
