@@ -74,25 +74,39 @@ btVector3 direction_of(const btVoronoiSimplexSolver &simplex, const btVector3 &n
 
 enum { MOST_ROUNDS = 64 };
 
+// 1/m, a power of two, which changes no bit: the simplex is of the size of the smaller body. Bullet takes a tet whose triple product
+// is below 1e-8, whatever its unit, for flat, so that in metres the iteration ends too early between bodies of millimetres.
+double unit_of(const ConvexPair &pair)
+{
+    const double size = pair.small > 0.0 ? pair.small : pair.large;
+    return size > 0.0 ? std::ldexp(1.0, -std::ilogb(size)) : 1.0;
+}
+
+Corner scaled_corner(const ConvexPair &pair, const btVector3 &normal, const btVector3 &shift, double unit)
+{
+    const Corner corner = corner_towards(pair, normal, shift);
+    return {corner.difference * unit, corner.first * unit, corner.second * unit};
+}
+
 // GJK (Gilbert, Johnson and Keerthi 1988) of the cores. The gap is the largest found across any direction tried (0 or less
 // when they touch), which is a lower bound whether or not the iteration has converged.
 Gap distance(const ConvexPair &pair, const btVector3 &guess, const btVector3 &shift)
 {
-    const double resolution = 1e-15 * pair.large;
+    const double unit = unit_of(pair), resolution = 1e-15 * pair.large * unit;
     Gap best;
     best.gap = -HUGE_VAL;
     best.normal = guess.normalized();
     btVoronoiSimplexSolver simplex;
     simplex.reset();
     simplex.setEqualVertexThreshold(0);
-    const Corner start = corner_towards(pair, best.normal, shift);
+    const Corner start = scaled_corner(pair, best.normal, shift, unit);
     simplex.addVertex(start.difference, start.first, start.second);
     btVector3 nearest = start.difference;
     double length = nearest.length();
     int stalls = 0;
     for (int round = 0; round < MOST_ROUNDS && length > resolution; round++) {
         const btVector3 normal = direction_of(simplex, nearest);
-        const Corner corner = corner_towards(pair, normal, shift);
+        const Corner corner = scaled_corner(pair, normal, shift, unit);
         const double gap = -normal.dot(corner.difference);
         if (gap > best.gap) {
             best.gap = gap;
@@ -112,6 +126,9 @@ Gap distance(const ConvexPair &pair, const btVector3 &guess, const btVector3 &sh
         length = nearest.length();
     }
     simplex.compute_points(best.first, best.second);
+    best.gap /= unit;
+    best.first /= unit;
+    best.second /= unit;
     return best;
 }
 

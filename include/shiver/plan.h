@@ -45,8 +45,12 @@ typedef struct ShvPreflight {
     double opening_speed;       /* m/s: 2 σ/(ρ c₀), a free crack face under the strength */
     double cohesive_step;       /* s: final opening / opening speed */
     double steps_to_open;       /* cohesive_step / step */
-    double overshoot_each_step; /* growth of stress / strength in one step when the object meets a rigid wall at its
-                                                 own speed of the first contact (NaN: nothing to meet) */
+    const char *nearest;        /* the object or obstacle whose surface is nearest at the start; NULL: there is none */
+    bool nearest_is_obstacle;
+    double clearance;           /* m: from it, surface to surface; 0 where they touch or overlap */
+    double impact_speed;        /* m/s: the largest at which it would reach an obstacle, or the object nearest to it, straight on
+                                   by the shortest way; of two objects both fall (NaN: it goes towards none) */
+    double overshoot_each_step; /* growth of stress / strength in one step when it meets a rigid wall at that speed (NaN) */
     double bar_transit;         /* s: longest extent / bar speed */
     double bending_period;      /* s: of a free plate of its extents */
     double extent[3];           /* m: bounding box at the start */

@@ -97,6 +97,20 @@ static void print_breaking(const ShvPreflight *p)
                p->breaking_mean_edge);
 }
 
+static void print_nearest(const ShvPreflight *p)
+{
+    const char *kind = p->nearest_is_obstacle ? "obstacle" : "object";
+    if (p->nearest && p->clearance > 0.0)
+        printf("  nearest: the %s '%s', %.3g m away\n", kind, p->nearest, p->clearance);
+    else if (p->nearest)
+        printf("  touches the %s '%s'\n", kind, p->nearest);
+    if (!isnan(p->impact_speed))
+        printf("  first impact at %.3g m/s or less: stress behind the wave grows by about %.3g of the strength a step\n",
+               p->impact_speed, p->overshoot_each_step);
+    else if (p->clearance > 0.0)
+        printf("  note: it moves towards nothing as the scene begins\n");
+}
+
 static void print_object(const ShvPreflight *p)
 {
     printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
@@ -117,9 +131,7 @@ static void print_object(const ShvPreflight *p)
                p->cohesive_zone, p->snap_back, p->final_opening, p->cohesive_step, p->steps_to_open);
     else
         printf("  cannot break\n");
-    if (!isnan(p->overshoot_each_step))
-        printf("  first impact: stress behind the wave grows by about %.3g of the strength a step\n",
-               p->overshoot_each_step);
+    print_nearest(p);
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
     warn_sliver(p);
@@ -154,6 +166,8 @@ static void print_object_json(const ShvPreflight *p)
                    {"opening_speed", p->opening_speed},
                    {"cohesive_step", p->cohesive_step},
                    {"steps_to_open", p->steps_to_open},
+                   {"clearance", p->clearance},
+                   {"impact_speed", p->impact_speed},
                    {"overshoot_each_step", p->overshoot_each_step},
                    {"bar_transit", p->bar_transit},
                    {"bending_period", p->bending_period}};
@@ -163,6 +177,10 @@ static void print_object_json(const ShvPreflight *p)
     shv_cli_print_json_text(p->material);
     printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s, \"breaking\": \"%s\"", (int)p->tets,
            (int)p->nodes, (int)p->stable_element, p->breakable ? "true" : "false", shv_breaking_name(p->breaking));
+    if (p->nearest) {
+        printf(", \"nearest\": ");
+        shv_cli_print_json_text(p->nearest);
+    }
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         printf(", \"%s\": ", numbers[i].name);
         shv_cli_print_json_number(numbers[i].value);
@@ -202,7 +220,7 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times. Warns where the mesh or the step does not resolve them: at the tips of notches "
+        "facet, characteristic times, what is nearest, how far away and how fast it is met. Warns where the mesh or the step does not resolve them: at the tips of notches "
         "and\n"
         "cracks, on the plane that cracks are to keep to, or on the mean of an object without either. Objects that "
         "overlap\n"

@@ -95,17 +95,11 @@ static ShvStatus find_features(ShvObstacle *obstacle, ShvMemory *memory, const S
     return status;
 }
 
-/* As the surface of a mesh; the diagonals of its faces are flat. */
-static ShvStatus find_box_features(ShvObstacle *obstacle, ShvMemory *memory, ShvError *error)
+/* The diagonals of a box's faces are flat, and no edges. */
+static ShvStatus find_surface_features(ShvObstacle *obstacle, ShvMemory *memory, ShvError *error)
 {
-    static int32_t triangles[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                                    2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double positions[24];
-    for (int k = 0; k < 8; k++)
-        shv_store3(positions + 3 * k,
-                   shv_vec3(k & 1 ? obstacle->half.x : -obstacle->half.x, k & 2 ? obstacle->half.y : -obstacle->half.y,
-                            k & 4 ? obstacle->half.z : -obstacle->half.z));
-    const ShvSurface surface = {.node_count = 8, .triangle_count = 12, .positions = positions, .triangles = triangles};
+    double corners[24];
+    const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
     return find_features(obstacle, memory, &surface, error);
 }
 
@@ -121,11 +115,10 @@ ShvStatus shv_features_create(ShvObstacle *obstacle, ShvMemory *memory, ShvError
         obstacle->feature_count = 1;
         return SHV_OK;
     case SHV_OBSTACLE_BOX:
-        return find_box_features(obstacle, memory, error);
     case SHV_OBSTACLE_MESH:
         break;
     }
-    return find_features(obstacle, memory, &obstacle->surface, error);
+    return find_surface_features(obstacle, memory, error);
 }
 
 /* ---- what is near ---- */

@@ -231,6 +231,18 @@ static ShvStatus make_all(ShvObstacles *obstacles, const ShvSceneDefinition *sce
     return SHV_OK;
 }
 
+ShvSurface shv_obstacle_surface(const ShvObstacle *obstacle, double corners[24])
+{
+    static int32_t triangles[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                    2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    const ShvVec3 half = obstacle->half;
+    if (obstacle->shape != SHV_OBSTACLE_BOX) return obstacle->surface;
+    for (int k = 0; k < 8; k++)
+        shv_store3(corners + 3 * k,
+                   shv_vec3(k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z));
+    return (ShvSurface){.node_count = 8, .triangle_count = 12, .positions = corners, .triangles = triangles};
+}
+
 ShvStatus shv_obstacles_create(ShvObstacles *obstacles, ShvMemory *memory, const ShvSceneDefinition *scene,
                                const char *folder, ShvError *error)
 {

@@ -61,6 +61,9 @@ void shv_obstacles_script(ShvObstacles *obstacles, double time);
 /* The same, with the constant velocities that lead to the pose at time + step, whatever keyframes lie between. */
 void shv_obstacles_script_step(ShvObstacles *obstacles, double time, double step);
 
+/* Its triangles in local axes: those of a mesh, or of a box, whose corners are stored (8 × 3 numbers); none of a plane or sphere. */
+ShvSurface shv_obstacle_surface(const ShvObstacle *obstacle, double corners[24]);
+
 /* Moves free obstacles by `step` under gravity and answers their contacts with other obstacles (restitution: the larger
    of the pair's, friction: the geometric mean). Flight is exact (parabola) or keeps |L| to round-off and energy nearly
    (rotation.h). An impact splits the step at its time; contacts that close slower than 2 step |gravity| are held without

@@ -50,6 +50,10 @@ void shv_simulation_forget_told(ShvSimulation *simulation);
 /* Refuses a simulation whose objects overlap at the start, unless its scene keeps that (overlap.c). */
 ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvError *error);
 
+/* The part of the joint mesh that is an object's, as a mesh of its own whose nodes keep their numbers; owns nothing (preflight.c). */
+ShvMesh shv_object_part(const ShvModel *model, const ShvObject *object);
+/* What is nearest to an object at the start, and how fast it meets something (clearance.c). */
+ShvStatus shv_find_nearest(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object, ShvError *error);
 /* Where an object is expected to break, and the edges there; `part` is its part of the mesh (breaking.c). */
 ShvStatus shv_find_breaking(ShvPreflight *preflight, const ShvHybrid *hybrid, const ShvMesh *part, int32_t node_begin,
                             ShvError *error);

@@ -27,12 +27,6 @@ static ShvVec3 put(const ShvObstacle *obstacle, ShvVec3 local)
     return shv_add(obstacle->position, shv_rotate(obstacle->orientation, local));
 }
 
-static ShvVec3 corner_of_box(const ShvObstacle *obstacle, int k)
-{
-    const ShvVec3 half = obstacle->half;
-    return shv_vec3(k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z);
-}
-
 void shv_start_obstacle(ShvStartObstacle *place, const ShvObstacle *obstacle)
 {
     const ShvVec3 x = obstacle->position, r = shv_vec3(obstacle->radius, obstacle->radius, obstacle->radius);
@@ -45,13 +39,13 @@ void shv_start_obstacle(ShvStartObstacle *place, const ShvObstacle *obstacle)
         place->box = (ShvBox){shv_sub(x, r), shv_add(x, r)};
         break;
     case SHV_OBSTACLE_BOX:
-        for (int k = 0; k < 8; k++) shv_box_add(&place->box, put(obstacle, corner_of_box(obstacle, k)));
-        break;
     case SHV_OBSTACLE_MESH:
-        for (int32_t i = 0; i < obstacle->surface.node_count; i++)
-            shv_box_add(&place->box, put(obstacle, shv_surface_position(&obstacle->surface, i)));
         break;
     }
+    double corners[24];
+    const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
+    for (int32_t i = 0; i < surface.node_count; i++)
+        shv_box_add(&place->box, put(obstacle, shv_surface_position(&surface, i)));
 }
 
 /* ---- bounds: about a point at depth δ there is a ball of radius δ inside ---- */
@@ -234,17 +228,6 @@ static void try_sphere(const ShvStartBody *body, ShvVec3 centre, double radius, 
     deepen(deepest, radius - nearest.gap, nearest.gap < 0.0 ? centre : nearest.point, shv_scale(nearest.normal, -1.0));
 }
 
-static void try_box(const Inside *inside, const ShvBox *near, const ShvObstacle *obstacle, ShvVec3 back,
-                    ShvDepth *deepest)
-{
-    static int32_t triangles[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                    2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    double corners[24];
-    for (int k = 0; k < 8; k++) shv_store3(corners + 3 * k, corner_of_box(obstacle, k));
-    const ShvSurface surface = {.node_count = 8, .triangle_count = 12, .positions = corners, .triangles = triangles};
-    try_skin(inside, near, &(Skin){&surface, shv_add(obstacle->position, back), obstacle->orientation}, deepest);
-}
-
 ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift, double allowance)
 {
     const ShvObstacle *obstacle = place->obstacle;
@@ -257,9 +240,9 @@ ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle 
     try_skin(&in_obstacle, &place->box, &(Skin){&body->surface, shift, shv_quat_identity()}, &deepest);
     if (shv_box_meets(&near, &body->box)) {
         if (obstacle->shape == SHV_OBSTACLE_SPHERE) try_sphere(body, position, obstacle->radius, &deepest);
-        if (obstacle->shape == SHV_OBSTACLE_BOX) try_box(&in_body, &body->box, obstacle, back, &deepest);
-        if (obstacle->shape == SHV_OBSTACLE_MESH)
-            try_skin(&in_body, &body->box, &(Skin){&obstacle->surface, position, obstacle->orientation}, &deepest);
+        double corners[24];
+        const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
+        try_skin(&in_body, &body->box, &(Skin){&surface, position, obstacle->orientation}, &deepest);
     }
     if (!(deepest.depth > allowance)) try_tets(&in_obstacle, &place->box, body, shift, &deepest);
     return deepest;
@@ -284,11 +267,10 @@ double shv_way_past_obstacle(const ShvStartBody *body, const ShvStartObstacle *p
 {
     const ShvObstacle *obstacle = place->obstacle;
     if (obstacle->shape == SHV_OBSTACLE_PLANE) return depth;
-    double most = -HUGE_VAL;
+    double most = -HUGE_VAL, corners[24];
+    const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
     if (obstacle->shape == SHV_OBSTACLE_SPHERE) most = shv_dot(way, obstacle->position) + obstacle->radius;
-    for (int k = 0; k < 8 && obstacle->shape == SHV_OBSTACLE_BOX; k++)
-        most = fmax(most, shv_dot(way, put(obstacle, corner_of_box(obstacle, k))));
-    for (int32_t i = 0; i < obstacle->surface.node_count && obstacle->shape == SHV_OBSTACLE_MESH; i++)
-        most = fmax(most, shv_dot(way, put(obstacle, shv_surface_position(&obstacle->surface, i))));
+    for (int32_t i = 0; i < surface.node_count; i++)
+        most = fmax(most, shv_dot(way, put(obstacle, shv_surface_position(&surface, i))));
     return most - least_along(body, way);
 }

@@ -1,4 +1,4 @@
-#include "shiver/plan.h"
+#include "contact/box.h"
 #include "sim/internal.h"
 
 int32_t shv_simulation_object_count(const ShvSimulation *simulation)
@@ -13,7 +13,7 @@ const char *shv_breaking_name(ShvBreaking breaking)
 }
 
 /* Quality and lumped properties come from the object's own part of the joint mesh, seen as a mesh of its own. */
-static ShvMesh part_of(const ShvModel *model, const ShvObject *object)
+ShvMesh shv_object_part(const ShvModel *model, const ShvObject *object)
 {
     return (ShvMesh){.memory = model->memory,
                      .node_count = object->node_end,
@@ -24,7 +24,7 @@ static ShvMesh part_of(const ShvModel *model, const ShvObject *object)
 
 static void measure_mesh(ShvPreflight *preflight, const ShvModel *model, const ShvObject *object)
 {
-    const ShvMesh part = part_of(model, object);
+    const ShvMesh part = shv_object_part(model, object);
     const ShvMeshQuality quality = shv_mesh_quality(&part);
     preflight->tets = part.element_count;
     preflight->nodes = object->node_end - object->node_begin;
@@ -35,13 +35,10 @@ static void measure_mesh(ShvPreflight *preflight, const ShvModel *model, const S
     preflight->smallest_altitude = quality.smallest_altitude;
     preflight->worst_aspect = quality.worst_aspect;
     preflight->smallest_dihedral = quality.smallest_dihedral;
-    ShvVec3 low = shv_mesh_position(&model->mesh, object->node_begin), high = low;
-    for (int32_t i = object->node_begin; i < object->node_end; i++) {
-        const ShvVec3 x = shv_mesh_position(&model->mesh, i);
-        low = shv_vec3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
-        high = shv_vec3(fmax(high.x, x.x), fmax(high.y, x.y), fmax(high.z, x.z));
-    }
-    shv_store3(preflight->extent, shv_sub(high, low));
+    ShvBox box = shv_box_empty();
+    for (int32_t i = object->node_begin; i < object->node_end; i++)
+        shv_box_add(&box, shv_mesh_position(&model->mesh, i));
+    shv_store3(preflight->extent, shv_sub(box.high, box.low));
 }
 
 static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const ShvObject *object)
@@ -89,39 +86,23 @@ static void measure_waves(ShvPreflight *preflight, const ShvMaterial *material)
 
 /* Stress/strength a step gains behind the front of a wave that a wall starts at the speed of the first contact: the front
    rises over about one mean edge. */
-static double overshoot(const ShvSimulation *simulation, int32_t object, const ShvPreflight *preflight)
+static double overshoot(const ShvPreflight *preflight, const ShvMaterial *material)
 {
-    const ShvHybrid *hybrid = &simulation->hybrid;
-    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[object].material];
-    double speed = 0.0;
-    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
-        const ShvFragment *fragment = NULL;
-        for (int32_t k = 0; k < hybrid->fragments.count && !fragment; k++)
-            if (hybrid->fragments.items[k].object == object) fragment = &hybrid->fragments.items[k];
-        if (!fragment) return (double)NAN;
-        const ShvSurfacePoint nearest = shv_obstacle_closest(&hybrid->obstacles.items[i], fragment->position, HUGE_VAL);
-        const double fall = -shv_dot(shv_load3(hybrid->gravity), nearest.normal);
-        const double start = -shv_dot(fragment->velocity, nearest.normal);
-        const double gap = fmax(0.0, nearest.gap - fragment->radius);
-        const double squared = start * start + 2.0 * fall * gap;
-        if (squared > 0.0 && (start > 0.0 || fall > 0.0)) speed = fmax(speed, sqrt(squared));
-    }
-    const double stress = material->density * material->bar_speed * speed;
+    const double stress = material->density * material->bar_speed * preflight->impact_speed;
     const double rise = preflight->mean_edge / material->bar_speed;
-    return speed > 0.0 ? stress / material->strength[SHV_NORMAL] * preflight->step / rise : (double)NAN;
+    return stress / material->strength[SHV_NORMAL] * preflight->step / rise;
 }
 
 static double least_extent(const ShvObstacle *obstacle)
 {
-    ShvVec3 low = shv_scale(obstacle->half, -1.0), high = obstacle->half;
+    double corners[24];
+    const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
+    ShvBox box = shv_box_empty();
     if (obstacle->shape == SHV_OBSTACLE_PLANE) return (double)INFINITY;
     if (obstacle->shape == SHV_OBSTACLE_SPHERE) return 2.0 * obstacle->radius;
-    for (int32_t i = 0; i < obstacle->surface.node_count; i++) {
-        const ShvVec3 x = shv_surface_position(&obstacle->surface, i);
-        low = shv_vec3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
-        high = shv_vec3(fmax(high.x, x.x), fmax(high.y, x.y), fmax(high.z, x.z));
-    }
-    return fmin(high.x - low.x, fmin(high.y - low.y, high.z - low.z));
+    for (int32_t i = 0; i < surface.node_count; i++) shv_box_add(&box, shv_surface_position(&surface, i));
+    const ShvVec3 extent = shv_sub(box.high, box.low);
+    return fmin(extent.x, fmin(extent.y, extent.z));
 }
 
 static void find_small_obstacle(ShvPreflight *preflight, const ShvObstacles *obstacles)
@@ -154,11 +135,12 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     measure_step(preflight, hybrid, body);
     measure_cohesion(preflight, material, hybrid->model.can_break);
     measure_waves(preflight, material);
-    const ShvMesh part = part_of(&hybrid->model, body);
+    const ShvMesh part = shv_object_part(&hybrid->model, body);
     SHV_TRY(shv_find_breaking(preflight, hybrid, &part, body->node_begin, error));
     preflight->never_parts = preflight->breakable && preflight->final_opening > preflight->breaking_mean_edge &&
                              hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
-    preflight->overshoot_each_step = overshoot(simulation, object, preflight);
+    SHV_TRY(shv_find_nearest(preflight, hybrid, object, error));
+    preflight->overshoot_each_step = overshoot(preflight, material);
     find_small_obstacle(preflight, &hybrid->obstacles);
     return SHV_OK;
 }

@@ -14,7 +14,8 @@ static ShvPreflight preflight_of(const Stage *stage)
     ShvPreflight preflight;
     ShvError error = {SHV_OK, ""};
     check_ok(shv_simulation_preflight(simulation, 0, &preflight, &error), error);
-    check_fails(shv_simulation_preflight(simulation, 1, &preflight, &error), SHV_BAD_INPUT, error, "object 1");
+    check_fails(shv_simulation_preflight(simulation, stage->scene.object_count, &preflight, &error), SHV_BAD_INPUT,
+                error, "does not exist");
     check_ok(shv_simulation_preflight(simulation, 0, &preflight, &error), error);
     shv_simulation_destroy(simulation);
     return preflight;
@@ -250,6 +251,53 @@ static void test_interrupted_trial(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* Two cubes of 20 mm, 10 mm apart, over a floor, beside a ball and a wall of a box turned by 45 degrees. */
+static void test_what_is_nearest(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    stage_box(&stage, "low", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.05);
+    const ShvPreflight alone = preflight_of(&stage);
+    assert_null(alone.nearest);
+    assert_true(isinf(alone.clearance) && isnan(alone.impact_speed) && isnan(alone.overshoot_each_step));
+    stage_floor(&stage);
+    const ShvPreflight falling = preflight_of(&stage);
+    assert_string_equal(falling.nearest, "floor");
+    assert_true(falling.nearest_is_obstacle);
+    check_near(falling.clearance, 0.04, 1e-12);
+    check_near(falling.impact_speed, sqrt(2.0 * 9.81 * 0.04), 1e-9);
+    ShvObstacleDefinition *second = &stage.obstacles[stage.scene.obstacle_count++];
+    *second = shv_obstacle_default();
+    second->name = "other";
+    second->shape = SHV_OBSTACLE_SPHERE;
+    second->radius = 0.005;
+    second->placement.position[0] = 0.02;
+    second->placement.position[1] = 0.02;
+    second->placement.position[2] = 0.05; /* beside an edge of the cube: 10 mm √2 from it */
+    ShvPreflight beside = preflight_of(&stage);
+    assert_string_equal(beside.nearest, "other");
+    check_near(beside.clearance, 0.01 * sqrt(2.0) - 0.005, 1e-9);
+    second->shape = SHV_OBSTACLE_BOX;
+    for (int k = 0; k < 3; k++) second->size[k] = 0.01;
+    second->placement.rotation_axis[2] = 1.0;
+    second->placement.rotation_degrees = 90.0;
+    second->placement.position[0] = 0.03;
+    second->placement.position[1] = 0.0;
+    stage.objects[0].placement.velocity[0] = 2.0; /* towards it */
+    beside = preflight_of(&stage);
+    assert_string_equal(beside.nearest, "other");
+    check_near(beside.clearance, 0.015, 1e-9);
+    check_near(beside.impact_speed, 2.0, 1e-9);
+    ShvObjectDefinition *high = stage_box(&stage, "high", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.08);
+    high->placement.velocity[2] = -3.0; /* 10 mm above; both fall */
+    const ShvPreflight between = preflight_of(&stage);
+    assert_string_equal(between.nearest, "high");
+    assert_false(between.nearest_is_obstacle);
+    check_near(between.clearance, 0.01, 1e-9);
+    check_near(between.impact_speed, 3.0, 1e-9);
+}
+
 /* The reason of a part is that of the engine at work. */
 static void test_reasons(void **state)
 {
@@ -273,7 +321,7 @@ int main(void)
         cmocka_unit_test(test_step_scales), cmocka_unit_test(test_plan),
         cmocka_unit_test(test_unbreakable), cmocka_unit_test(test_trial),
         cmocka_unit_test(test_short_trial), cmocka_unit_test(test_interrupted_trial),
-        cmocka_unit_test(test_reasons),
+        cmocka_unit_test(test_reasons),     cmocka_unit_test(test_what_is_nearest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
