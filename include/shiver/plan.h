@@ -41,19 +41,21 @@ typedef struct ShvPreflight {
     double breaking_mean_edge, breaking_longest_edge; /* m, there; the latter of all tets where cracks may run on */
     bool
         never_parts; /* bonds are to hold pieces together, and facets fail only when open by more than an edge, or never */
-    double final_opening;       /* m */
-    double opening_speed;       /* m/s: 2 σ/(ρ c₀), a free crack face under the strength */
-    double cohesive_step;       /* s: final opening / opening speed */
-    double steps_to_open;       /* cohesive_step / step */
-    const char *nearest;        /* the object or obstacle whose surface is nearest at the start; NULL: there is none */
+    double final_opening; /* m */
+    double opening_speed; /* m/s: 2 σ/(ρ c₀), a free crack face under the strength */
+    double cohesive_step; /* s: final opening / opening speed */
+    double steps_to_open; /* cohesive_step / step */
+    const char *nearest;  /* the object or obstacle whose surface is nearest at the start; NULL: there is none */
     bool nearest_is_obstacle;
-    double clearance;           /* m: from it, surface to surface; 0 where they touch or overlap */
-    double impact_speed;        /* m/s: the largest at which it would reach an obstacle, or the object nearest to it, straight on
+    double clearance; /* m: from it, surface to surface; 0 where they touch or overlap */
+    double
+        impact_speed; /* m/s: the largest at which it would reach an obstacle, or the object nearest to it, straight on
                                    by the shortest way; of two objects both fall (NaN: it goes towards none) */
-    double overshoot_each_step; /* growth of stress / strength in one step when it meets a rigid wall at that speed (NaN) */
-    double bar_transit;         /* s: longest extent / bar speed */
-    double bending_period;      /* s: of a free plate of its extents */
-    double extent[3];           /* m: bounding box at the start */
+    double
+        overshoot_each_step; /* growth of stress / strength in one step when it meets a rigid wall at that speed (NaN) */
+    double bar_transit;      /* s: longest extent / bar speed */
+    double bending_period;   /* s: of a free plate of its extents */
+    double extent[3];        /* m: bounding box at the start */
     const char *small_obstacle; /* the smallest that is smaller than a mean edge, NULL: none */
     double small_obstacle_size; /* m: its least extent */
 } ShvPreflight;
