@@ -105,8 +105,9 @@ static void print_nearest(const ShvPreflight *p)
     else if (p->nearest)
         printf("  touches the %s '%s'\n", kind, p->nearest);
     if (!isnan(p->impact_speed))
-        printf("  first impact at %.3g m/s or less: stress behind the wave grows by about %.3g of the strength a step\n",
-               p->impact_speed, p->overshoot_each_step);
+        printf(
+            "  first impact at %.3g m/s or less: stress behind the wave grows by about %.3g of the strength a step\n",
+            p->impact_speed, p->overshoot_each_step);
     else if (p->clearance > 0.0)
         printf("  note: it moves towards nothing as the scene begins\n");
 }
@@ -220,7 +221,8 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times, what is nearest, how far away and how fast it is met. Warns where the mesh or the step does not resolve them: at the tips of notches "
+        "facet, characteristic times, what is nearest, how far away and how fast it is met. Warns where the mesh or "
+        "the step does not resolve them: at the tips of notches "
         "and\n"
         "cracks, on the plane that cracks are to keep to, or on the mean of an object without either. Objects that "
         "overlap\n"

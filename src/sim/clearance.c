@@ -39,10 +39,10 @@ static ShvVec3 velocity_at(const ShvFragment *fragment, ShvVec3 point)
 
 static Approach between(const ShvSurfaceDistance *nearest)
 {
-    const ShvVec3 way = shv_sub(shv_load3(nearest->second), shv_load3(nearest->first));
+    const ShvVec3 direction = shv_sub(shv_load3(nearest->second), shv_load3(nearest->first));
     return (Approach){.gap = nearest->distance,
                       .point = shv_load3(nearest->first),
-                      .direction = nearest->distance > 0.0 ? shv_unit(way) : shv_vec3(0.0, 0.0, 0.0)};
+                      .direction = nearest->distance > 0.0 ? shv_unit(direction) : shv_vec3(0.0, 0.0, 0.0)};
 }
 
 /* ---- obstacles ---- */
