@@ -141,7 +141,7 @@ class Approach
         double start;  // gap then
         bool touching; // since the start
         bool lowered;  // the threshold is below ½ slop
-        int grazing;   // evaluations within the allowance, one after another
+        int grazing;   // evaluations within the allowed depth, one after another
     };
     Watch start(const ImpactPiece &first, const ImpactPiece *second);
     bool judge(Watch &watch) const;

@@ -120,7 +120,7 @@ typedef struct ShvBytesView {
 
 /* One probe at one time. NaN is what is not known: a whole sample while the probe's body is not looked at, stress and forces
    of what flies, stress and reaction of obstacles, forces on points.
-   In fracture mode all values are those of one time step n: the velocity is that of the time, not of the half step. */
+   In fracture mode all values are those of one time step n: the velocity is that of time n, not of the half step. */
 typedef struct ShvProbeSample {
     double displacement[3]; /* m, since the start; of a set of nodes the mean weighted by mass */
     double velocity[3];     /* m/s, likewise */

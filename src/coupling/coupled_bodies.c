@@ -13,7 +13,7 @@ ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
     const int32_t room = hybrid->fragments.capacity;
     if (coupled_bodies->room >= room) return SHV_OK;
 #define GROW(name)                                                                                                     \
-    SHV_RESIZE(hybrid->memory, SHV_PART_CONTACT, coupled_bodies->name, (size_t)room, "companions",                     \
+    SHV_RESIZE(hybrid->memory, SHV_PART_CONTACT, coupled_bodies->name, (size_t)room, "coupled bodies",                 \
                (size_t)room * sizeof *coupled_bodies->name, error);
     GROW(items)
     GROW(kept)

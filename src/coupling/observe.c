@@ -11,12 +11,12 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     if (ghost->capacity < hybrid->state.node_capacity) {
         const size_t count = 3 * (size_t)hybrid->state.node_capacity;
         double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
-        if (!before) return shv_fail_memory(error, "velocities around a moment", count * sizeof(double));
+        if (!before) return shv_fail_memory(error, "velocities around a time", count * sizeof(double));
         ghost->before = before;
         if (hybrid->relaxed) {
             double *displacement =
                 shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
-            if (!displacement) return shv_fail_memory(error, "displacements at a moment", count * sizeof(double));
+            if (!displacement) return shv_fail_memory(error, "displacements at a time", count * sizeof(double));
             ghost->displacement = displacement;
         }
         ghost->capacity = hybrid->state.node_capacity;
@@ -24,7 +24,7 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
     const size_t count = (size_t)hybrid->obstacles.count;
     ghost->obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, count, sizeof(ShvObstacle));
-    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a moment", count * sizeof(ShvObstacle));
+    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a time", count * sizeof(ShvObstacle));
 }
 
 /* Momentum of a time is that of the mean velocity, for free obstacles as for nodes: half of the ghost step's impulses. */

@@ -33,7 +33,7 @@ static double last_change(const ShvFragment *fragment)
     return fmax(fragment->last_insertion, fragment->last_crack);
 }
 
-/* How long a body may tremble before it rests whatever it carries, in transits of the bending wave; and how many times as long
+/* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
    where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. */
 static const double longest_transits = 20.0, cracked_window = 5.0;
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-/* Of the smaller radius: gaps below are touches; how near an impact's moment is found; and motion in a step up to which the
+/* Of the smaller radius: gaps below are touches; how near a time of impact is found; and motion in a step up to which the
    contacts of its start tell the time of impact; the same of bodies that touch already. */
 static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.2,
                     touching_motion_of_radius = 0.5;
@@ -160,7 +160,7 @@ static void allow_overlaps(const ShvBullet *bullet, ShvContactPair *contact_pair
     }
 }
 
-/* Whether a contact closes fast in the step: its moment, by the parabola of its gap. */
+/* Whether a contact closes fast in the step: its time of impact, by the parabola of its gap. */
 static bool closes_fast(const ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvBulletContact *contact,
                         double *time)
 {
@@ -326,7 +326,7 @@ static bool nearest_closing(const ShvBullet *bullet, const ShvContactPair *conta
 
 enum { MOMENT_CORRECTIONS = 8 };
 
-/* Contacts at the very moment: it is corrected until the gap is closed. */
+/* Contacts at the very time of impact: it is corrected until the gap is closed. */
 static ShvStatus find_moment(ShvBullet *bullet, ShvContactPair *contact_pair, ShvError *error)
 {
     const double near =

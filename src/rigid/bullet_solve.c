@@ -24,7 +24,7 @@ static void pair_laws(const ShvBullet *bullet, const ShvContactPair *contact_pai
     }
 }
 
-/* Normal velocity that a fast contact leaves at the step's end: thrown back at its moment, then flown on; or 0 when it would
+/* Normal velocity that a fast contact leaves at the step's end: thrown back at its time of impact, then flown on; or 0 when it would
    be back within the step. */
 static double thrown_back(const ShvBullet *bullet, const ShvContactPair *contact_pair, double closing,
                           double acceleration, double restitution)

@@ -195,7 +195,7 @@ static ShvBox moved(ShvBox box, ShvVec3 by)
 }
 
 /* Trees stay where they are: what is tried in the first body is moved the other way. */
-ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double allowance)
+ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double tolerance)
 {
     const Inside in_first = {first, closest_on_body, sweep_body, -1.0};
     const Inside in_second = {second, closest_on_body, sweep_body, 1.0};
@@ -205,7 +205,7 @@ ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *sec
     ShvDepth deepest = {.depth = 0.0};
     try_skin(&in_second, &second->box, &skin, &deepest);
     try_skin(&in_first, &first->box, &other, &deepest);
-    if (deepest.depth > allowance) return deepest;
+    if (deepest.depth > tolerance) return deepest;
     if (tets_of(first) < tets_of(second))
         try_tets(&in_second, &second->box, first, shift, &deepest);
     else
@@ -245,7 +245,7 @@ static void try_box(const Inside *inside, const ShvBox *near, const ShvObstacle 
     try_skin(inside, near, &(Skin){&surface, shv_add(obstacle->position, back), obstacle->orientation}, deepest);
 }
 
-ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift, double allowance)
+ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift, double tolerance)
 {
     const ShvObstacle *obstacle = place->obstacle;
     const Inside in_obstacle = {obstacle, closest_on_obstacle, sweep_obstacle, 1.0};
@@ -261,7 +261,7 @@ ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle 
         if (obstacle->shape == SHV_OBSTACLE_MESH)
             try_skin(&in_body, &body->box, &(Skin){&obstacle->surface, position, obstacle->orientation}, &deepest);
     }
-    if (!(deepest.depth > allowance)) try_tets(&in_obstacle, &place->box, body, shift, &deepest);
+    if (!(deepest.depth > tolerance)) try_tets(&in_obstacle, &place->box, body, shift, &deepest);
     return deepest;
 }
 
