@@ -190,15 +190,10 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
     balance->cohesive = work[SHV_WORK_COHESIVE];
     balance->cohesive_released = hybrid->ledger.released;
-    balance->closure = work[SHV_WORK_CLOSURE];
-    balance->contact = work[SHV_WORK_CONTACT];
-    balance->friction = work[SHV_WORK_FRICTION];
-    balance->constraint = work[SHV_WORK_CONSTRAINT];
-    balance->traction = work[SHV_WORK_TRACTION];
-    balance->bars = work[SHV_WORK_BARS];
-    balance->damping = work[SHV_WORK_DAMPING];
-    balance->handover = work[SHV_WORK_HANDOVER];
-    balance->event = work[SHV_WORK_EVENT];
+#define WORK(member, name) balance->member = work[SHV_WORK_##name];
+#define NO_WORK(member, unit)
+    SHV_LEDGER_COLUMNS(NO_WORK, WORK, NO_WORK)
+#undef WORK
 }
 
 static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
@@ -215,8 +210,12 @@ static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
 
 static double given_work(const ShvLedgerView *b)
 {
-    return b->cohesive + b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping +
-           b->handover + b->event;
+    double sum = b->cohesive;
+#define WORK(member, name) sum += b->member;
+    SHV_LEDGER_COLUMNS(NO_WORK, WORK, NO_WORK)
+#undef WORK
+#undef NO_WORK
+    return sum;
 }
 
 static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
