@@ -252,6 +252,9 @@ static int32_t first_lost_element(const ShvHybrid *hybrid)
     return -1;
 }
 
+/* Of the sum of potentials: its rounding over many bodies and frames. */
+static const double rounding_of_sum = 1e-12;
+
 /* Rounding of the potentials from which the balance is summed, J: what a body at rest, whose energies are nothing but rounding,
    may be off by. */
 static double rounding_of_balance(const ShvHybrid *hybrid)
@@ -262,7 +265,7 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_DEAD) size += fragment->mass * fabs(shv_dot(gravity, fragment->position));
     }
-    return 1e-12 * (size + fabs(hybrid->start_energy));
+    return rounding_of_sum * (size + fabs(hybrid->start_energy));
 }
 
 /* By closing faces, what they hold still counted as theirs to give, J: it never rises. */

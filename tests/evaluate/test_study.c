@@ -567,7 +567,7 @@ static void test_files(void **state)
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) assert_null(strstr(page, outside[i]));
     assert_non_null(strstr(page, "<h1>bounce &amp; &lt;study&gt;</h1>"));
     assert_non_null(strstr(page, "closed form (bounce of "));
-    static const char *const files[] = {"error_surface.svg", "error_energy.svg", "error_moment.svg", "cost.svg",
+    static const char *const files[] = {"error_surface.svg", "error_energy.svg", "error_event_time.svg", "cost.svg",
                                         "study.json",        "results.csv",      "timings.csv"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         char name[64];
