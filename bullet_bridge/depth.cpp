@@ -72,6 +72,12 @@ btVector3 direction_of(const btVoronoiSimplexSolver &simplex, const btVector3 &n
     return across / (side > 0.0 ? -size : size);
 }
 
+// Rounding of a support point, and of a gap from two of them, of the larger body; depth up to which cores count as touching; of the
+// product of two edges, area below which a face is flat; of the smaller body, distance at which a refined gap is measured.
+const double rounding_of_support = 1e-15, rounding_of_gap = 1e-14, touching_depth = 1e-12, flat_area = 1e-13,
+             flat_size = 1e-13, measured_apart = 1e-2;
+enum { REFINEMENTS = 8 };
+
 enum { MOST_ROUNDS = 64 };
 
 // 1/m, a power of two, which changes no bit: the simplex is of the size of the smaller body. Bullet takes a tet whose triple product
@@ -92,7 +98,7 @@ Corner scaled_corner(const ConvexPair &pair, const btVector3 &normal, const btVe
 // when they touch), which is a lower bound whether or not the iteration has converged.
 Gap distance(const ConvexPair &pair, const btVector3 &guess, const btVector3 &shift)
 {
-    const double unit = unit_of(pair), resolution = 1e-15 * pair.large * unit;
+    const double unit = unit_of(pair), resolution = rounding_of_support * pair.large * unit;
     Gap best;
     best.gap = -HUGE_VAL;
     best.normal = guess.normalized();
@@ -140,13 +146,13 @@ Gap refine(const ConvexPair &pair, const btVector3 &start)
     Gap best;
     best.normal = start;
     best.gap = gap_across(pair, start);
-    for (int round = 0; round < 8; round++) {
-        const btVector3 shift = best.normal * (1e-2 * pair.small - best.gap);
+    for (int round = 0; round < REFINEMENTS; round++) {
+        const btVector3 shift = best.normal * (measured_apart * pair.small - best.gap);
         Gap seen = distance(pair, best.normal, shift);
         const double gap = gap_across(pair, seen.normal);
         best.first = seen.first;
         best.second = seen.second - shift;
-        const bool better = gap > best.gap + 1e-14 * pair.large;
+        const bool better = gap > best.gap + rounding_of_gap * pair.large;
         if (gap > best.gap) {
             best.gap = gap;
             best.normal = seen.normal;
@@ -176,7 +182,7 @@ void add_face(Polytope &polytope, int a, int b, int c)
     const btVector3 one = p[b] - p[a], other = p[c] - p[a];
     Face face = {{a, b, c}, one.cross(other), HUGE_VAL};
     const double area = face.normal.length();
-    if (area > 1e-13 * one.length() * other.length()) {
+    if (area > flat_area * one.length() * other.length()) {
         face.normal /= area;
         face.distance = face.normal.dot(p[a]);
     } else {
@@ -202,7 +208,7 @@ btVector3 farther(const ConvexPair &pair, const btVector3 &through, const btVect
 // Four corners that span a volume; false when first − second is flat, with its normal in `normal`.
 bool start_polytope(const ConvexPair &pair, Polytope &polytope, btVector3 &normal)
 {
-    const double flat = 1e-13 * pair.large;
+    const double flat = flat_size * pair.large;
     btVector3 directions[3] = {normal, btVector3(), btVector3()};
     btPlaneSpace1(directions[0], directions[1], directions[2]);
     std::vector<btVector3> &p = polytope.corners;
@@ -268,7 +274,7 @@ enum { MOST_CORNERS = 256 };
 // hull is grown by a thousandth so that they overlap.)
 btVector3 expand(const ConvexPair &pair, const btVector3 &guess)
 {
-    const double resolution = 1e-14 * pair.large;
+    const double resolution = rounding_of_gap * pair.large;
     btVector3 best = guess;
     Polytope polytope;
     if (!start_polytope(pair, polytope, best)) return best;
@@ -296,7 +302,7 @@ btVector3 expand(const ConvexPair &pair, const btVector3 &guess)
 Gap overlap(const ConvexPair &pair, const btVector3 &guess)
 {
     const Gap near_guess = refine(pair, guess);
-    if (near_guess.gap >= -1e-12 * pair.large) return near_guess;
+    if (near_guess.gap >= -touching_depth * pair.large) return near_guess;
     const Gap found = refine(pair, expand(pair, guess));
     return found.gap > near_guess.gap ? found : near_guess;
 }
@@ -388,7 +394,7 @@ void measure(const ShvConvex *first, const ShvConvex *second, ShvConvexGap *gap)
     const double sizes[2] = {extent(pair.first, middle[0]), extent(pair.second, middle[1])};
     pair.large = std::max(sizes[0], sizes[1]);
     pair.small = std::min(sizes[0], sizes[1]);
-    pair.close = 1e-2 * pair.small;
+    pair.close = measured_apart * pair.small;
     btVector3 guess = middle[1] - middle[0];
     if (!(guess.length2() > 0.0)) guess.setValue(1.0, 0.0, 0.0);
     const Gap answer = convex_gap(pair, guess);

@@ -52,9 +52,9 @@ struct ShvDynamicsWorld {
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     World world{&dispatcher, &broadphase, &solver, &configuration};
-    std::vector<std::unique_ptr<Body>> bodies; // by number
-    std::map<Pair, btScalar> allowances;       // overlaps that are let be, in units
-    std::vector<Pair> touching, touched;       // in this step and the last, in order
+    std::vector<std::unique_ptr<Body>> bodies;     // by number
+    std::map<Pair, btScalar> allowed_penetrations; // overlaps that are let be, in units
+    std::vector<Pair> touching, touched;           // in this step and the last, in order
     std::vector<ShvDynamicsContact> contacts;
     ShvDynamicsJudge judge = nullptr;
     void *judge_data = nullptr;
@@ -199,8 +199,9 @@ void shv_dynamics_world_remove(ShvDynamicsWorld *world, int32_t number)
         if (manifold->getBody0() == body) manifold->getBody1()->activate();
         if (manifold->getBody1() == body) manifold->getBody0()->activate();
     }
-    for (auto at = world->allowances.begin(); at != world->allowances.end();)
-        at = at->first.first == number || at->first.second == number ? world->allowances.erase(at) : std::next(at);
+    for (auto at = world->allowed_penetrations.begin(); at != world->allowed_penetrations.end();)
+        at = at->first.first == number || at->first.second == number ? world->allowed_penetrations.erase(at)
+                                                                     : std::next(at);
     world->world.removeRigidBody(body);
     world->bodies[size_t(number)].reset();
 }
@@ -271,14 +272,14 @@ void ShvDynamicsWorld::allow_overlaps()
             depth = btMax(depth, -manifold->getContactPoint(k).getDistance());
         }
     }
-    for (auto at = allowances.begin(); at != allowances.end();) {
+    for (auto at = allowed_penetrations.begin(); at != allowed_penetrations.end();) {
         const auto now = deepest.find(at->first);
         at->second = now == deepest.end() ? 0 : btMin(at->second, now->second);
-        at = at->second > 0 ? std::next(at) : allowances.erase(at);
+        at = at->second > 0 ? std::next(at) : allowed_penetrations.erase(at);
     }
     for (const auto &item : deepest) {
         const bool born = bodies[size_t(item.first.first)]->born || bodies[size_t(item.first.second)]->born;
-        if (born && item.second > 0) allowances.emplace(item.first, item.second);
+        if (born && item.second > 0) allowed_penetrations.emplace(item.first, item.second);
     }
 }
 
@@ -329,13 +330,14 @@ void ShvDynamicsWorld::set_law(btPersistentManifold *manifold)
 {
     btScalar friction, restitution;
     pair_law(of(manifold->getBody0()), of(manifold->getBody1()), settings, &friction, &restitution);
-    const auto allowed_penetration = allowances.find(pair_of(manifold));
+    const auto allowed_penetration = allowed_penetrations.find(pair_of(manifold));
     bool rebounds = false;
     for (int k = 0; k < manifold->getNumContacts(); k++) {
         btManifoldPoint &point = manifold->getContactPoint(k);
         point.m_combinedFriction = friction;
         point.m_combinedRestitution = restitution;
-        if (allowed_penetration != allowances.end()) point.setDistance(point.getDistance() + allowed_penetration->second);
+        if (allowed_penetration != allowed_penetrations.end())
+            point.setDistance(point.getDistance() + allowed_penetration->second);
         if (settings.sharp_impacts) rebounds = sharpen(manifold, point, restitution) || rebounds;
     }
     const btScalar reach = rebounds ? 0 : BT_LARGE_FLOAT;

@@ -92,11 +92,14 @@ ShvStatus shv_impact_hulls_create(ShvImpactShape **shape, const double *vertices
     });
 }
 
+// Of a unit normal: how far off 1 its length may be.
+static const double unit_length = 1e-6;
+
 ShvStatus shv_impact_plane_create(ShvImpactShape **shape, const double normal[3], double offset, ShvError *error)
 {
     *shape = nullptr;
     const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    if (!(std::fabs(length - 1.0) < 1e-6) || !std::isfinite(offset))
+    if (!(std::fabs(length - 1.0) < unit_length) || !std::isfinite(offset))
         return shv_fail(error, SHV_BAD_INPUT,
                         "a plane needs a normal of length 1 (this one has %g) and a finite offset", length);
     return create(shape, error, [=](ShvImpactShape &made) {

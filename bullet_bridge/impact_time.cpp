@@ -141,7 +141,7 @@ class Approach
         double start;  // gap then
         bool touching; // since the start
         bool lowered;  // the threshold is below ½ slop
-        int grazing;   // evaluations within the allowance, one after another
+        int grazing;   // evaluations within the allowed depth, one after another
     };
     Watch start(const ImpactPiece &first, const ImpactPiece *second);
     bool judge(Watch &watch) const;
@@ -364,6 +364,9 @@ bool Approach::stay_apart(const ImpactPiece &first, const ImpactPiece &second, d
     return miss > 1e-6 * distance && part(first, second, aside / miss, limit);
 }
 
+// Of the smaller piece: distance at which gaps are found to full precision; of the larger one: what the tolerance is of at least; of
+// the slop: how near its threshold a gap is at the time of impact.
+const double close_of_small = 1e-7, least_of_large = 1e-3, found_of_slop = 0.25;
 enum { MOST_EVALUATIONS = 4096, PATIENCE = 64 };
 
 // The pieces at time 0, and what will count as contact.
@@ -373,10 +376,10 @@ Approach::Watch Approach::start(const ImpactPiece &first, const ImpactPiece *sec
     piece_[1] = second;
     pair_.large = second == nullptr ? first.size : std::max(first.size, second->size);
     pair_.small = second == nullptr ? first.size : std::min(first.size, second->size);
-    pair_.close = 1e-7 * pair_.small;
+    pair_.close = close_of_small * pair_.small;
     gap_ = measure(0.0);
     Watch watch = {};
-    watch.slop = settings_.tolerance * std::max(pair_.small, 1e-3 * pair_.large);
+    watch.slop = settings_.tolerance * std::max(pair_.small, least_of_large * pair_.large);
     watch.allowed_penetration = watch.slop;
     watch.start = gap_.gap;
     watch.touching = watch.lowered = gap_.gap <= watch.slop;
@@ -392,7 +395,7 @@ bool Approach::judge(Watch &watch) const
         watch.threshold = 0.5 * watch.slop;
     }
     const double clearance = gap_.gap - watch.threshold;
-    const bool contact = clearance <= 0.25 * watch.slop;
+    const bool contact = clearance <= found_of_slop * watch.slop;
     if (contact && closing() > settings_.slowest) return true;
     watch.grazing = clearance <= watch.allowed_penetration ? watch.grazing + 1 : 0;
     if (contact || watch.grazing == PATIENCE) {

@@ -150,7 +150,8 @@ static void make_mass(ShvBulletBody *body, double inverse_mass, const double inv
     body->body->setActivationState(DISABLE_DEACTIVATION);
 }
 
-static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &displacement, double drift, double turn)
+static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &displacement, double drift,
+                    double turn)
 {
     body->displacement = displacement;
     body->ball = body->radius + drift * world->scale;
@@ -209,8 +210,8 @@ double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t number)
     return body->kind == SHV_BULLET_PLANE ? double(INFINITY) : body->radius / world->scale;
 }
 
-ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const double displacement[3], double drift, double turn,
-                                 ShvError *error)
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const double displacement[3], double drift,
+                                 double turn, ShvError *error)
 {
     return guarded(error, [&] {
         ShvBulletBody *body = body_of(world, number);

@@ -1,7 +1,7 @@
 /* The world of `rigid.engine: bullet`: a btDiscreteDynamicsWorld with these overrides.
      free flight      poses and velocities between contacts are the caller's: parabolas, free rotation in closed form
      swept boxes      bodies' boxes in Bullet's broadphase hold their ways in the step, as told
-     exact contacts   the dispatcher asks for contacts on exact hulls, at moments that the caller chooses, and gets its manifolds
+     exact contacts   the dispatcher asks for contacts on exact hulls, at times that the caller chooses, and gets its manifolds
                       made of those; here impacts are judged, between detection and islands
      touching islands joined by contacts, not by boxes
      settled impulses Bullet's rows with the caller's target velocities, friction on the cone, mixed sweeps to a tolerance

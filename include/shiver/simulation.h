@@ -49,18 +49,43 @@ typedef struct ShvObstacleView {
    what the integrator gained or lost.
      cohesive_defect = cohesive + cohesive_recoverable + cohesive_released + fracture_dissipation:
    how far the work of the tractions is from what the cohesive law says for the openings that came about. */
+/* Its columns between time and residual: one table, which run file, CSV, JSON, viewer, formulas and balance follow.
+   NUMBER(member, unit); WORK(member, NAME), in J, part of the balance and booked as SHV_WORK_NAME; VECTOR(member, unit). */
+#define SHV_LEDGER_COLUMNS(NUMBER, WORK, VECTOR)                                                                       \
+    NUMBER(kinetic, "J") /* functions of the state */                                                                  \
+    NUMBER(strain, "J")                                                                                                \
+    NUMBER(gravity_potential, "J")                                                                                     \
+    NUMBER(cohesive_recoverable, "J") /* of the cohesive law, from its openings and histories */                       \
+    NUMBER(fracture_dissipation, "J")                                                                                  \
+    WORK(contact, CONTACT)         /* by normal contact impulses */                                                    \
+    WORK(friction, FRICTION)       /* by tangential contact impulses */                                                \
+    WORK(closure, CLOSURE)         /* by crack faces that close (≤ 0) */                                             \
+    WORK(constraint, CONSTRAINT)   /* by supports and imposed velocities */                                            \
+    WORK(traction, TRACTION)       /* by imposed tractions */                                                          \
+    WORK(bars, BARS)               /* by position based projections */                                                 \
+    WORK(damping, DAMPING)         /* by damping towards rigid motion */                                               \
+    WORK(handover, HANDOVER)       /* vibration and strain dropped or given at mode switches, each one in /events */   \
+    WORK(event, EVENT)             /* by events of the time line */                                                    \
+    NUMBER(cohesive, "J")          /* by cohesive tractions on the nodes */                                            \
+    NUMBER(cohesive_released, "J") /* recoverable energy of cohesive zones that was let go at mode switches */         \
+    NUMBER(cohesive_defect, "J")                                                                                       \
+    NUMBER(failed_area, "m2")                                                                                          \
+    NUMBER(inserted_area, "m2")                                                                                        \
+    NUMBER(fracture_energy_area, "J") /* ΣG·A over failed facets */                                                  \
+    VECTOR(momentum, "kg m/s")                                                                                         \
+    VECTOR(angular_momentum, "kg m2/s") /* about the origin */
+
+#define SHV_LEDGER_NUMBER(member, unit) double member;
+#define SHV_LEDGER_WORK(member, name)   double member;
+#define SHV_LEDGER_VECTOR(member, unit) double member[3];
 typedef struct ShvLedgerView {
     double time;
-    double kinetic, strain, gravity_potential;         /* functions of the state */
-    double cohesive_recoverable, fracture_dissipation; /* of the cohesive law, from its openings and histories */
-    double contact, friction, closure, constraint, traction, bars, damping, handover, event;
-    double cohesive;          /* by cohesive tractions on the nodes */
-    double cohesive_released; /* recoverable energy of cohesive zones that was let go at mode switches */
-    double cohesive_defect;
-    double failed_area, inserted_area, fracture_energy_area; /* m², m², ΣG·A over failed facets */
-    double momentum[3], angular_momentum[3];                 /* kg m/s; kg m²/s about the origin */
+    SHV_LEDGER_COLUMNS(SHV_LEDGER_NUMBER, SHV_LEDGER_WORK, SHV_LEDGER_VECTOR)
     double residual, largest; /* largest: the largest single energy so far, the residual's scale */
 } ShvLedgerView;
+#undef SHV_LEDGER_NUMBER
+#undef SHV_LEDGER_WORK
+#undef SHV_LEDGER_VECTOR
 
 typedef enum ShvRunEvent {
     SHV_RUN_WAKE,      /* a fragment entered fracture mode; value: closing speed, m/s */
@@ -120,7 +145,7 @@ typedef struct ShvBytesView {
 
 /* One probe at one time. NaN is what is not known: a whole sample while the probe's body is not looked at, stress and forces
    of what flies, stress and reaction of obstacles, forces on points.
-   In fracture mode all values are those of one time step n: the velocity is that of the time, not of the half step. */
+   In fracture mode all values are those of one time step n: the velocity is that of time n, not of the half step. */
 typedef struct ShvProbeSample {
     double displacement[3]; /* m, since the start; of a set of nodes the mean weighted by mass */
     double velocity[3];     /* m/s, likewise */

@@ -75,7 +75,7 @@ typedef struct ShvStability ShvStability;
    component of a node's velocity is drawn evenly from ±½ × 1e-6 bar speeds and rigid motion taken out. Stable: kinetic and
    strain energy stay below 100 times the start for all `steps`, and a line through their logarithm over the last third
    rises by at most 5 %; or all but 1e-15 of the energy is gone before. Kinetic energy is Σ ½ m v₋·v₊, with the velocities around the
-   moment. */
+   time. */
 ShvStatus shv_stability(ShvStability **stability, const ShvSceneDefinition *scene, const ShvStabilityOptions *options,
                         ShvError *error);
 void shv_stability_destroy(ShvStability *stability);

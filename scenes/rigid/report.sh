@@ -104,9 +104,9 @@ claims()
             claim "$engine: free fall keeps to −½gt² (energy within 1e-10)" "$(below 1e-10)" $(of free_fall $engine 'error of energy')
             claim "$engine: the top loses less than 1e-6 of its energy at 1 ms" 'v[1] < 1e-6' "$(figure top $engine 0.001 'error of energy')"
             claim "$engine: the top keeps its angular momentum within 1e-8 at 1 ms" 'v[1] < 1e-8' "$(figure top $engine 0.001 'error of angular_momentum')"
-            claim "$engine: the top flips within 1 ms of 10.917, 30.470 and 50.023 s (step 1 ms)" 'v[1] < 1e-3' "$(figure top $engine 0.001 'error of moment [s]')"
-            claim "$engine: the bouncing ball's four impacts are found (how many are missing)" 'v[1] == 0 && v[2] == 0 && v[3] == 0' $(of bounce $engine 'error of moments')
-            claim "$engine: and within 4.5 ms (1 % of the first)" "$(below 4.5e-3)" $(of bounce $engine 'error of moment [s]')
+            claim "$engine: the top flips within 1 ms of 10.917, 30.470 and 50.023 s (step 1 ms)" 'v[1] < 1e-3' "$(figure top $engine 0.001 'error of event_time [s]')"
+            claim "$engine: the bouncing ball's four impacts are found (how many are missing)" 'v[1] == 0 && v[2] == 0 && v[3] == 0' $(of bounce $engine 'error of missed_events')
+            claim "$engine: and within 4.5 ms (1 % of the first)" "$(below 4.5e-3)" $(of bounce $engine 'error of event_time [s]')
             claim "$engine: its apices are within 1 %" "$(below 0.01)" $(of bounce $engine 'error of apex')
             claim "$engine: the block slides 1.178 m within 1 %" "$(below 0.01178)" $(of slide $engine 'error of position [m]')
             claim "$engine: the block sticks (within 0.1 mm)" "$(below 1e-4)" $(of stick $engine 'error of position [m]')

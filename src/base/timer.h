@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* Seconds since an arbitrary fixed moment. */
+/* Seconds since an arbitrary fixed time. */
 double shv_now(void);
 /* Seconds of processor time that the calling thread has had. */
 double shv_processor_now(void);

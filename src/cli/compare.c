@@ -150,7 +150,7 @@ static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const 
     shv_print(stream, "], rigid.time_step: [");
     for (int32_t i = 0; i < choice->step_count; i++) shv_print(stream, "%s%g", i ? ", " : "", choice->steps[i]);
     shv_print(stream, "]}\nrepeats: 3\nmeasures: [position, orientation, velocity, surface, energy, energy_gain, "
-                      "angular_momentum, moments, moment, apex]\n");
+                      "angular_momentum, missed_events, event_time, apex]\n");
     return put_reference(stream, scene, choice, error);
 }
 
@@ -209,7 +209,7 @@ const ShvCommand shv_command_compare = {
     .details =
         "Runs a scene in which nothing can break with each rigid engine at each time step, and prints the largest\n"
         "errors of position, orientation and velocity, of energy and angular momentum (relative), and of the times of\n"
-        "impacts or flips (moment; moments: how many were missed) and the heights between impacts (apex), beside the\n"
+        "impacts or flips (event_time; missed_events: how many) and the heights between impacts (apex), beside the\n"
         "run time. `energy_gain` is the largest rise of the mechanical energy. Errors are taken from the motion that\n"
         "the scene's `reference` names, else from the finest run. A free obstacle is moved by one and the same code\n"
         "under pbd and analytic. It is a study of engines and steps: DIR has its report, figures, and the runs, which\n"

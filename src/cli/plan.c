@@ -54,12 +54,12 @@ static bool can_break(const ShvSimulation *simulation)
 /* Bounds far apart say no more than that it depends on what breaks. A scene that may break and has not yet tells nothing at all. */
 static void print_range(const ShvTrial *trial, bool may_break)
 {
-    const double telling = 10.0; /* times the low bound */
+    const double decisive = 10.0; /* times the low bound */
     if (may_break && isnan(trial->first_crack))
         printf("run time of the scene: %.3g to %.3g s of processor time if nothing cracks; else cannot tell: cracking "
                "decides",
                trial->low, trial->high);
-    else if (trial->high > telling * trial->low)
+    else if (trial->high > decisive * trial->low)
         printf("run time of the scene: cannot tell: cracking decides; at least %.3g s of processor time, hardly more "
                "than %.3g s",
                trial->low, trial->high);
@@ -184,7 +184,7 @@ const ShvCommand shv_command_plan = {
         "crack; the time of the first contact, and the steps and run time of the shortest fracture phase after it,\n"
         "from a few steps timed on this machine, if nothing cracks.\n"
         "What cracks costs more, how much depends on how much breaks. So the scene is tried: it runs in memory for\n"
-        "a while (--trial), to the end if that comes first. The bytes are then those held at the last moment before\n"
+        "a while (--trial), to the end if that comes first. The bytes are then those held at the last time before\n"
         "the first crack, and the run time of the scene follows from what the trial took: all of it where it got to\n"
         "the end; else awake time goes on to cost what it did on the whole, until what is awake rests. Bodies that\n"
         "carry too much vibration to rest stay for the longest time that the quiet rule grants, others for the\n"

@@ -20,7 +20,7 @@ ShvProgress shv_progress_start(double duration, bool quiet)
 
 /* ---- time to go ---- */
 
-/* Work of the last stretch to the pace of the mode that it was in. What cost so much a while ago says less: it counts by the
+/* Work of the last stretch to the cost rate of the mode that it was in. What cost so much a while ago says less: it counts by the
    share of the run that has passed since. */
 static void measure(ShvProgress *progress, const ShvSimulationSummary *view, double load, double now)
 {
@@ -28,10 +28,10 @@ static void measure(ShvProgress *progress, const ShvSimulationSummary *view, dou
     const double stretch = now - progress->sampled_at, run = now - progress->start,
                  time = view->time - progress->sampled_time;
     const bool awake = view->fracture && progress->sampled_load > 0.0;
-    ShvCostRate *rate_of = &progress->rate_of[awake];
+    ShvCostRate *cost = &progress->cost[awake];
     const double kept = exp(-stretch / (memory * run + 1e-9));
-    rate_of->wall = kept * rate_of->wall + stretch;
-    rate_of->work = kept * rate_of->work + time * (awake ? 0.5 * (load + progress->sampled_load) : 1.0);
+    cost->wall = kept * cost->wall + stretch;
+    cost->work = kept * cost->work + time * (awake ? 0.5 * (load + progress->sampled_load) : 1.0);
     progress->sampled_at = now;
     progress->sampled_time = view->time;
     progress->sampled_load = load;
@@ -39,16 +39,16 @@ static void measure(ShvProgress *progress, const ShvSimulationSummary *view, dou
 }
 
 /* Run time of a second of flight or of load; in flight, before that has been seen, nothing. */
-static double rate(const ShvCostRate *rate_of)
+static double rate(const ShvCostRate *cost)
 {
-    return rate_of->work > 0.0 ? rate_of->wall / rate_of->work : 0.0;
+    return cost->work > 0.0 ? cost->wall / cost->work : 0.0;
 }
 
 /* Steps of what is awake until it may rest, and flight from there. */
 static double time_to_go(const ShvProgress *progress, const ShvAwakeView *awake)
 {
-    return awake->ahead * rate(&progress->rate_of[1]) +
-           fmax(0.0, progress->duration - awake->rest) * rate(&progress->rate_of[0]);
+    return awake->ahead * rate(&progress->cost[1]) +
+           fmax(0.0, progress->duration - awake->rest) * rate(&progress->cost[0]);
 }
 
 /* Where there is no more room every second guess goes. */

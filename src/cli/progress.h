@@ -23,7 +23,7 @@ typedef struct ShvProgress {
     double start, shown; /* wall clock, s */
     int64_t shown_steps;
     /* for the time to go */
-    ShvCostRate rate_of[2]; /* in flight; in fracture mode */
+    ShvCostRate cost[2]; /* in flight; in fracture mode */
     double sampled_at, sampled_time, sampled_load;
     ShvGuess guesses[SHV_PROGRESS_GUESSES]; /* about evenly over the run so far */
     int32_t guess_count;

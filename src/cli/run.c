@@ -265,20 +265,13 @@ static void print_json(const ShvFrameView *frame, const History *history, const 
                    {"courant", history->courant},
                    {"cohesive_share", frame->cohesive_share},
                    {"worst_overshoot", frame->worst_overshoot},
-                   {"failed_area", ledger->failed_area},
-                   {"inserted_area", ledger->inserted_area},
-                   {"kinetic", ledger->kinetic},
-                   {"strain", ledger->strain},
-                   {"gravity_potential", ledger->gravity_potential},
-                   {"fracture_dissipation", ledger->fracture_dissipation},
-                   {"fracture_energy_area", ledger->fracture_energy_area},
-                   {"cohesive", ledger->cohesive},
-                   {"cohesive_defect", ledger->cohesive_defect},
-                   {"contact", ledger->contact},
-                   {"friction", ledger->friction},
-                   {"closure", ledger->closure},
-                   {"handover", ledger->handover},
-                   {"residual", ledger->residual},
+#define NUMBER(member, unit) {#member, ledger->member},
+#define VECTOR(member, unit)                                                                                           \
+    {#member "_x", ledger->member[0]}, {#member "_y", ledger->member[1]}, {#member "_z", ledger->member[2]},
+                   SHV_LEDGER_COLUMNS(NUMBER, NUMBER, VECTOR)
+#undef NUMBER
+#undef VECTOR
+                       {"residual", ledger->residual},
                    {"largest_energy", ledger->largest},
                    {"edge_strain_flight", history->edge_strain_flight},
                    {"edge_strain_after_impact", history->edge_strain_after_impact},

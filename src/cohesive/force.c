@@ -17,12 +17,12 @@ static double softened_recoverable(const ShvCohesive *cohesive, int32_t cluster,
         const double *end = law->final_opening;
         const double normal = history.normal + share * shv_larger(end[SHV_NORMAL] - history.normal, 0.0);
         const double shear = history.shear + share * shv_larger(end[SHV_SHEAR] - history.shear, 0.0);
-        const ShvHistory worn = shv_law_grow(law, history, normal, law->kind == SHV_PPR ? shear : 0.0);
+        const ShvHistory softened = shv_law_grow(law, history, normal, law->kind == SHV_PPR ? shear : 0.0);
         const ShvOpening at = cohesive->opening[point->point];
-        sum += point->weight * shv_law_recoverable(law, worn, at.normal, at.shear);
+        sum += point->weight * shv_law_recoverable(law, softened, at.normal, at.shear);
         if (!keep) continue;
-        cohesive->history[point->point] = worn;
-        cohesive->peak[point->point] = shv_law_peak(law, worn);
+        cohesive->history[point->point] = softened;
+        cohesive->peak[point->point] = shv_law_peak(law, softened);
     }
     return sum;
 }
@@ -78,20 +78,20 @@ static void soften(const ShvCohesive *cohesive, int32_t cluster, double allowed,
    for good, and lose its work of separation. It may keep this share of what it exchanged. */
 static const double spared_share = 1e-9;
 /* A point that has hardly opened exchanges round-off: it may keep this share of strength × opening of its start (shv_law_start),
-   1e-11 of its work of separation at most. Without that a corner held shut by its neighbours is worn to nothing by the signs of
+   1e-11 of its work of separation at most. Without that a corner held shut by its neighbours is softened to nothing by the signs of
    numbers of 1e-40 J. */
 static const double start_share = 1e-3;
 
-/* Of its work of separation a cluster may owe so much in all. Sweeps stop at a share of the peak: where forces are smaller than that,
+/* Of its work of separation a cluster may be in debt by so much in all. Sweeps stop at a share of the peak: where forces are smaller than that,
    their work is uncertain by as much as what is stored, now one way and now the other. To soften the cluster by each such excess
-   wore bonds to nothing in bodies that only trembled; what is owed is paid back by the next error the other way, and nothing is
-   gained beyond this share, however long it trembles. */
+   softened bonds to nothing in bodies that only vibrated; the debt is paid back by the next error the other way, and nothing is
+   gained beyond this share, however long it vibrates. */
 static const double debt_share = 1e-3;
 
 static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
 {
     const double energy = cohesive->law[point->point / 3].energy[SHV_NORMAL];
-    return energy < 1e50 ? point->weight * energy : 0.0; /* one that never softens owes nothing */
+    return energy < 1e50 ? point->weight * energy : 0.0; /* one that never softens has no debt */
 }
 
 static bool is_indebted(const ShvCohesive *cohesive, int32_t start, int32_t end)
@@ -101,7 +101,7 @@ static bool is_indebted(const ShvCohesive *cohesive, int32_t start, int32_t end)
     return any;
 }
 
-/* Returns by how much more than it may owe a cluster has kept, J. */
+/* Returns by how much more than its largest debt a cluster has kept, J. */
 static double carry_debt(const ShvCohesive *cohesive, int32_t cluster, double excess)
 {
     const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
@@ -242,7 +242,7 @@ static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
 }
 
 /* What is called opened for good, so that faces are elastic when they close: a tenth of the final opening, or of the elastic
-   displacement under the strength (shv_law_start). Below, bonds that only tremble lose what their closing nodes bring. */
+   displacement under the strength (shv_law_start). Below, bonds that only vibrate lose what their closing nodes bring. */
 static const double opened_starts = 1e7;
 
 static bool has_opened(const ShvCohesive *cohesive, int64_t point)

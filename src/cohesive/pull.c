@@ -6,7 +6,7 @@
 #include "cohesive/spring.h"
 
 /* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
-   then left is made up for by `limit_given` and `wear`. */
+   then left is made up for by `limit_given` and `soften`. */
 enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */

@@ -4,8 +4,13 @@
 
 #include <stdbool.h>
 
-#include "conditions/imposed.h"
+#include "model/model.h"
 #include "model/selection.h"
+
+typedef struct ShvImposedFacet {
+    int32_t element, face; /* face as in shv_face_corners */
+    ShvVec3 share;         /* N on each of its three nodes at full value: traction × area at the start / 3 */
+} ShvImposedFacet;
 
 /* Chosen nodes, increasing; the caller releases *nodes, which is NULL on failure. */
 ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,

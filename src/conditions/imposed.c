@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "conditions/condition_selection.h"
-
 /* ---- making ---- */
 
 static const ShvObject *find_object(const ShvModel *model, const char *name)

@@ -9,13 +9,9 @@
 
 #include <stdbool.h>
 
+#include "conditions/condition_selection.h"
 #include "model/ledger.h"
 #include "model/state.h"
-
-typedef struct ShvImposedFacet {
-    int32_t element, face; /* face as in shv_face_corners */
-    ShvVec3 share;         /* N on each of its three nodes at full value: traction × area at the start / 3 */
-} ShvImposedFacet;
 
 typedef struct ShvImposedCondition {
     const ShvConditionDefinition *definition;

@@ -178,6 +178,9 @@ static void look(ShvNodeContact *contact, const ShvState *state, const int32_t *
     contact->since = 0;
 }
 
+/* Share of the radius of all nodes that the skin has at least, so that bodies at rest keep their neighbour lists. */
+static const double least_skin = 4e-3;
+
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, double gravity, ShvError *error)
 {
@@ -189,7 +192,7 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
     look(contact, state, nodes, count);
     const double motion = step * (2.0 * contact->node_speed + others);
     const Ball ball = bound(state, nodes, count);
-    contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, 4e-3 * ball.radius);
+    contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, least_skin * ball.radius);
     contact->stale = true; /* until it is done */
     SHV_TRY(choose(contact, state, obstacles, nodes, count, error));
     SHV_TRY(choose_all_facets(contact, state, obstacles, &ball, error));

@@ -33,14 +33,17 @@ static bool held_by_crack(const ShvSurfaceContact *contact, const ShvSurfaceCand
     return mate >= 0 && contact->list.nodes[mate].held;
 }
 
+/* Cosine of the angle between the normals of a node and a facet above which both look the same way; barycentric weight at which a
+   point is clearly inside the edges. */
+static const double same_way = 0.25, clearly = 1e-3;
+
 /* A node comes from where its own surface looks. A facet that looks the same way, as the side of a block does for the
    corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
 static bool faces_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
 {
-    const double clearly = 1e-3;
     if (candidate->element < 0) return false;
     const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
-    if (!(shv_dot(own, pair->normal) > 0.25 * shv_norm(own))) return false;
+    if (!(shv_dot(own, pair->normal) > same_way * shv_norm(own))) return false;
     return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
 }
 

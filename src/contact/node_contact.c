@@ -3,6 +3,9 @@
 #include "contact/candidates.h"
 
 enum { MOST_SWEEPS = 64, MOST_ROUNDS = 4 };
+/* Of a pair's speed before any response: what it may still close with when the sweeps are used up without being reported as
+   unresolved. */
+static const double unresolved_of_speed = 1e-6;
 
 ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
                                   ShvError *error)
@@ -291,8 +294,11 @@ static void sweep(const ContactStep *now)
     if (rough) open = relax(now);
     contact->unresolved = 0;
     for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += excess(now, &contact->pairs[k]) > 1e-6 * contact->pairs[k].speed;
+        contact->unresolved += excess(now, &contact->pairs[k]) > unresolved_of_speed * contact->pairs[k].speed;
 }
+
+/* Of the obstacle's radius: how far outside its surface a path begins, so that round-off does not put it inside. */
+static const double outside_of_radius = 1e-12;
 
 /* What has been deflected may run into an obstacle that it would have missed, or into another face of a mesh (a convex
    shape lies behind its one plane): its new way is tried again, from just outside. */
@@ -305,7 +311,7 @@ static ShvStatus append_crossings(const ContactStep *now, bool *any, ShvError *e
         ShvNodePair pair = contact->pairs[k];
         const ShvObstacle *obstacle = &now->obstacles->items[pair.obstacle];
         if (pair.node_count > 1 || (obstacle->shape != SHV_OBSTACLE_MESH && isfinite(pair.gap))) continue;
-        const double rounding = 1e-12 * obstacle->bounding_radius;
+        const double rounding = outside_of_radius * obstacle->bounding_radius;
         const ShvVec3 from =
             shv_madd(shv_state_position(now->state, pair.nodes[0]), fmax(0.0, -pair.gap) + rounding, pair.normal);
         ShvCrossing crossing;

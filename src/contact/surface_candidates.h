@@ -11,7 +11,7 @@ ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSu
                                          double gravity, ShvError *error);
 /* ---- parts of it ---- */
 
-/* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that leave their skin apart:
+/* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that leave their skin aside:
    contact->rest is 0); the frame, skins
    and speed classes of all that is listed; of a node or facet that has come later. */
 bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity);

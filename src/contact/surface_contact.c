@@ -136,17 +136,21 @@ static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     return SHV_OK;
 }
 
+/* Facets are in one plane when 1 − cosine of their normals, and the relative difference of their gaps, are round-off; one rises
+   above the plane of another by more than this share of the distance between them. */
+static const double same_normal = 1e-9, same_gap = 1e-6, rise = 1e-3;
+
 /* One of two facets in a plane is enough where a node stands over their common edge. */
 static bool same_plane(const ShvFacetPair *a, const ShvFacetPair *b)
 {
-    return shv_dot(a->normal, b->normal) > 1.0 - 1e-9 && fabs(a->gap - b->gap) <= 1e-6 * fabs(a->gap);
+    return shv_dot(a->normal, b->normal) > 1.0 - same_normal && fabs(a->gap - b->gap) <= same_gap * fabs(a->gap);
 }
 
 /* Whether a facet rises above the plane of another, as the walls of a groove do: a node can be behind both. */
 static bool rises_above(const ShvFacetPair *facet, const ShvFacetPair *other)
 {
     const ShvVec3 path = shv_sub(facet->centre, other->point);
-    return shv_dot(other->normal, path) + other->gap > 1e-3 * shv_norm(path);
+    return shv_dot(other->normal, path) + other->gap > rise * shv_norm(path);
 }
 
 /* Of the facets round a ridge that a node is behind it came in through the one it is least deep behind, and through none
@@ -252,11 +256,15 @@ static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
     if (!pair->deforming) contact->rigid_visit = contact->visit;
 }
 
+/* Of the largest closing speed: changes of velocity below which sweeps end; and what a pair may still close with when they are
+   used up without being reported as unresolved. */
+static const double settled_of_closing = 0.001, unresolved_of_closing = 0.1;
+
 /* Sweeps until no velocity changes by more than a share of the largest that closes, or they are used up. Returns whether
    they are. */
 static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
 {
-    const double good = 0.001 * largest;
+    const double good = settled_of_closing * largest;
     bool again = true;
     for (int pass = 0; pass < MOST_SWEEPS && again; pass++) {
         again = false;
@@ -304,7 +312,7 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     }
     if (rough) open = relax(contact, bodies, largest);
     for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += excess(&contact->pairs[k], bodies) > 0.1 * largest;
+        contact->unresolved += excess(&contact->pairs[k], bodies) > unresolved_of_closing * largest;
     return SHV_OK;
 }
 

@@ -1,7 +1,7 @@
 /* Where surfaces may meet, and the grid that holds their nodes. */
 #include "contact/surface_candidates.h"
 
-_Static_assert((int)SHV_GRID_SPEED_CLASSES == (int)SHV_SURFACE_SPEED_CLASSES, "a grid for each pace");
+_Static_assert((int)SHV_GRID_SPEED_CLASSES == (int)SHV_SURFACE_SPEED_CLASSES, "a grid for each speed class");
 
 enum { MOST_REGIONS = 64 };
 

@@ -149,11 +149,16 @@ static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     contact->drift = count > 0 ? shv_scale(sum, 1.0 / count) : sum;
 }
 
+/* Of the mean edge of facets: the skin beyond which every node would have dozens of candidates. */
+static const double largest_skin = 0.25;
+/* Times the motion between two checks: no node may leave its skin unseen. */
+static const double skin_margin = 4.0;
+
 /* Lasts for many steps, but is not so far that every node has dozens of candidates unless the motion demands it. */
 static double skin_for(const ShvSurfaceContact *contact, double distance)
 {
-    const double far = 0.25 * contact->size, wanted = STEPS_TO_LAST * distance,
-                 needed = 4.0 * MOST_STEPS_BETWEEN_CHECKS * distance;
+    const double far = largest_skin * contact->size, wanted = STEPS_TO_LAST * distance,
+                 needed = skin_margin * MOST_STEPS_BETWEEN_CHECKS * distance;
     return fmax(needed, fmin(wanted, far));
 }
 

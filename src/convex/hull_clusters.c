@@ -24,11 +24,15 @@ static int32_t smaller(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
+/* Emptiness beyond which the number of hulls does not grow. */
+#define MOST_CONCAVITY 100.0
+
 static int32_t hull_limit(const ShvFragmentTets *tets, double concavity)
 {
     const int32_t by_size = (tets->tet_count + TETS_A_HULL - 1) / TETS_A_HULL;
-    const int32_t by_share = (int32_t)ceil(HULLS_A_SHARE * fmin(concavity, 100.0));
-    const int32_t least = concavity > LOOSE ? smaller(tets->tet_count, 1 + (int32_t)ceil(fmin(concavity, 100.0))) : 1;
+    const int32_t by_share = (int32_t)ceil(HULLS_A_SHARE * fmin(concavity, MOST_CONCAVITY));
+    const int32_t least =
+        concavity > LOOSE ? smaller(tets->tet_count, 1 + (int32_t)ceil(fmin(concavity, MOST_CONCAVITY))) : 1;
     const int32_t limit = smaller(by_share, by_size);
     return smaller(limit > least ? limit : least, concavity < 1.0 ? SHV_CLUSTERS : SHV_CLUSTERS_CONCAVE);
 }

@@ -31,14 +31,20 @@ typedef struct Pull {
     ShvVec3 directions[3];
 } Pull;
 
+/* Sine of the angle to the planes kept already below which another adds nothing. */
+#define NEW_DIRECTION 0.3
+
 /* Keeps a vertex in the plane of a flush or settled face; a plane close to those it is kept in already adds nothing. */
 static void keep(Pull *pull, ShvVec3 normal)
 {
     if (pull->kept == 3) return;
     for (int32_t i = 0; i < pull->kept; i++)
         normal = shv_madd(normal, -shv_dot(normal, pull->directions[i]), pull->directions[i]);
-    if (shv_norm(normal) > 0.3) pull->directions[pull->kept++] = shv_unit(normal);
+    if (shv_norm(normal) > NEW_DIRECTION) pull->directions[pull->kept++] = shv_unit(normal);
 }
+
+/* 1 − cosine of the normals of coplanar faces: round-off. */
+#define SAME_NORMAL 1e-12
 
 /* Planes in which the hull lies flush with a smooth surface of the cluster: it shall rest and slide on those. */
 typedef struct FlushPlanes {
@@ -107,7 +113,7 @@ static void find_flush(FlushPlanes *flush, const ShvHullCluster *cluster, const 
         bool known = false;
         for (int32_t s = 0; s < seen_count && !known; s++)
             known = fabs(seen[s][3] - plane[3]) <= flush->level &&
-                    shv_dot(shv_load3(seen[s]), shv_load3(plane)) > 1.0 - 1e-12;
+                    shv_dot(shv_load3(seen[s]), shv_load3(plane)) > 1.0 - SAME_NORMAL;
         if (known) continue;
         memcpy(seen[seen_count++], plane, sizeof seen[0]);
         const double area = hull_area(plane, &cluster->polytope, flush->level);

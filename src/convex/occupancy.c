@@ -33,6 +33,9 @@ static double count_cells(ShvOccupancy *occupancy, const double extent[3])
     return cells;
 }
 
+/* Least growth of a cell from try to try, so that few tries are enough. */
+#define LEAST_GROWTH 1.05
+
 static void size_grid(ShvOccupancy *occupancy, const ShvFragmentTets *tets)
 {
     double low[3], extent[3];
@@ -40,7 +43,7 @@ static void size_grid(ShvOccupancy *occupancy, const ShvFragmentTets *tets)
     const double most = fmax(FEWEST_CELLS, CELLS_A_TET * tets->tet_count);
     occupancy->cell = CELL_SHARE * tets->edge;
     for (double cells = count_cells(occupancy, extent); cells > most; cells = count_cells(occupancy, extent))
-        occupancy->cell *= fmax(1.05, shv_power(cells / most, 1.0 / 3.0));
+        occupancy->cell *= fmax(LEAST_GROWTH, shv_power(cells / most, 1.0 / 3.0));
     occupancy->inverse = 1.0 / occupancy->cell;
     for (int i = 0; i < 3; i++) occupancy->low[i] = low[i] + 0.5 * (extent[i] - occupancy->cell * occupancy->size[i]);
 }

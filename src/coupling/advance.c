@@ -49,13 +49,16 @@ static double longest_interval(const ShvHybrid *hybrid)
     return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->step));
 }
 
+/* Of an interval, and of a step: rounding of times, which must make no interval or step more. */
+static const double rounding_of_interval = 1e-9, rounding_of_step = 1e-6;
+
 /* Rigid interval from the present time: a whole number of equal ones make up what is left until `until`, ending no later than the
    next event of the time line. All flight of the interval happens here. */
 static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error)
 {
     const double now = hybrid->state.time;
     const double end = fmin(until, shv_hybrid_next_event_time(hybrid));
-    const double steps = ceil((end - now) / longest_interval(hybrid) * (1.0 - 1e-9));
+    const double steps = ceil((end - now) / longest_interval(hybrid) * (1.0 - rounding_of_interval));
     const double step = (end - now) / fmax(1.0, steps);
     hybrid->interval_end = steps > 1.0 ? now + step : end;
     SHV_TRY(reserve_wakes(hybrid, error));
@@ -149,7 +152,7 @@ static ShvStatus creep(ShvHybrid *hybrid, ShvError *error)
     const double to = hybrid->interval_end;
     SHV_TRY(shv_hybrid_substep(hybrid, to - hybrid->state.time, error));
     /* The last step lands on the time itself, not on a rounded neighbour of it. */
-    if (to - hybrid->state.time < 1e-6 * hybrid->step) hybrid->state.time = to;
+    if (to - hybrid->state.time < rounding_of_step * hybrid->step) hybrid->state.time = to;
     move_obstacles(hybrid, hybrid->state.time);
     return SHV_OK;
 }

@@ -32,6 +32,10 @@ void shv_check_clock_start(ShvCheckClock *clock)
     *clock = (ShvCheckClock){.due = 1, .rate = 1.0};
 }
 
+/* A growth that was seen fades by a tenth a check, since waves come back; and how far above the threshold the criterion may be found,
+   as a share of it: half of the overshoot that the scene is promised. */
+static const double fading_growth = 0.9, overshoot = 1.05;
+
 /* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. Where it has,
    nothing need part all the same, as under a contact, or cracks are on their way: then it matters that no front outruns the
    checks. */
@@ -40,14 +44,14 @@ static void set_clock(ShvHybrid *hybrid, double largest)
     enum { RAREST = 10 };
     ShvCheckClock *clock = &hybrid->clock;
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    clock->rate = fmax((largest - clock->last) / clock->since, 0.9 * clock->rate);
+    clock->rate = fmax((largest - clock->last) / clock->since, fading_growth * clock->rate);
     clock->last = largest;
     clock->since = 0;
     if (fracture->check_every > 0) {
         clock->due = fracture->check_every;
         return;
     }
-    const double room = fmax(0.0, 1.05 * fracture->threshold - largest);
+    const double room = fmax(0.0, overshoot * fracture->threshold - largest);
     const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
     const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->step);
     clock->due = (int32_t)fmin(fmax(steps, fewest), RAREST);

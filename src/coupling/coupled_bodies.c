@@ -13,7 +13,7 @@ ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
     const int32_t room = hybrid->fragments.capacity;
     if (coupled_bodies->room >= room) return SHV_OK;
 #define GROW(name)                                                                                                     \
-    SHV_RESIZE(hybrid->memory, SHV_PART_CONTACT, coupled_bodies->name, (size_t)room, "companions",                     \
+    SHV_RESIZE(hybrid->memory, SHV_PART_CONTACT, coupled_bodies->name, (size_t)room, "coupled bodies",                 \
                (size_t)room * sizeof *coupled_bodies->name, error);
     GROW(items)
     GROW(kept)
@@ -194,12 +194,15 @@ static ShvStatus judge_loads(ShvHybrid *hybrid, ShvError *error)
 
 /* ---- who goes along ---- */
 
+/* Of the radius: a distance that counts as contact when it is asked who goes along. */
+static const double margin_of_radius = 1e-3;
+
 /* Whether a fragment may come to what is awake within the interval. */
 static bool comes_near(const ShvHybrid *hybrid, const ShvNear *near, const ShvFragment *fragment, double interval)
 {
     const double fall = interval * shv_norm(shv_load3(hybrid->gravity));
     const double travel =
-        interval * (shv_norm(fragment->velocity) + near->speed + 2.0 * fall) + 1e-3 * fragment->radius;
+        interval * (shv_norm(fragment->velocity) + near->speed + 2.0 * fall) + margin_of_radius * fragment->radius;
     return shv_near_meets(near, fragment->position, fragment->radius + travel);
 }
 
@@ -214,7 +217,7 @@ static void choose_beside(ShvHybrid *hybrid, const ShvNear *near, double interva
 
 static bool touches(const ShvFragment *a, const ShvFragment *b)
 {
-    return shv_norm(shv_sub(a->position, b->position)) <= (1.0 + 1e-3) * (a->radius + b->radius);
+    return shv_norm(shv_sub(a->position, b->position)) <= (1.0 + margin_of_radius) * (a->radius + b->radius);
 }
 
 /* What presses on a coupled body goes along with it, since flight does not know what holds that; and those that do stay while they

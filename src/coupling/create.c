@@ -2,6 +2,9 @@
 
 #include <string.h>
 
+/* Share of the stable step that a message recommends. */
+static const double recommended_share = 0.9;
+
 /* A step the user asks for must be stable for every element: nothing here damps an unstable mode. */
 static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
 {
@@ -13,7 +16,8 @@ static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
         error, SHV_BAD_INPUT,
         "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
         "give %g or less, or 'auto'",
-        fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element, 0.9 * stable);
+        fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element,
+        recommended_share * stable);
 }
 
 static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)

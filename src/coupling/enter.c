@@ -39,11 +39,15 @@ static void hold(ShvObstacle *obstacle, ShvVec3 place)
     obstacle->velocity = obstacle->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
 }
 
+/* Of far_away, from one obstacle that waits to the next, so that they do not meet. */
+static const double apart_while_waiting = 0.01;
+
 void shv_hybrid_hold_waiting(ShvHybrid *hybrid)
 {
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         if (hybrid->waiting && hybrid->waiting[i])
-            hold(&hybrid->obstacles.items[i], shv_scale(hybrid->waiting_direction, far_away * (1.0 + 0.01 * i)));
+            hold(&hybrid->obstacles.items[i],
+                 shv_scale(hybrid->waiting_direction, far_away * (1.0 + apart_while_waiting * i)));
 }
 
 static ShvStatus reserve_waiting(ShvHybrid *hybrid, ShvError *error)
@@ -98,9 +102,11 @@ static void changed(ShvHybrid *hybrid)
 
 /* ---- obstacles ---- */
 
+static const double radians_a_degree = 0.017453292519943295; /* π/180 */
+
 void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement)
 {
-    const double radians = placement->rotation_degrees * 0.017453292519943295;
+    const double radians = placement->rotation_degrees * radians_a_degree;
     obstacle->orientation = shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), radians);
     obstacle->position = shv_add(shv_load3(placement->position), shv_rotate(obstacle->orientation, obstacle->centre));
     obstacle->velocity = shv_load3(placement->velocity);

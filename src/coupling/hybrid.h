@@ -135,9 +135,9 @@ typedef struct ShvHybrid {
     int32_t audit_wakes, audited, missed;
 
     ShvLedger ledger;
-    ShvCohesiveEnergy cohesive_energy;    /* of the last observed moment */
+    ShvCohesiveEnergy cohesive_energy;    /* of the last observed time */
     double least_spring_step;             /* s: of all frames so far; 0: none */
-    ShvLedgerView balance;                /* of the last observed moment */
+    ShvLedgerView balance;                /* of the last observed time */
     double start_energy, start_potential; /* J */
     double least_contact_work;            /* J: of contact, friction and closure together, so far */
     bool balance_started;
@@ -197,7 +197,7 @@ ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *erro
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
 void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
-/* rest.c; and between which moments an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
+/* rest.c; and between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
    it). */
 /* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
@@ -206,7 +206,7 @@ double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
 /* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to
-   the latest moment, or `until`; others for the geometric mean of the least and the longest time. */
+   the latest time, or `until`; others for the geometric mean of the least and the longest time. */
 ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error);
 /* substep.c: forces of the present time into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
    `after` around it, all impulses and conditions, works booked; the length of the equal steps that fill what is left of
@@ -238,7 +238,7 @@ double shv_coupled_bodies_put_back(ShvHybrid *hybrid);
 ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error);
 void shv_coupled_bodies_release(ShvHybrid *hybrid);
 ShvSurfaceBodies shv_hybrid_bodies(ShvHybrid *hybrid);
-/* relaxed.c: the same kick with bars, which also moves the nodes to the next moment; set-up; and the largest |length/rest − 1|
+/* relaxed.c: the same kick with bars, which also moves the nodes to time n + 1; set-up; and the largest |length/rest − 1|
    over all edges. */
 ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error);

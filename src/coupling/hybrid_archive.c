@@ -1,6 +1,7 @@
 #include "coupling/hybrid_archive.h"
 
 #include "cohesive/cohesive_archive.h"
+#include "conditions/condition_archive.h"
 #include "contact/contact_archive.h"
 #include "model/state_archive.h"
 #include "pbd/pbd_archive.h"

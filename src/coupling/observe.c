@@ -11,12 +11,12 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     if (ghost->capacity < hybrid->state.node_capacity) {
         const size_t count = 3 * (size_t)hybrid->state.node_capacity;
         double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
-        if (!before) return shv_fail_memory(error, "velocities around a moment", count * sizeof(double));
+        if (!before) return shv_fail_memory(error, "velocities around a time", count * sizeof(double));
         ghost->before = before;
         if (hybrid->relaxed) {
             double *displacement =
                 shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
-            if (!displacement) return shv_fail_memory(error, "displacements at a moment", count * sizeof(double));
+            if (!displacement) return shv_fail_memory(error, "displacements at a time", count * sizeof(double));
             ghost->displacement = displacement;
         }
         ghost->capacity = hybrid->state.node_capacity;
@@ -24,7 +24,7 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
     const size_t count = (size_t)hybrid->obstacles.count;
     ghost->obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, count, sizeof(ShvObstacle));
-    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a moment", count * sizeof(ShvObstacle));
+    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a time", count * sizeof(ShvObstacle));
 }
 
 /* Momentum of a time is that of the mean velocity, for free obstacles as for nodes: half of the ghost step's impulses. */
@@ -190,15 +190,10 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
     balance->cohesive = work[SHV_WORK_COHESIVE];
     balance->cohesive_released = hybrid->ledger.released;
-    balance->closure = work[SHV_WORK_CLOSURE];
-    balance->contact = work[SHV_WORK_CONTACT];
-    balance->friction = work[SHV_WORK_FRICTION];
-    balance->constraint = work[SHV_WORK_CONSTRAINT];
-    balance->traction = work[SHV_WORK_TRACTION];
-    balance->bars = work[SHV_WORK_BARS];
-    balance->damping = work[SHV_WORK_DAMPING];
-    balance->handover = work[SHV_WORK_HANDOVER];
-    balance->event = work[SHV_WORK_EVENT];
+#define WORK(member, name) balance->member = work[SHV_WORK_##name];
+#define NO_WORK(member, unit)
+    SHV_LEDGER_COLUMNS(NO_WORK, WORK, NO_WORK)
+#undef WORK
 }
 
 static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
@@ -215,8 +210,12 @@ static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
 
 static double given_work(const ShvLedgerView *b)
 {
-    return b->cohesive + b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping +
-           b->handover + b->event;
+    double sum = b->cohesive;
+#define WORK(member, name) sum += b->member;
+    SHV_LEDGER_COLUMNS(NO_WORK, WORK, NO_WORK)
+#undef WORK
+#undef NO_WORK
+    return sum;
 }
 
 static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
@@ -253,6 +252,9 @@ static int32_t first_lost_element(const ShvHybrid *hybrid)
     return -1;
 }
 
+/* Of the sum of potentials: its rounding over many bodies and frames. */
+static const double rounding_of_sum = 1e-12;
+
 /* Rounding of the potentials from which the balance is summed, J: what a body at rest, whose energies are nothing but rounding,
    may be off by. */
 static double rounding_of_balance(const ShvHybrid *hybrid)
@@ -263,7 +265,7 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_DEAD) size += fragment->mass * fabs(shv_dot(gravity, fragment->position));
     }
-    return 1e-12 * (size + fabs(hybrid->start_energy));
+    return rounding_of_sum * (size + fabs(hybrid->start_energy));
 }
 
 /* By closing faces, what they hold still counted as theirs to give, J: it never rises. */

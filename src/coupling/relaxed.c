@@ -1,4 +1,4 @@
-/* Fracture mode with bars: between kick and the next moment, position based projections hold edges near their rest length and
+/* Fracture mode with bars: between kick and time n + 1, position based projections hold edges near their rest length and
    nodes out of obstacles. They take the place of node contact and of the drift. */
 #include <string.h>
 

@@ -33,7 +33,7 @@ static double last_change(const ShvFragment *fragment)
     return fmax(fragment->last_insertion, fragment->last_crack);
 }
 
-/* How long a body may tremble before it rests whatever it carries, in transits of the bending wave; and how many times as long
+/* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
    where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. */
 static const double longest_transits = 20.0, cracked_window = 5.0;
 
@@ -328,6 +328,9 @@ static bool carries_little(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return carried <= carried_share * reference_energy(fragment);
 }
 
+/* Of the longest time: the shortest that an estimate of the rest reckons with. */
+static const double least_expected = 0.01;
+
 /* For how long a fragment stays awake, s. What carries little goes to rest unless it breaks again or is met again, which puts it
    off: between the bounds, at their geometric mean. */
 static double expected_time(const ShvHybrid *hybrid, const ShvFragment *fragment, double until)
@@ -336,7 +339,7 @@ static double expected_time(const ShvHybrid *hybrid, const ShvFragment *fragment
     shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
     const double most = fmax(0.0, fmin(until, latest) - hybrid->state.time);
     const double least = fmin(most, fmax(0.0, soonest - hybrid->state.time));
-    return carries_little(hybrid, fragment) ? sqrt(fmax(least, 0.01 * most) * most) : most;
+    return carries_little(hybrid, fragment) ? sqrt(fmax(least, least_expected * most) * most) : most;
 }
 
 ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error)

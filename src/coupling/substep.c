@@ -102,12 +102,15 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     return SHV_OK;
 }
 
+/* Of the number of steps: rounding of a quotient, which must make no step more. */
+static const double rounding_of_steps = 1e-12;
+
 /* No longer than the stable one. */
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
-    return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
+    return limit / fmax(1.0, ceil(limit / longest * (1.0 - rounding_of_steps)));
 }
 
 /* A diverging run is caught between frames too. */

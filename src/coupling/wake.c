@@ -19,6 +19,9 @@ static double severity(const ShvHybrid *hybrid, const ShvRigidContact *contact)
     return contact->closing_speed * (isfinite(other) ? sqrt(fmax(1.0, other / own)) : 1.0);
 }
 
+/* Times the impact or load that a body has borne: what it takes to wake it again, above the scatter from step to step. */
+static const double beyond_borne = 1.1;
+
 /* Impact stress estimate K ρ c₀ × severity against the weakest facet. What it has borne once, without a facet inserted, does not
    wake it again. */
 static bool wakes_by_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
@@ -26,7 +29,7 @@ static bool wakes_by_impact(const ShvHybrid *hybrid, const ShvRigidContact *cont
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
     const double speed = severity(hybrid, contact);
-    if (!(speed > 1.1 * fragment->borne_impact)) return false;
+    if (!(speed > beyond_borne * fragment->borne_impact)) return false;
     const double stress = hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * speed;
     return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
@@ -53,7 +56,7 @@ double shv_hybrid_load_stress(const ShvFragment *fragment, double load)
 static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
-    if (!isfinite(fragment->strength) || !(contact->load > 1.1 * fragment->borne)) return false;
+    if (!isfinite(fragment->strength) || !(contact->load > beyond_borne * fragment->borne)) return false;
     return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/ledger_fields.h"
 #include "base/text.h"
 #include "evaluate/crack_surface.h"
 
@@ -46,9 +45,11 @@ static void add_probes(ShvOutcome *outcome, const ShvFrameView *frame)
 
 void shv_sample_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
 {
-#define NUMBER(member) shv_outcome_add(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
-#define VECTOR(member) shv_outcome_add_vector(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
-    SHV_LEDGER_FIELDS(NUMBER, VECTOR)
+#define NUMBER(member, unit) shv_outcome_add(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
+#define VECTOR(member, unit) shv_outcome_add_vector(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
+    SHV_LEDGER_COLUMNS(NUMBER, NUMBER, VECTOR)
+    NUMBER(residual, "J")
+    NUMBER(largest, "J")
 #undef NUMBER
 #undef VECTOR
 }

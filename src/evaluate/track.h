@@ -25,7 +25,7 @@ typedef struct ShvTrack {
 ShvStatus shv_track_add(ShvTrack *track, ShvMemory *memory, const ShvTrackRow *row, ShvError *error);
 void shv_track_release(ShvTrack *track);
 
-/* Moments that mark a motion, at most `most`; returns their number. `reference`: of the reference states. */
+/* Times of events that mark a motion (impacts, flips), at most `most`; returns their number. `reference`: of the reference states. */
 /* Impacts on a plane: where the parabolas through two frames meet, between which the velocity along `normal` turned from in
    to out by more than thrice what gravity does in between. */
 int shv_track_impacts(const ShvTrack *track, bool reference, ShvVec3 normal, ShvVec3 gravity, double *times, int most);

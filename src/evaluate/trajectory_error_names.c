@@ -4,8 +4,8 @@
 #include "evaluate/trajectory_error.h"
 
 static const char *const names[SHV_TRAJECTORY_MEASURES] = {
-    "position",        "orientation",      "velocity", "surface", "energy", "energy_gain",
-    "linear_momentum", "angular_momentum", "moment",   "apex",    "moments"};
+    "position",        "orientation",      "velocity",   "surface", "energy",       "energy_gain",
+    "linear_momentum", "angular_momentum", "event_time", "apex",    "missed_events"};
 
 int shv_trajectory_measure_index(const char *name)
 {

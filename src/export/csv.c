@@ -107,43 +107,24 @@ static ShvStatus put_genealogy(ShvRunFile *file, const ShvExportOptions *options
 
 static ShvStatus put_ledger(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
 {
-    shv_print(
-        stream,
-        "frame,time [s],kinetic [J],strain [J],gravity_potential [J],cohesive_recoverable [J],fracture_dissipation [J],"
-        "contact [J],friction [J],closure [J],constraint [J],traction [J],bars [J],damping [J],handover [J],event [J],"
-        "cohesive [J],cohesive_released [J],cohesive_defect [J],failed_area [m2],inserted_area "
-        "[m2],fracture_energy_area [J],momentum.x [kg m/s],"
-        "momentum.y [kg m/s],momentum.z [kg m/s],angular_momentum.x [kg m2/s],angular_momentum.y [kg m2/s],"
-        "angular_momentum.z [kg m2/s],residual [J],largest [J]\n");
+#define NUMBER(member, unit) "," #member " [" unit "]"
+#define WORK(member, name)   "," #member " [J]"
+#define VECTOR(member, unit) "," #member ".x [" unit "]," #member ".y [" unit "]," #member ".z [" unit "]"
+    shv_print(stream, "frame,time [s]" SHV_LEDGER_COLUMNS(NUMBER, WORK, VECTOR) ",residual [J],largest [J]\n");
+#undef NUMBER
+#undef WORK
+#undef VECTOR
     for (int64_t frame = 0; frame < shv_run_file_info(file)->frame_count; frame++) {
         if (!shv_output_takes(options, file, frame)) continue;
         ShvLedgerView row;
         SHV_TRY(shv_run_file_ledger(file, frame, &row, error));
-        const double values[] = {row.time,
-                                 row.kinetic,
-                                 row.strain,
-                                 row.gravity_potential,
-                                 row.cohesive_recoverable,
-                                 row.fracture_dissipation,
-                                 row.contact,
-                                 row.friction,
-                                 row.closure,
-                                 row.constraint,
-                                 row.traction,
-                                 row.bars,
-                                 row.damping,
-                                 row.handover,
-                                 row.event,
-                                 row.cohesive,
-                                 row.cohesive_released,
-                                 row.cohesive_defect,
-                                 row.failed_area,
-                                 row.inserted_area,
-                                 row.fracture_energy_area};
         shv_print(stream, "%lld", (long long)frame);
-        put_numbers(stream, values, (int)(sizeof values / sizeof values[0]));
-        put_numbers(stream, row.momentum, 3);
-        put_numbers(stream, row.angular_momentum, 3);
+        shv_output_number(stream, row.time);
+#define NUMBER(member, unit) shv_output_number(stream, row.member);
+#define VECTOR(member, unit) put_numbers(stream, row.member, 3);
+        SHV_LEDGER_COLUMNS(NUMBER, NUMBER, VECTOR)
+#undef NUMBER
+#undef VECTOR
         shv_output_number(stream, row.residual);
         shv_output_number(stream, row.largest);
         shv_print(stream, "\n");

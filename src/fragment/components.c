@@ -136,7 +136,7 @@ ShvStatus shv_fragments_count_at(ShvFragments *fragments, const ShvCohesive *coh
                                  double limit, int32_t *count, ShvError *error)
 {
     int32_t *root = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)state->element_count, sizeof *root);
-    if (!root) return shv_fail_memory(error, "the pieces of a moment", (size_t)state->element_count * sizeof *root);
+    if (!root) return shv_fail_memory(error, "the pieces of a time", (size_t)state->element_count * sizeof *root);
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     for (int32_t e = 0; e < state->element_count; e++) root[e] = e;
     for (int64_t facet = 0; facet < adjacency->interior_count; facet++) {

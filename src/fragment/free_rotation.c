@@ -5,12 +5,15 @@ static const double largest_angle = 0.25; /* rad of one substep */
 static const double negligible =
     1e-19; /* a term that cannot change a quaternion, with margin for the sum of the rest */
 
+/* Of the largest moment of inertia: one below is round-off of a body on a line. */
+static const double degenerate = 1e-13;
+
 ShvFreeRotation shv_free_rotation_make(const ShvMat3 *inertia)
 {
     ShvFreeRotation rotation;
     shv_symmetric_eigen(inertia, rotation.moment, &rotation.axes);
     for (int i = 0; i < 3; i++) {
-        const int solid = rotation.moment[i] > 1e-13 * rotation.moment[2];
+        const int solid = rotation.moment[i] > degenerate * rotation.moment[2];
         if (!solid) rotation.moment[i] = 0.0;
         rotation.inverse[i] = solid ? 1.0 / rotation.moment[i] : 0.0;
     }

@@ -48,11 +48,14 @@ static Sums sum_nodes(const ShvFragment *fragment, const ShvFragments *fragments
     return sums;
 }
 
+/* Cosine between opposite directions, where the arc between them is no longer well defined. */
+static const double opposite = -0.999999;
+
 /* The shortest rotation from one direction to another. */
 static ShvQuat shortest_arc(ShvVec3 from, ShvVec3 to)
 {
     const double cosine = shv_dot(from, to);
-    if (cosine < -0.999999) {
+    if (cosine < opposite) {
         const ShvVec3 side = fabs(from.x) < 0.5 ? shv_vec3(1.0, 0.0, 0.0) : shv_vec3(0.0, 1.0, 0.0);
         const ShvVec3 axis = shv_unit(shv_cross(from, side));
         const ShvQuat half_turn = {0.0, axis.x, axis.y, axis.z};

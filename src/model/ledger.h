@@ -7,21 +7,17 @@
 #ifndef SHV_MODEL_LEDGER_H
 #define SHV_MODEL_LEDGER_H
 
-#include "base/vector.h"
+#include "shiver/simulation.h"
 
+#define SHV_NO_WORK(member, unit)
+#define SHV_NAME_OF_WORK(member, name) SHV_WORK_##name,
+/* As in the columns of the ledger, whose balance they are part of. */
 typedef enum ShvWork {
-    SHV_WORK_TRACTION,   /* by imposed tractions */
-    SHV_WORK_COHESIVE,   /* by cohesive tractions */
-    SHV_WORK_CLOSURE,    /* by crack faces that close (≤ 0) */
-    SHV_WORK_CONTACT,    /* by normal contact impulses with obstacles, on the nodes */
-    SHV_WORK_FRICTION,   /* by tangential contact impulses, on the nodes */
-    SHV_WORK_CONSTRAINT, /* by supports and imposed velocities (signed) */
-    SHV_WORK_BARS,       /* by position based projections (signed) */
-    SHV_WORK_DAMPING,    /* by damping towards rigid motion */
-    SHV_WORK_HANDOVER,   /* vibration and strain dropped or given at mode switches (signed, each one in /events) */
-    SHV_WORK_EVENT,      /* by events of the time line */
+    SHV_LEDGER_COLUMNS(SHV_NO_WORK, SHV_NAME_OF_WORK, SHV_NO_WORK) SHV_WORK_COHESIVE, /* by cohesive tractions */
     SHV_WORK_COUNT
 } ShvWork;
+#undef SHV_NO_WORK
+#undef SHV_NAME_OF_WORK
 
 typedef struct ShvLedger {
     double booked[SHV_WORK_COUNT];  /* J, up to and including the second halves of the present step */
@@ -29,7 +25,6 @@ typedef struct ShvLedger {
     double released;                /* J, recoverable energy of cohesive zones that was let go at mode switches */
 } ShvLedger;
 
-const char *shv_work_name(ShvWork work);
 /* Starts a step: clears `pending`. */
 void shv_ledger_begin_step(ShvLedger *ledger);
 /* Books the two halves of one force's work. */

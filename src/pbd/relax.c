@@ -191,7 +191,7 @@ static void add_work(double work[2], ShvVec3 impulse, ShvVec3 before, ShvVec3 af
     work[1] += 0.5 * shv_dot(impulse, after);
 }
 
-/* Of one node. With velocities of whole moments the kinetic energy changes by every impulse times the mean velocity, to
+/* Of one node. With velocities of whole time steps the kinetic energy changes by every impulse times the mean velocity, to
    which gravity adds dt/2 g·J, while the potential energy changes by −g·(mass × projection): both go to the impulse, so
    that works add up to the change of energy. `moved`: mass × projection. */
 static void add_synchronous(double work[2], const ShvRelaxStep *step, ShvVec3 impulse, ShvVec3 moved)

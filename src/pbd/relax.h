@@ -63,7 +63,7 @@ typedef struct ShvRelaxStep {
     double stiffness;   /* k, 0…1 */
     int32_t iterations; /* ≥ 1 */
     double rest_speed;  /* m/s: slower impacts do not bounce; 2 dt |g| */
-    /* Velocities of whole moments (rigid mode) instead of half steps: they have had dt g/2 before and get dt g/2 after the
+    /* Velocities of whole time steps (rigid mode) instead of half steps: they have had dt g/2 before and get dt g/2 after the
        relaxation, ahead of the response; works then balance the potential energy of gravity exactly. */
     bool synchronous;
     /* per node, bits 1, 2, 4: components x, y, z whose velocity is imposed, which neither bars nor obstacles change;

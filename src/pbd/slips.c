@@ -1,6 +1,6 @@
 #include "pbd/slips.h"
 
-/* A moment later, the slips of this step are those of the one before; after a pause there was none. */
+/* One step later, the slips of this step are those of the one before; after a pause there was none. */
 static void turn_over(ShvRelax *relax, const ShvState *state)
 {
     if (!(state->time > relax->slip_time)) return;

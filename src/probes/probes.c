@@ -239,11 +239,14 @@ static ShvStatus append_row(ShvProbes *probes, double time, ShvError *error)
     return SHV_OK;
 }
 
+/* Of the interval between samples: rounding of times. */
+static const double rounding_of_interval = 1e-9;
+
 bool shv_probes_due(ShvProbes *probes, const ShvState *state)
 {
     if (probes->count == 0) return false;
     if (!(probes->interval > 0.0)) return state->step % probes->every == 0;
-    const double rounding = 1e-9 * probes->interval;
+    const double rounding = rounding_of_interval * probes->interval;
     if (state->time < probes->next_time - rounding) return false;
     probes->next_time = (floor((state->time + rounding) / probes->interval) + 1.0) * probes->interval;
     return true;

@@ -4,8 +4,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "base/ledger_fields.h"
-
 typedef enum FieldKind {
     FIELD_INT,
     FIELD_LONG,
@@ -72,9 +70,10 @@ static const Field EVENT_FIELDS[] = {
 _Static_assert(sizeof(ShvRunEvent) == sizeof(int), "the kind of an event is stored as an int");
 _Static_assert(sizeof(ShvSwitchReason) == sizeof(int), "the reason of a switch is stored as an int");
 
-#define NUMBER(member) FIELD(ShvLedgerView, member, 1, FIELD_DOUBLE),
-#define VECTOR(member) FIELD(ShvLedgerView, member, 3, FIELD_DOUBLE),
-static const Field LEDGER_FIELDS[] = {NUMBER(time) SHV_LEDGER_FIELDS(NUMBER, VECTOR)};
+#define NUMBER(member, unit) FIELD(ShvLedgerView, member, 1, FIELD_DOUBLE),
+#define VECTOR(member, unit) FIELD(ShvLedgerView, member, 3, FIELD_DOUBLE),
+static const Field LEDGER_FIELDS[] = {NUMBER(time, "s") SHV_LEDGER_COLUMNS(NUMBER, NUMBER, VECTOR) NUMBER(residual, "J")
+                                          NUMBER(largest, "J")};
 #undef NUMBER
 #undef VECTOR
 

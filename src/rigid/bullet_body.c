@@ -160,11 +160,14 @@ double shv_bullet_body_energy(const ShvBulletRigidBody *body, ShvVec3 gravity)
            body->mass * shv_dot(gravity, body->position);
 }
 
+/* Windows over which a load is averaged at least: one alone may hold a blow. */
+static const double fewest_windows = 5.0;
+
 double shv_bullet_body_load(const ShvBulletRigidBody *body)
 {
     double sum = 0.0;
     for (int i = 0; i < body->load_count; i++) sum += body->loads[i];
-    return sum / fmax(5.0, body->load_count);
+    return sum / fmax(fewest_windows, body->load_count);
 }
 
 /* ---- time of impact ---- */

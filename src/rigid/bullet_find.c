@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-/* Of the smaller radius: gaps below are touches; how near an impact's moment is found; and motion in a step up to which the
+/* Of the smaller radius: gaps below are touches; how near a time of impact is found; and motion in a step up to which the
    contacts of its start tell the time of impact; the same of bodies that touch already. */
 static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion_of_radius = 0.2,
                     touching_motion_of_radius = 0.5;
@@ -160,7 +160,7 @@ static void allow_overlaps(const ShvBullet *bullet, ShvContactPair *contact_pair
     }
 }
 
-/* Whether a contact closes fast in the step: its moment, by the parabola of its gap. */
+/* Whether a contact closes fast in the step: its time of impact, by the parabola of its gap. */
 static bool closes_fast(const ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvBulletContact *contact,
                         double *time)
 {
@@ -203,6 +203,9 @@ static bool paths_meet(const ShvBullet *bullet, const ShvContactPair *contact_pa
     return shv_norm(shv_madd(apart, share, displacement)) <= radii;
 }
 
+/* Of the smaller piece: gap that counts as contact for times of impact (impact_time.h). */
+static const double impact_tolerance = 1e-6;
+
 /* Here, and only here, pairs whose relative motion in the step is large against their size are asked for their time of impact:
    the contacts of the start say nothing of what they will meet. */
 static ShvStatus find_fast_impact(ShvBullet *bullet, ShvContactPair *contact_pair, ShvError *error)
@@ -212,7 +215,7 @@ static ShvStatus find_fast_impact(ShvBullet *bullet, ShvContactPair *contact_pai
     const ShvRigidWorld *world = &bullet->backend.world;
     SHV_TRY(shv_bullet_body_impact_body(&bullet->bodies[contact_pair->a], world, bullet->gravity, &bodies[0], error));
     SHV_TRY(shv_bullet_body_impact_body(&bullet->bodies[contact_pair->b], world, bullet->gravity, &bodies[1], error));
-    const ShvImpactSettings settings = {.step = bullet->step, .tolerance = 1e-6, .slowest = bullet->rest};
+    const ShvImpactSettings settings = {.step = bullet->step, .tolerance = impact_tolerance, .slowest = bullet->rest};
     bool found;
     ShvImpact impact;
     SHV_TRY(shv_impact_time(&bodies[0], &bodies[1], &settings, &found, &impact, error));
@@ -324,19 +327,22 @@ static bool nearest_closing(const ShvBullet *bullet, const ShvContactPair *conta
     return any;
 }
 
-enum { MOMENT_CORRECTIONS = 8 };
+enum { IMPACT_CORRECTIONS = 8 };
 
-/* Contacts at the very moment: it is corrected until the gap is closed. */
-static ShvStatus find_moment(ShvBullet *bullet, ShvContactPair *contact_pair, ShvError *error)
+/* Of the step: how long before its end an impact is at the latest, so that something of it is left. */
+static const double least_left = 1e-9;
+
+/* Contacts at the very time of impact: it is corrected until the gap is closed. */
+static ShvStatus find_contacts_at_impact(ShvBullet *bullet, ShvContactPair *contact_pair, ShvError *error)
 {
     const double near =
         impact_of_radius * fmin(bullet->bodies[contact_pair->a].radius, bullet->bodies[contact_pair->b].radius);
-    for (int i = 0; i < MOMENT_CORRECTIONS; i++) {
+    for (int i = 0; i < IMPACT_CORRECTIONS; i++) {
         SHV_TRY(collide_at(bullet, contact_pair, contact_pair->impact, error));
         double gap = 0.0, closing = 1.0;
         if (!nearest_closing(bullet, contact_pair, contact_pair->impact, &gap, &closing) || fabs(gap) <= near)
             return SHV_OK;
-        contact_pair->impact = fmin(fmax(0.0, contact_pair->impact + gap / closing), bullet->step * (1.0 - 1e-9));
+        contact_pair->impact = fmin(fmax(0.0, contact_pair->impact + gap / closing), bullet->step * (1.0 - least_left));
     }
     return collide_at(bullet, contact_pair, contact_pair->impact, error);
 }
@@ -363,7 +369,7 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
             contact_pair->impact = set;
             SHV_TRY(collide_at(bullet, contact_pair, set, error));
         } else if (contact_pair->impact > 0.0) {
-            SHV_TRY(find_moment(bullet, contact_pair, error));
+            SHV_TRY(find_contacts_at_impact(bullet, contact_pair, error));
         }
         a->impact_time = b->impact_time = contact_pair->impact;
     }

@@ -39,7 +39,7 @@ static double other_mass(ShvBullet *bullet, int32_t own, int32_t other)
 
 /* ---- contacts of one side ---- */
 
-/* The contact of a contact pair that closes fastest, at the contact pair's moment. */
+/* The contact of a contact pair that closes fastest, at the contact pair's time of impact. */
 static const ShvBulletContact *fastest_contact(const ShvBullet *bullet, const ShvContactPair *contact_pair,
                                                double *closing)
 {
@@ -82,7 +82,7 @@ static ShvRigidContact report(ShvBullet *bullet, const ShvContactPair *contact_p
                              .load = shv_bullet_body_load(body)};
 }
 
-/* Leaves flight as it is at the contact's moment. What it hit waits there for the rest of the step, so that it does not get
+/* Leaves flight as it is at the contact's time of impact. What it hit waits there for the rest of the step, so that it does not get
    into what is no longer in its world. */
 static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
 {

@@ -324,13 +324,16 @@ static ShvStatus catch_up(BulletPlain *plain, double step, ShvError *error)
     return SHV_OK;
 }
 
+/* Of the step: rounding of times. */
+static const double rounding_of_time = 1e-9;
+
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
                          ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes, int32_t *wake_count,
                          ShvError *error)
 {
     BulletPlain *plain = (BulletPlain *)backend;
     if (!(step > 0.0)) return SHV_OK;
-    if (time < plain->end - 1e-9 * step) return catch_up(plain, step, error);
+    if (time < plain->end - rounding_of_time * step) return catch_up(plain, step, error);
     SHV_TRY(begin(plain, shv_load3(gravity), error));
     plain->time = time;
     plain->end = time + step;

@@ -24,7 +24,7 @@ static void pair_laws(const ShvBullet *bullet, const ShvContactPair *contact_pai
     }
 }
 
-/* Normal velocity that a fast contact leaves at the step's end: thrown back at its moment, then flown on; or 0 when it would
+/* Normal velocity that a fast contact leaves at the step's end: thrown back at its time of impact, then flown on; or 0 when it would
    be back within the step. */
 static double thrown_back(const ShvBullet *bullet, const ShvContactPair *contact_pair, double closing,
                           double acceleration, double restitution)
@@ -38,13 +38,16 @@ static double thrown_back(const ShvBullet *bullet, const ShvContactPair *contact
     return back + acceleration * left;
 }
 
+/* Of the step: the least time that a gap has to close in; it only keeps the quotient finite. */
+static const double least_left = 1e-9;
+
 /* A contact that is held: its gap may close until the step's end, no more. */
 static void hold(const ShvBullet *bullet, const ShvContactPair *contact_pair, ShvBulletContact *contact, double gap,
                  double speed)
 {
     const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     const double since = contact_pair->struck ? contact_pair->impact : fmax(0.0, fmax(a->impact_time, b->impact_time));
-    const double left = fmax(bullet->step - since, 1e-9 * bullet->step);
+    const double left = fmax(bullet->step - since, least_left * bullet->step);
     const double then = contact_pair->struck ? gap : gap + speed * since;
     if (gap > 0.0) {
         contact->target = -fmax(0.0, then) / left;

@@ -11,7 +11,7 @@
    Coupled bodies (fragment.h) take part in all but the last, with what is in flight alone.
 
    Each body has one time of impact in a step, or none: it flies freely until then, and the solver sees it in the pose of that
-   moment. What else it meets in the step is held off by the velocity that just closes the gap, without rebound. */
+   time. What else it meets in the step is held off by the velocity that just closes the gap, without rebound. */
 #ifndef SHV_RIGID_BULLET_STEP_H
 #define SHV_RIGID_BULLET_STEP_H
 

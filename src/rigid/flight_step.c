@@ -16,12 +16,15 @@ static double rest_speed(const ShvFlightStep *step)
     return shv_norm(step->gravity) * step->step;
 }
 
+/* Of the speed below which nothing bounces, and of the speeds at hand: what is round-off. */
+static const double rounding_of_rest = 1e-9, rounding_of_speed = 1e-12;
+
 /* Round-off of velocities. */
 static double no_speed(const ShvFlightStep *step)
 {
     const ShvFragment *fragment = step->fragment;
-    return 1e-9 * rest_speed(step) +
-           1e-12 * (shv_norm(fragment->velocity) + shv_norm(fragment->angular_velocity) * fragment->radius);
+    return rounding_of_rest * rest_speed(step) +
+           rounding_of_speed * (shv_norm(fragment->velocity) + shv_norm(fragment->angular_velocity) * fragment->radius);
 }
 
 static ShvRigidMotion motion_of(const ShvFlightStep *step)

@@ -152,6 +152,11 @@ static Sight look(const Search *search, const Traveller *traveller, double time,
     return sight;
 }
 
+/* Of the slop: how near its threshold a gap is at a time of impact (between ¼ and ¾ of the slop). */
+static const double found_of_slop = 0.25;
+/* Of the limit: the least stride after CAREFUL_EVALUATIONS. */
+static const double forced_stride = 0.01;
+
 /* Between a time at which the node is above its threshold and one at which it is below. */
 static double bisect(const Search *search, const Traveller *node, double above, double below, double limit)
 {
@@ -159,7 +164,7 @@ static double bisect(const Search *search, const Traveller *node, double above, 
         const double middle = 0.5 * (above + below);
         const Sight sight = look(search, node, middle, limit);
         const double clearance = sight.surface.gap - node->threshold;
-        if (fabs(clearance) <= 0.25 * search->slop) return middle;
+        if (fabs(clearance) <= found_of_slop * search->slop) return middle;
         if (clearance > 0.0)
             above = middle;
         else
@@ -181,15 +186,15 @@ static double impact_of(const Search *search, Traveller *node, double limit)
         if (evaluation == 0)
             node->threshold = gap <= search->slop ? fmin(gap, 0.0) - 0.5 * search->slop : 0.5 * search->slop;
         const double clearance = gap - node->threshold;
-        if (clearance < -0.25 * search->slop) return bisect(search, node, above, time, limit);
-        if (clearance <= 0.25 * search->slop) return time;
+        if (clearance < -found_of_slop * search->slop) return bisect(search, node, above, time, limit);
+        if (clearance <= found_of_slop * search->slop) return time;
         const double stride = search->spinning || node->facet
                                   ? clearance / sight.approach
                                   : safe_time(search, node, time, clearance, sight.surface.normal, sight.orientation);
-        const bool forced = evaluation >= CAREFUL_EVALUATIONS && stride < 0.01 * limit;
+        const bool forced = evaluation >= CAREFUL_EVALUATIONS && stride < forced_stride * limit;
         if (time == limit || (!forced && !(time + stride < limit))) return (double)INFINITY;
         above = time;
-        time = fmin(limit, time + (forced ? 0.01 * limit : stride));
+        time = fmin(limit, time + (forced ? forced_stride * limit : stride));
     }
     return (double)INFINITY;
 }

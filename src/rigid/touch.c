@@ -107,6 +107,9 @@ static double answer(ShvTouch *touch, ShvRigidMotion *motion)
     return change;
 }
 
+/* Of the speeds at hand: a change of velocity that is round-off ends the sweeps. */
+static const double settled_of_speed = 1e-14;
+
 void shv_touches_solve(ShvTouch *touches, int32_t count, ShvRigidMotion *motion)
 {
     double scale = 0.0;
@@ -121,7 +124,7 @@ void shv_touches_solve(ShvTouch *touches, int32_t count, ShvRigidMotion *motion)
     for (int sweep = 0; sweep < MOST_SWEEPS; sweep++) {
         double change = 0.0;
         for (int32_t i = 0; i < count; i++) change = fmax(change, answer(&touches[i], motion));
-        if (!(change > 1e-14 * scale)) break;
+        if (!(change > settled_of_speed * scale)) break;
     }
 }
 

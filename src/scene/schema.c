@@ -913,8 +913,9 @@ static const ShvKey bullet_keys[] = {
      .sentence = "Between contacts a parabola, and free rotation that keeps angular momentum and energy; otherwise "
                  "steps of first order, as Bullet takes them."},
     {"times_of_impact", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.times_of_impact),
-     .sentence = "What closes fast meets at its own moment within a step and rebounds there; otherwise it is braked "
-                 "before the touch, and only what touches at the start of a step rebounds."},
+     .sentence =
+         "What closes fast meets at its own time of impact within a step and rebounds there; otherwise it is braked "
+         "before the touch, and only what touches at the start of a step rebounds."},
     {"exact_contacts", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.exact_contacts),
      .sentence = "Contacts are found on the hulls themselves, whole faces at once; otherwise by Bullet's algorithms."},
     {"settled_impulses", SHV_KEY_BOOLEAN, .offset = SCENE(rigid.bullet.settled_impulses),

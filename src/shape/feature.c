@@ -204,7 +204,7 @@ bool shv_features_about(const ShvObstacle *obstacle, const ShvFacetShape *facet,
     return true;
 }
 
-/* ---- meeting ---- */
+/* ---- contact points ---- */
 
 /* Shares of a facet and an edge next to their rims, where what touches by rounding, or a step deep, would face features it has
    nothing to do with: a node that lies on a box brings its steep edges to those of the box, sideways. */

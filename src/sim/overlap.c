@@ -80,13 +80,13 @@ static ShvStatus need_tree(Finder *finder, ShvStartBody *body, ShvError *error)
 typedef struct Pair {
     const ShvStartBody *first, *second;
     const ShvStartObstacle *obstacle;
-    double allowance; /* m: depth that is rounding */
+    double tolerance; /* m: depth that is rounding */
 } Pair;
 
 static ShvDepth depth_of(const Pair *pair, ShvVec3 shift)
 {
-    return pair->second ? shv_depth_of_objects(pair->first, pair->second, shift, pair->allowance)
-                        : shv_depth_in_obstacle(pair->first, pair->obstacle, shift, pair->allowance);
+    return pair->second ? shv_depth_of_objects(pair->first, pair->second, shift, pair->tolerance)
+                        : shv_depth_in_obstacle(pair->first, pair->obstacle, shift, pair->tolerance);
 }
 
 /* Three digits, so that it is printed as it is; never less than it was, but for rounding. */
@@ -117,7 +117,7 @@ static double depth_along(const Pair *pair, ShvVec3 direction, double depth)
 static ShvVec3 separation(const Pair *pair, const ShvDepth *deepest)
 {
     const ShvVec3 direction = deepest->direction, shortest = along(direction, deepest->depth);
-    if (depth_of(pair, shortest).depth <= pair->allowance) return shortest;
+    if (depth_of(pair, shortest).depth <= pair->tolerance) return shortest;
     const ShvVec3 back = shv_scale(direction, -1.0);
     const double ahead = depth_along(pair, direction, deepest->depth), behind = depth_along(pair, back, deepest->depth);
     return ahead <= behind ? along(direction, ahead) : along(back, behind);
@@ -148,7 +148,7 @@ static void keep(Finder *finder, const ShvOverlap *overlap)
 static void compare(Finder *finder, const Pair *pair)
 {
     const ShvDepth deepest = depth_of(pair, shv_vec3(0.0, 0.0, 0.0));
-    if (!(deepest.depth > pair->allowance)) return;
+    if (!(deepest.depth > pair->tolerance)) return;
     ShvOverlap overlap = {.first = pair->first->object->name,
                           .second =
                               pair->second ? pair->second->object->name : pair->obstacle->obstacle->definition->name,
@@ -164,20 +164,20 @@ static ShvStatus compare_objects(Finder *finder, int32_t i, int32_t k, ShvError 
     const ShvObjectDefinition *objects = finder->hybrid->scene->objects;
     if (objects[i].waits || objects[k].waits) return SHV_OK;
     ShvStartBody *first = &finder->bodies[i < k ? i : k], *second = &finder->bodies[i < k ? k : i];
-    const double allowance = touch_of_size * fmin(first->size, second->size);
-    if (!(shv_bound_of_objects(first, second) > allowance)) return SHV_OK;
+    const double tolerance = touch_of_size * fmin(first->size, second->size);
+    if (!(shv_bound_of_objects(first, second) > tolerance)) return SHV_OK;
     SHV_TRY(need_tree(finder, first, error));
     SHV_TRY(need_tree(finder, second, error));
-    compare(finder, &(Pair){.first = first, .second = second, .allowance = allowance});
+    compare(finder, &(Pair){.first = first, .second = second, .tolerance = tolerance});
     return SHV_OK;
 }
 
 static ShvStatus compare_obstacle(Finder *finder, ShvStartBody *body, const ShvStartObstacle *place, ShvError *error)
 {
-    const double allowance = touch_of_size * fmin(body->size, place->obstacle->bounding_radius);
-    if (!(shv_bound_of_obstacle(body, place) > allowance)) return SHV_OK;
+    const double tolerance = touch_of_size * fmin(body->size, place->obstacle->bounding_radius);
+    if (!(shv_bound_of_obstacle(body, place) > tolerance)) return SHV_OK;
     if (place->obstacle->shape != SHV_OBSTACLE_PLANE) SHV_TRY(need_tree(finder, body, error));
-    compare(finder, &(Pair){.first = body, .obstacle = place, .allowance = allowance});
+    compare(finder, &(Pair){.first = body, .obstacle = place, .tolerance = tolerance});
     return SHV_OK;
 }
 

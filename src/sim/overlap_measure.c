@@ -189,7 +189,7 @@ static ShvBox moved(ShvBox box, ShvVec3 by)
 }
 
 /* Trees stay where they are: what is tried in the first body is moved the other way. */
-ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double allowance)
+ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double tolerance)
 {
     const Inside in_first = {first, closest_on_body, sweep_body, -1.0};
     const Inside in_second = {second, closest_on_body, sweep_body, 1.0};
@@ -199,7 +199,7 @@ ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *sec
     ShvDepth deepest = {.depth = 0.0};
     try_skin(&in_second, &second->box, &skin, &deepest);
     try_skin(&in_first, &first->box, &other, &deepest);
-    if (deepest.depth > allowance) return deepest;
+    if (deepest.depth > tolerance) return deepest;
     if (tets_of(first) < tets_of(second))
         try_tets(&in_second, &second->box, first, shift, &deepest);
     else
@@ -228,7 +228,7 @@ static void try_sphere(const ShvStartBody *body, ShvVec3 centre, double radius, 
     deepen(deepest, radius - nearest.gap, nearest.gap < 0.0 ? centre : nearest.point, shv_scale(nearest.normal, -1.0));
 }
 
-ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift, double allowance)
+ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift, double tolerance)
 {
     const ShvObstacle *obstacle = place->obstacle;
     const Inside in_obstacle = {obstacle, closest_on_obstacle, sweep_obstacle, 1.0};
@@ -244,7 +244,7 @@ ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle 
         const ShvSurface surface = shv_obstacle_surface(obstacle, corners);
         try_skin(&in_body, &body->box, &(Skin){&surface, position, obstacle->orientation}, &deepest);
     }
-    if (!(deepest.depth > allowance)) try_tets(&in_obstacle, &place->box, body, shift, &deepest);
+    if (!(deepest.depth > tolerance)) try_tets(&in_obstacle, &place->box, body, shift, &deepest);
     return deepest;
 }
 

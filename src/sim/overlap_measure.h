@@ -41,10 +41,10 @@ double shv_bound_of_obstacle(const ShvStartBody *body, const ShvStartObstacle *p
 
 /* With the first body moved by `shift`. Surfaces and trees must be there, but for a plane. Tried are corners and middles of
    triangles of both, and edges that pass through at the middle of what is inside; where these find nothing below
-   `allowance`, as for two bodies in one place, also centroids of tets. */
-ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double allowance);
+   `tolerance`, as for two bodies in one place, also centroids of tets. */
+ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 shift, double tolerance);
 ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 shift,
-                               double allowance);
+                               double tolerance);
 
 /* How far the first body must go along a direction of unit length to be beyond all of the second, m. */
 double shv_depth_along_object(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 direction);

@@ -166,7 +166,7 @@ static double time_step_cost(ShvHybrid *hybrid)
     return best;
 }
 
-/* Earliest moment at which a fragment's bounding sphere on its free path meets an obstacle at rest: by marching in rigid
+/* Earliest time at which a fragment's bounding sphere on its free path meets an obstacle at rest: by marching in rigid
    steps, or coarser ones where a plan could not afford them. */
 static double first_contact(const ShvHybrid *hybrid)
 {
@@ -226,7 +226,7 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     return shv_awake_refresh(hybrid, error);
 }
 
-/* Bodies in which a crack has moved tremble until their window ends; others rest between the bounds, at the geometric mean, and
+/* Bodies in which a crack has moved vibrate until their window ends; others rest between the bounds, at the geometric mean, and
    seldom at once. */
 static double expected_rest(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {

@@ -1,7 +1,6 @@
 /* What a page holds beside the frames: a JSON text, then arrays whose lengths it tells, in the order of these functions. */
 #include <string.h>
 
-#include "base/ledger_fields.h"
 #include "base/memory.h"
 #include "convex/hull.h"
 #include "export/json.h"
@@ -81,9 +80,9 @@ static void add_kinds(ShvJson *json)
     }
     shv_json_plain(json, "]");
     shv_json_key(json, "ledger");
-#define NAME(member) "\"" #member "\","
-#define NO_NAME(member)
-    shv_json_plain(json, "[" SHV_LEDGER_FIELDS(NAME, NO_NAME) "\"time\"]");
+#define NAME(member, unit) "\"" #member "\","
+#define NO_NAME(member, unit)
+    shv_json_plain(json, "[" SHV_LEDGER_COLUMNS(NAME, NAME, NO_NAME) "\"residual\",\"largest\",\"time\"]");
 #undef NAME
 #undef NO_NAME
 }
@@ -127,11 +126,13 @@ static ShvStatus put_curves(ShvViewData *data, int32_t cost_count, double *costs
                               progress.failed,
                               wall};
         for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) shv_pack_double(data->pack, row[k]);
-#define PUT(member) shv_pack_double(data->pack, ledger.member);
-#define PUT_NOT(member)
-        SHV_LEDGER_FIELDS(PUT, PUT_NOT)
+#define PUT(member, unit) shv_pack_double(data->pack, ledger.member);
+#define PUT_NOT(member, unit)
+        SHV_LEDGER_COLUMNS(PUT, PUT, PUT_NOT)
 #undef PUT
 #undef PUT_NOT
+        shv_pack_double(data->pack, ledger.residual);
+        shv_pack_double(data->pack, ledger.largest);
         shv_pack_double(data->pack, ledger.time);
         for (int32_t k = 0; k < cost_count; k++) shv_pack_double(data->pack, costs[k]);
     }

@@ -40,8 +40,8 @@ typedef struct Case {
     const char *name;
     Create create;
     double flight;      /* relative error of free fall, P and L */
-    double impact_step; /* an impact's moment is known to this many steps */
-    bool rebounds;      /* at the impact's moment, with the restitution whole */
+    double impact_step; /* a time of impact is known to this many steps */
+    bool rebounds;      /* at the time of impact, with the restitution whole */
     bool rests;         /* goes to sleep: the energy is exactly 0 */
 } Case;
 
@@ -152,7 +152,7 @@ static bool accept(void *data, const ShvRigidContact *contact)
     return contact->closing_speed > 1.0;
 }
 
-/* The contact that wakes is reported with its moment, normal and speed, and its fragment stops there, untouched. */
+/* The contact that wakes is reported with its time, normal and speed, and its fragment stops there, untouched. */
 static void test_wake_contact(void **unused)
 {
     (void)unused;

@@ -14,7 +14,7 @@ static char folder[] = "/tmp/shiver-study-XXXXXX";
 
 static const char bounce_study[] = "shiver_study: 1\nname: bounce & <study>\n"
                                    "vary: {rigid.engine: [bullet, analytic], rigid.time_step: [1e-2, 2 ms, 1e-3]}\n"
-                                   "reference: closed form\nmeasures: [surface, energy, moment]\nrepeats: 2\n";
+                                   "reference: closed form\nmeasures: [surface, energy, event_time]\nrepeats: 2\n";
 /* Breaks into several pieces; a weak, light ball keeps it short. */
 static const char ball_scene[] = "shiver: 1\nname: ball\n"
                                  "materials:\n"
@@ -567,7 +567,7 @@ static void test_files(void **state)
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) assert_null(strstr(page, outside[i]));
     assert_non_null(strstr(page, "<h1>bounce &amp; &lt;study&gt;</h1>"));
     assert_non_null(strstr(page, "closed form (bounce of "));
-    static const char *const files[] = {"error_surface.svg", "error_energy.svg", "error_moment.svg", "cost.svg",
+    static const char *const files[] = {"error_surface.svg", "error_energy.svg", "error_event_time.svg", "cost.svg",
                                         "study.json",        "results.csv",      "timings.csv"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         char name[64];
@@ -576,7 +576,7 @@ static void test_files(void **state)
     }
     assert_non_null(strstr(read_text(at("files/results.csv")),
                            "rigid.engine,rigid.time_step,reference,status,stable step [s],step [s],Courant number,"
-                           "error of surface [m],error of energy,error of moment [s],message\nbullet,1e-2,,ok,"));
+                           "error of surface [m],error of energy,error of event_time [s],message\nbullet,1e-2,,ok,"));
 }
 
 int main(void)

@@ -185,7 +185,7 @@ static void brick_on_box(World *world, double width)
 static void test_brick_on_coupled_body(void **unused)
 {
     (void)unused;
-    const double beat = 0.1 * step; /* of rigid intervals beside what is awake */
+    const double interval = 0.1 * step; /* of rigid intervals beside what is awake */
     for (int large = 0; large < 2; large++) {
         World world;
         brick_on_box(&world, large ? 0.4 : 0.06);
@@ -197,13 +197,13 @@ static void test_brick_on_coupled_body(void **unused)
         double impulse = 0.0;
         coupled_body->coupled = true;
         for (int i = 0; i < 300; i++) {
-            world_advance(&world, i * beat, beat, earth, NULL, NULL, NULL);
+            world_advance(&world, i * interval, interval, earth, NULL, NULL, NULL);
             if (i >= 200) impulse -= coupled_body->mass * coupled_body->velocity.z;
-            assert_true(coupled_body->velocity.z > -1.01 * ratio * 9.81 * beat && coupled_body->velocity.z <= 0.0);
+            assert_true(coupled_body->velocity.z > -1.01 * ratio * 9.81 * interval && coupled_body->velocity.z <= 0.0);
             coupled_body->velocity = coupled_body->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
         }
-        check_near(impulse, weight * 100 * beat, 0.02 * weight * 100 * beat);
-        assert_true(flying->position.z > height - 1.05 * (1.0 + ratio) * 9.81 * beat * 300 * beat);
+        check_near(impulse, weight * 100 * interval, 0.02 * weight * 100 * interval);
+        assert_true(flying->position.z > height - 1.05 * (1.0 + ratio) * 9.81 * interval * 300 * interval);
         assert_true(world.backend->contact_work - least_work < 1.01 * weight * (height - flying->position.z));
         coupled_body->coupled = false;
         const double left = flying->position.z;
