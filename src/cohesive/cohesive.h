@@ -192,6 +192,7 @@ typedef struct ShvCohesive {
     uint32_t *faces;
     ShvStarSearch search;
     ShvFront front;
+    ShvOnset onset;
     int32_t *asked;                      /* batches whose stress the check asks for: batches */
     uint8_t *stress_known;               /* batches: of the present check */
     int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the level at the last check */
