@@ -73,7 +73,8 @@ ShvTip shv_front_tip(const ShvCohesive *cohesive, const ShvState *state, int32_t
     if (index >= 0) {
         tip.behind = cohesive->opened[index];
         tip.lowered = tip.behind || (bits & SHV_FRONT_LOWERED);
-        if (tip.behind) tip.strength = behind_share * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
+        if (tip.behind)
+            tip.strength = behind_share * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
         return tip;
     }
     const int corner = corner_of(cohesive, state, facet, node);

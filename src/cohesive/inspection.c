@@ -139,7 +139,7 @@ static void look_at_surface(const ShvInspection *inspection, int32_t node, doubl
     if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
     if (isinf(cohesive->onset.weakest[node]) || is_waiting(cohesive, state, node)) return;
     const ShvVec3 slit = shv_front_slit_normal(cohesive, state, node);
-    const ShvSurfaceTension tension = shv_onset_tension(cohesive, state, node);
+    const ShvSurfaceTension tension = shv_onset_tension(cohesive, state, inspection->stress, node);
     if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->onset.weakest[node]) return;
     shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
 }

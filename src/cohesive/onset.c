@@ -3,9 +3,13 @@
 #include <math.h>
 
 #include "cohesive/cohesive.h"
+#include "cohesive/traction.h"
 
 /* Cosine between the normals of two faces of one smooth surface. */
 static const double smooth_cosine = 0.70710678118654752;
+
+/* Of the tension in a face: what the tet behind it may bear beyond counts up to this. */
+static const double most_beyond = 1.4;
 
 /* ---- a face ---- */
 
@@ -24,10 +28,10 @@ static void plane_stress(const ShvMaterial *material, const ShvVec3 reference[2]
     const double skew = shv_dot(reference[1], along);
     const double height = shv_norm(shv_madd(reference[1], -skew, along));
     double metric[3]; /* of 2 E: 00, 11, 01 */
-    for (int i = 0; i < 2; i++)
-        metric[i] = 2.0 * shv_dot(reference[i], change[i]) + shv_dot(change[i], change[i]);
+    for (int i = 0; i < 2; i++) metric[i] = 2.0 * shv_dot(reference[i], change[i]) + shv_dot(change[i], change[i]);
     metric[2] = shv_dot(reference[0], change[1]) + shv_dot(reference[1], change[0]) + shv_dot(change[0], change[1]);
-    const double a = 1.0 / length, b = -skew / (length * height), c = 1.0 / height; /* inverse of the edges: (a, b; 0, c) */
+    const double a = 1.0 / length, b = -skew / (length * height),
+                 c = 1.0 / height; /* inverse of the edges: (a, b; 0, c) */
     const double xx = 0.5 * a * a * metric[0];
     const double yy = 0.5 * (b * b * metric[0] + 2.0 * b * c * metric[2] + c * c * metric[1]);
     const double xy = 0.5 * a * (b * metric[0] + c * metric[2]);
@@ -90,8 +94,17 @@ static Face tensest_face(const ShvCohesive *cohesive, const ShvState *state, int
     return tensest;
 }
 
-ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+static double principal_of(const double *stress, int32_t element)
 {
+    double voigt[6];
+    for (int k = 0; k < 6; k++) voigt[k] = stress[shv_cohesive_stress_slot(element, k)];
+    return shv_largest_principal(voigt);
+}
+
+ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                    int32_t node)
+{
+    double tets = 0.0;
     const Face tensest = tensest_face(cohesive, state, node);
     double area = 0.0, s[6] = {0.0}, values[3];
     if (!(tensest.tension > 0.0)) return (ShvSurfaceTension){0};
@@ -103,13 +116,15 @@ ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState 
             const double size = shv_norm(here.area);
             if (shv_dot(here.area, tensest.area) < smooth_cosine * size * shv_norm(tensest.area)) continue;
             area += size;
+            tets += size * principal_of(stress, corner / 4);
             for (int k = 0; k < 6; k++) s[k] += size * here.stress[k];
         }
     }
     const ShvMat3 mean = {{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}};
     ShvMat3 axes;
     shv_symmetric_eigen(&mean, values, &axes);
-    return (ShvSurfaceTension){fmax(values[2], 0.0) / area, shv_vec3(axes.m[0][2], axes.m[1][2], axes.m[2][2])};
+    const double tension = fmax(values[2], fmin(tets, most_beyond * values[2]));
+    return (ShvSurfaceTension){fmax(tension, 0.0) / area, shv_vec3(axes.m[0][2], axes.m[1][2], axes.m[2][2])};
 }
 
 /* ---- all of them ---- */
@@ -117,7 +132,7 @@ ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState 
 static void note(ShvCohesive *cohesive, int32_t node, double tension, int32_t *nodes, int32_t *count)
 {
     double *value = cohesive->search.value + node;
-    const double ratio = tension / cohesive->onset.weakest[node];
+    const double ratio = most_beyond * tension / cohesive->onset.weakest[node];
     if (ratio < 1.0 || cohesive->search.mark[node]) return;
     if (*value == 0.0) nodes[(*count)++] = node;
     *value = shv_larger(*value, ratio);

@@ -32,6 +32,7 @@ void shv_onset_watch(struct ShvCohesive *cohesive, const ShvState *state, const 
 /* Nodes with a face under more tension than their weakest facet bears go to `nodes`, unless cohesive->search has a mark for them;
    its value for them is the ratio of both. Returns the largest ratio of all nodes. */
 double shv_onset_list(struct ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count);
-ShvSurfaceTension shv_onset_tension(const struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
+ShvSurfaceTension shv_onset_tension(const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                    int32_t node);
 
 #endif
