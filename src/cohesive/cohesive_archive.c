@@ -62,6 +62,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, corner_copy, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, search.star, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, onset.weakest, SHV_FIELD_KEPT),
+    SHV_FIELD_OF(ShvCohesive, onset.tension, SHV_FIELD_KEPT),
 };
 
 bool shv_cohesive_archive(ShvCohesive *cohesive, const uint8_t *awake, ShvArchive *archive)

@@ -85,7 +85,7 @@ static int32_t list_nodes(ShvInspection *inspection)
     return kept;
 }
 
-/* Nodes at the surface that those do not count in; returns how many there are then. */
+/* Nodes at the surface where cracks may begin, behind those that are listed already; returns how many there are then. */
 static int32_t add_surface_nodes(ShvInspection *inspection, int32_t count, double *largest)
 {
     ShvCohesive *cohesive = inspection->cohesive;
@@ -94,11 +94,8 @@ static int32_t add_surface_nodes(ShvInspection *inspection, int32_t count, doubl
     if (!cohesive->front.any) return count;
     for (int32_t i = 0; i < count; i++) search->mark[search->nodes[i]] = 1;
     *largest = fmax(*largest, shv_onset_list(cohesive, inspection->state, search->nodes + count, &more));
-    for (int32_t i = count; i < count + more; i++) {
-        search->value[search->nodes[i]] = 0.0;
-        want_star(inspection, search->nodes[i]);
-    }
-    for (int32_t i = 0; i < count; i++) search->mark[search->nodes[i]] = 0;
+    for (int32_t i = count; i < count + more; i++) want_star(inspection, search->nodes[i]);
+    for (int32_t i = 0; i < count + more; i++) search->mark[search->nodes[i]] = 0;
     return count + more;
 }
 
