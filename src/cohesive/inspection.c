@@ -33,6 +33,9 @@ void shv_inspection_get(ShvInspection *inspection)
     inspection->asked = 0;
 }
 
+/* Times in which a front crosses a facet: so long a crack that has just begun takes to unload what is beside it. */
+static const double unloading_paces = 3.0;
+
 /* ---- nodes ---- */
 
 /* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. */
@@ -122,7 +125,7 @@ static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32
         for (int k = 0; k < 4; k++) {
             const int32_t facet = adjacency->element_facets[4 * (int64_t)element + k];
             const int32_t index = facet < adjacency->interior_count ? cohesive->facet_cohesive[facet] : -1;
-            if (index >= 0 && state->time - cohesive->born[index] < cohesive->front.pace) return true;
+            if (index >= 0 && state->time - cohesive->born[index] < unloading_paces * cohesive->front.pace) return true;
         }
     }
     return false;
