@@ -8,13 +8,14 @@
 /* Cosine between the normals of two faces of one smooth surface. */
 static const double smooth_cosine = 0.70710678118654752;
 
-/* Of the tension in the surface: what the tets on it bear beyond that counts up to this. A strip of 4 mm on a lattice of 3 mm needs
-   1.2, plates of prisms at most 1.05. */
+/* Of the tension in the surface: what the tets on it bear beyond that counts up to this, some more than the 1.15 of a strip of
+   4 mm on a lattice of 3 mm. */
 static const double most_beyond = 1.4;
 
 /* ---- a face ---- */
 
 typedef struct Face {
+    int32_t element;
     ShvVec3 area;     /* outward, m² */
     double tension;   /* largest principal stress in its plane, Pa */
     double stress[6]; /* in space, Voigt */
@@ -31,8 +32,8 @@ static void plane_stress(const ShvMaterial *material, const ShvVec3 reference[2]
     double metric[3]; /* of 2 E: 00, 11, 01 */
     for (int i = 0; i < 2; i++) metric[i] = 2.0 * shv_dot(reference[i], change[i]) + shv_dot(change[i], change[i]);
     metric[2] = shv_dot(reference[0], change[1]) + shv_dot(reference[1], change[0]) + shv_dot(change[0], change[1]);
-    const double a = 1.0 / length, b = -skew / (length * height),
-                 c = 1.0 / height; /* inverse of the edges: (a, b; 0, c) */
+    /* inverse of the edges: (a, b; 0, c) */
+    const double a = 1.0 / length, b = -skew / (length * height), c = 1.0 / height;
     const double xx = 0.5 * a * a * metric[0];
     const double yy = 0.5 * (b * b * metric[0] + 2.0 * b * c * metric[2] + c * c * metric[1]);
     const double xy = 0.5 * a * (b * metric[0] + c * metric[2]);
@@ -60,7 +61,7 @@ static Face look_at(const ShvCohesive *cohesive, const ShvState *state, int32_t 
         change[i] = shv_sub(moved[i + 1], moved[0]);
     }
     plane_stress(shv_model_material(cohesive->model, element), reference, change, s, axes);
-    Face result = {.area = shv_scale(shv_cross(reference[0], reference[1]), 0.5)};
+    Face result = {.element = element, .area = shv_scale(shv_cross(reference[0], reference[1]), 0.5)};
     result.tension = 0.5 * (s[0] + s[1]) + sqrt(0.25 * (s[0] - s[1]) * (s[0] - s[1]) + s[2] * s[2]);
     const double p[3] = {axes[0].x, axes[0].y, axes[0].z}, q[3] = {axes[1].x, axes[1].y, axes[1].z};
     static const int rows[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
@@ -83,42 +84,40 @@ static bool is_outside(const ShvCohesive *cohesive, int32_t corner, int face)
 
 /* The smooth part of the surface that bears most at a node: of its edge only one side counts. */
 typedef struct Patch {
+    const double *tet_stress; /* of all tets */
     Face tensest;
     double area, tets; /* m²; of largest principal stresses of the tets, N */
     double stress[6];  /* in the faces, N */
 } Patch;
 
-static void find_tensest(Patch *patch, const Face *face, int32_t element, const double *stress)
+typedef void Visit(Patch *patch, const Face *face);
+
+static void find_tensest(Patch *patch, const Face *face)
 {
-    (void)element;
-    (void)stress;
     if (face->tension > patch->tensest.tension) patch->tensest = *face;
 }
 
-static void add_face(Patch *patch, const Face *face, int32_t element, const double *stress)
+static void add_face(Patch *patch, const Face *face)
 {
     const double size = shv_norm(face->area);
     double voigt[6];
     if (shv_dot(face->area, patch->tensest.area) < smooth_cosine * size * shv_norm(patch->tensest.area)) return;
     for (int k = 0; k < 6; k++) {
-        voigt[k] = stress[shv_cohesive_stress_slot(element, k)];
+        voigt[k] = patch->tet_stress[shv_cohesive_stress_slot(face->element, k)];
         patch->stress[k] += size * face->stress[k];
     }
     patch->area += size;
     patch->tets += size * shv_largest_principal(voigt);
 }
 
-typedef void Visit(Patch *patch, const Face *face, int32_t element, const double *stress);
-
-static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, const double *stress, int32_t node,
-                        Visit *visit, Patch *patch)
+static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, int32_t node, Visit *visit, Patch *patch)
 {
     for (int32_t i = 0; i < state->corner_count[node]; i++) {
         const int32_t corner = state->corners[state->corner_start[node] + i];
         for (int face = 0; face < 4; face++) {
             if (!is_outside(cohesive, corner, face)) continue;
             const Face here = look_at(cohesive, state, corner / 4, face);
-            visit(patch, &here, corner / 4, stress);
+            visit(patch, &here);
         }
     }
 }
@@ -126,10 +125,10 @@ static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, cons
 ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState *state, const double *stress,
                                     int32_t node)
 {
-    Patch patch = {.area = 0.0};
-    visit_faces(cohesive, state, stress, node, find_tensest, &patch);
+    Patch patch = {.tet_stress = stress};
+    visit_faces(cohesive, state, node, find_tensest, &patch);
     if (!(patch.tensest.tension > 0.0)) return (ShvSurfaceTension){0};
-    visit_faces(cohesive, state, stress, node, add_face, &patch);
+    visit_faces(cohesive, state, node, add_face, &patch);
     const double *s = patch.stress;
     const ShvMat3 mean = {{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}};
     double values[3];
