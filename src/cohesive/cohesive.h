@@ -245,8 +245,8 @@ double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state
    one in mixed mode softens from the criterion's ellipse instead of the law's box. Energies are kept, so final openings
    change inversely; the scale lies between 1/√2 and the overshoot. `stress` NULL: no scaling.
    With the force criterion the law starts with the components of the traction by which the facet was judged, whatever it
-   carries: strength is what it holds, and a disk opens as soon as it is asked for more; disks that begin by the tension of the surface (onset.h) start with what
-   they pass on. */
+   carries: strength is what it holds, and a disk opens as soon as it is asked for more. Disks that begin by the tension of the
+   surface (onset.h) start with what they pass on. */
 ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
                               int32_t count, int32_t *duplicated, ShvError *error);
 
