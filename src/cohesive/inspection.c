@@ -47,7 +47,7 @@ static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *
     search->value[node] = shv_larger(search->value[node], value);
 }
 
-static bool worth_a_look(const ShvStarSearch *search, int32_t node)
+static bool needs_evaluation(const ShvStarSearch *search, int32_t node)
 {
     const double value = search->value[node], held = search->held[node];
     return value > grown * held || value < fallen * held;
@@ -78,7 +78,7 @@ static int32_t list_nodes(ShvInspection *inspection)
     }
     for (int32_t i = 0; i < count; i++) {
         const int32_t node = search->nodes[i];
-        const bool looked_at = worth_a_look(search, node);
+        const bool looked_at = needs_evaluation(search, node);
         if (looked_at) search->held[node] = search->value[node];
         search->value[node] = 0.0;
         if (!looked_at) continue;
@@ -150,7 +150,7 @@ static void look(const ShvInspection *inspection, int32_t node)
     const double least = cohesive->settings->threshold;
     const bool cracked = is_cracked(cohesive, inspection->state, node);
     const double needed = cracked ? least : least * (1.0 + nucleation_margin);
-    shv_star_look(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
+    shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
     if (!cracked && cohesive->search.star.disk_count == 0) look_at_surface(inspection, node, needed);
 }
 
