@@ -255,6 +255,7 @@ static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uin
 void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     shv_front_start(cohesive, state);
+    shv_onset_watch(cohesive, state, awake);
     watch_facets(cohesive, state, awake);
     cohesive->unlisted = true;
     cohesive->watched_node_count = 0;
@@ -291,9 +292,9 @@ double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state
                                     ShvStressSource source, int32_t *candidates, double *overstress, int32_t *count)
 {
     ShvInspection check = {cohesive, state, stress, source, 0};
-    const double largest = evaluate_traction(&check);
+    double largest = evaluate_traction(&check);
     if (cohesive->settings->criterion == SHV_CRITERION_FORCE)
-        shv_inspection_find_disks(&check, candidates, overstress, count);
+        shv_inspection_find_disks(&check, candidates, overstress, count, &largest);
     else
         collect(cohesive, candidates, overstress, count);
     return largest;

@@ -35,7 +35,7 @@ static double mean_edge(const ShvModel *model, int32_t facet)
     return sum / 3.0;
 }
 
-static double tip_strength(const ShvModel *model, int32_t facet)
+double shv_front_tip_strength(const ShvModel *model, int32_t facet)
 {
     const ShvMaterial *material = shv_cohesive_material(model, facet);
     if (!material || material->unresolved != SHV_UNRESOLVED_TIP_STRENGTH) return (double)INFINITY;
@@ -60,7 +60,7 @@ double shv_front_strength(const ShvCohesive *cohesive, int32_t facet)
 {
     const double strength = cohesive->facet_strength[facet];
     const bool ahead = cohesive->front.any && cohesive->front.ahead[facet] != 0;
-    return ahead && cohesive->facet_cohesive[facet] < 0 ? fmin(strength, tip_strength(cohesive->model, facet))
+    return ahead && cohesive->facet_cohesive[facet] < 0 ? fmin(strength, shv_front_tip_strength(cohesive->model, facet))
                                                         : strength;
 }
 
@@ -73,12 +73,13 @@ ShvTip shv_front_tip(const ShvCohesive *cohesive, const ShvState *state, int32_t
     if (index >= 0) {
         tip.behind = cohesive->opened[index];
         tip.lowered = tip.behind || (bits & SHV_FRONT_LOWERED);
-        if (tip.behind) tip.strength = behind_share * fmin(tip.strength, tip_strength(cohesive->model, facet));
+        if (tip.behind)
+            tip.strength = behind_share * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
         return tip;
     }
     const int corner = corner_of(cohesive, state, facet, node);
     tip.lowered = corner >= 0 && (bits >> corner & 1);
-    if (tip.lowered) tip.strength = fmin(tip.strength, tip_strength(cohesive->model, facet));
+    if (tip.lowered) tip.strength = fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
     return tip;
 }
 
@@ -185,7 +186,7 @@ static void find_speed_class(ShvCohesive *cohesive)
     double sum = 0.0;
     int64_t count = 0;
     for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
-        if (isinf(tip_strength(cohesive->model, facet))) continue;
+        if (isinf(shv_front_tip_strength(cohesive->model, facet))) continue;
         sum += crossing_time(cohesive, facet);
         count++;
     }

@@ -40,6 +40,8 @@ typedef struct ShvTip {
 
 ShvStatus shv_front_create(struct ShvCohesive *cohesive, ShvError *error);
 void shv_front_release(ShvFront *front);
+/* σ_tip of a facet, Pa; infinite where its material does not ask for it. */
+double shv_front_tip_strength(const ShvModel *model, int32_t facet);
 /* Looks at the ends of slits. */
 void shv_front_start(struct ShvCohesive *cohesive, const ShvState *state);
 /* Looks whether a facet has opened by now; then at its nodes that are not split. */

@@ -1,5 +1,7 @@
 #include "cohesive/inspection.h"
 
+#include <math.h>
+
 /* Where nothing has cracked yet, this much more is asked for: of many nodes that reach their strength together, one that begins
    relieves the others first. */
 static const double nucleation_margin = 0.03;
@@ -31,6 +33,9 @@ void shv_inspection_get(ShvInspection *inspection)
     inspection->asked = 0;
 }
 
+/* Times in which a front crosses a facet: so long a crack that has just begun takes to unload what is beside it. */
+static const double unloading_paces = 3.0;
+
 /* ---- nodes ---- */
 
 /* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. */
@@ -46,6 +51,13 @@ static bool needs_evaluation(const ShvStarSearch *search, int32_t node)
 {
     const double value = search->value[node], held = search->held[node];
     return value > grown * held || value < fallen * held;
+}
+
+static void want_star(ShvInspection *inspection, int32_t node)
+{
+    const ShvState *state = inspection->state;
+    for (int32_t k = 0; k < state->corner_count[node]; k++)
+        shv_inspection_want(inspection, state->corners[state->corner_start[node] + k] / 4);
 }
 
 static int32_t list_nodes(ShvInspection *inspection)
@@ -71,10 +83,23 @@ static int32_t list_nodes(ShvInspection *inspection)
         search->value[node] = 0.0;
         if (!looked_at) continue;
         search->nodes[kept++] = node;
-        for (int32_t k = 0; k < state->corner_count[node]; k++)
-            shv_inspection_want(inspection, state->corners[state->corner_start[node] + k] / 4);
+        want_star(inspection, node);
     }
     return kept;
+}
+
+/* Nodes at the surface where cracks may begin, behind those that are listed already; returns how many there are then. */
+static int32_t add_surface_nodes(ShvInspection *inspection, int32_t count, double *largest)
+{
+    ShvCohesive *cohesive = inspection->cohesive;
+    ShvStarSearch *search = &cohesive->search;
+    int32_t more = 0;
+    if (!cohesive->front.any) return count;
+    for (int32_t i = 0; i < count; i++) search->mark[search->nodes[i]] = 1;
+    *largest = fmax(*largest, shv_onset_list(cohesive, inspection->state, search->nodes + count, &more));
+    for (int32_t i = count; i < count + more; i++) want_star(inspection, search->nodes[i]);
+    for (int32_t i = 0; i < count + more; i++) search->mark[search->nodes[i]] = 0;
+    return count + more;
 }
 
 static bool is_cracked(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
@@ -91,13 +116,42 @@ static bool is_cracked(const ShvCohesive *cohesive, const ShvState *state, int32
     return false;
 }
 
+/* Near a crack that has just begun nothing else begins until it could have unloaded what is there. */
+static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    const ShvAdjacency *adjacency = &cohesive->model->adjacency;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+        for (int k = 0; k < 4; k++) {
+            const int32_t facet = adjacency->element_facets[4 * (int64_t)element + k];
+            const int32_t index = facet < adjacency->interior_count ? cohesive->facet_cohesive[facet] : -1;
+            if (index >= 0 && state->time - cohesive->born[index] < unloading_paces * cohesive->front.pace) return true;
+        }
+    }
+    return false;
+}
+
+/* At the surface of a body, away from cracks, stress decides as well as force (onset.h). */
+static void look_at_surface(const ShvInspection *inspection, int32_t node, double least)
+{
+    ShvCohesive *cohesive = inspection->cohesive;
+    const ShvState *state = inspection->state;
+    if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
+    if (isinf(cohesive->onset.weakest[node]) || is_waiting(cohesive, state, node)) return;
+    const ShvVec3 slit = shv_front_slit_normal(cohesive, state, node);
+    const ShvSurfaceTension tension = shv_onset_tension(cohesive, state, inspection->stress, node);
+    if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->onset.weakest[node]) return;
+    shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
+}
+
 static void look(const ShvInspection *inspection, int32_t node)
 {
     ShvCohesive *cohesive = inspection->cohesive;
     const double least = cohesive->settings->threshold;
-    const double margin = is_cracked(cohesive, inspection->state, node) ? 0.0 : nucleation_margin;
-    shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node,
-                      least * (1.0 + margin));
+    const bool cracked = is_cracked(cohesive, inspection->state, node);
+    const double needed = cracked ? least : least * (1.0 + nucleation_margin);
+    shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
+    if (!cracked && cohesive->search.star.disk_count == 0) look_at_surface(inspection, node, needed);
 }
 
 /* What it shares tets with has other forces from now on. */
@@ -133,10 +187,11 @@ static void take_disk(const ShvInspection *inspection, int32_t *candidates, doub
     }
 }
 
-void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count)
+void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count,
+                               double *largest)
 {
     ShvStarSearch *search = &inspection->cohesive->search;
-    const int32_t suspects = list_nodes(inspection);
+    const int32_t suspects = add_surface_nodes(inspection, list_nodes(inspection), largest);
     int32_t parting = 0;
     *count = 0;
     shv_inspection_get(inspection);

@@ -22,8 +22,9 @@ void shv_inspection_get(ShvInspection *inspection);
 double shv_inspection_level(const ShvCohesive *cohesive);
 
 /* The force criterion: nodes of watched facets that reach the level are looked at; of those that part, the one with the largest ratio first, ties by number, and none that shares a tet with
-   one before it, since its forces will be others. As shv_cohesive_candidates. */
-void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count);
+   one before it, since its forces will be others. As shv_cohesive_candidates; raises `largest` to what surfaces bear. */
+void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count,
+                               double *largest);
 
 /* By value, the largest first, ties by number. */
 void shv_sort_descending(int32_t *numbers, double *values, int32_t count);

@@ -18,6 +18,9 @@ static const double much_the_same = 0.9;
    not the material's: its last bond counts this often, which leaves crumbs to where a body is really crushed. */
 static const double last_bond = 16.0;
 
+/* Of its strength: a disk at the surface that passes on less is not what the tension there pulls at. */
+static const double least_passed_on = 0.05;
+
 static size_t most_joints(int32_t members)
 {
     return (size_t)members * SHV_MEMBER_JOINTS / 2 + 1;
@@ -272,4 +275,32 @@ void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvStat
     if (!(values[0] < 0.0)) return;
     try_direction(star, cohesive, shv_madd(across, riding_sine, last), least, false);
     try_direction(star, cohesive, shv_madd(across, -riding_sine, last), least, false);
+}
+
+static double mean_strength(const ShvStar *star)
+{
+    double area = 0.0, sum = 0.0;
+    for (int32_t k = 0; k < star->disk_count; k++) {
+        const ShvStarFacet *facet = &star->facets[star->disk[k]];
+        const double across = fabs(shv_dot(facet->area, star->direction));
+        area += across;
+        sum += across * facet->strength;
+    }
+    return sum / area;
+}
+
+void shv_star_begin(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                    int32_t node, ShvSurfaceTension tension, double least)
+{
+    star->ratio = 0.0;
+    star->disk_count = 0;
+    star->node = node;
+    gather(star, cohesive, state, stress, node);
+    for (int32_t k = 0; k < star->cut.joint_count; k++)
+        star->facets[k].tip = (ShvTip){.strength = star->facets[k].strength, .lowered = true};
+    try_direction(star, cohesive, tension.direction, least_passed_on, true);
+    const double held = shv_smaller(star->ratio, 1.0);
+    star->ratio = star->disk_count > 0 ? tension.stress / mean_strength(star) : 0.0;
+    if (!(star->ratio >= least)) star->disk_count = 0;
+    for (int32_t k = 0; k < star->disk_count; k++) star->facets[star->disk[k]].tip.strength *= held;
 }

@@ -15,6 +15,7 @@
 
 #include "cohesive/cut.h"
 #include "cohesive/front.h"
+#include "cohesive/onset.h"
 #include "model/state.h"
 
 struct ShvCohesive;
@@ -36,8 +37,8 @@ typedef struct ShvStar {
     ShvStarFacet *facets; /* as cut.joints */
     double stress[6];     /* mean over the tets by mass, Pa */
     ShvVec3 direction;    /* of the opening found */
-    bool goes_on;         /* from a crack whose front is there: facets hold what their tips do */
-    double ratio;         /* force / capacity of the disk found; 0: none */
+    bool goes_on; /* from a crack whose front is there, or begins below its strength: facets hold what their tips do */
+    double ratio; /* force / capacity of the disk found; 0: none */
     int32_t disk_count;
     int32_t *disk; /* its facets, as numbers of joints, that are still intact */
 } ShvStar;
@@ -47,5 +48,9 @@ void shv_star_release(ShvStar *star);
 /* Looks for the disk of a node with the largest ratio, `least` or more. The stress of all its tets must be there. */
 void shv_star_evaluate(ShvStar *star, const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
                        int32_t node, double least);
+/* The disk across the tension in the surface at a node that has no cracks, where that reaches `least` times its strength; its
+   facets hold what they pass on. The ratio is that of stresses. */
+void shv_star_begin(ShvStar *star, const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                    int32_t node, ShvSurfaceTension tension, double least);
 
 #endif

@@ -173,7 +173,9 @@ ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, cons
         cohesive->facet_cohesive[i] = -1;
         cohesive->facet_strength[i] = facet_strength(model, &settings->on, i);
     }
-    return SHV_OK;
+    const ShvStatus begun = shv_onset_create(cohesive, error);
+    if (begun != SHV_OK) shv_cohesive_release(cohesive);
+    return begun;
 }
 
 void shv_cohesive_release(ShvCohesive *cohesive)
@@ -210,5 +212,6 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->search.held);
     shv_release(cohesive->search.facet_along);
     shv_front_release(&cohesive->front);
+    shv_onset_release(&cohesive->onset);
     *cohesive = (ShvCohesive){0};
 }

@@ -1,0 +1,43 @@
+/* Where cracks begin on meshes that do not resolve the cohesive zone (SHV_UNRESOLVED_TIP_STRENGTH): at the surface of a body.
+
+   Under bending the forces that facets pass on at a node are a section's moment shared among few nodes: on edges like the
+   wall's thickness they come to a third of what the stress in its surface would make them, and the disk of star.h holds
+   until that stress is three times the strength. But a face on the surface knows that stress, whatever the tet behind it is:
+   from its strain, since nothing pulls on it from outside. Averaged over a node's faces, it is the stress by which cracks
+   begin there: once it reaches the strength, mean over the disk across it, the disk parts whatever it passes on, and
+   its laws start with just that. Their energy stays. Where the mesh resolves the zone, σ_tip (front.h) exceeds the strength,
+   and the force alone decides; so it does at nodes that cracks have come to.
+
+   Linear tets are too stiff in bending: of the work of the load a part goes into shear that the mesh has and the
+   body has not. It counts: where the tets on the surface bear a larger principal stress than it does, that is taken, but no
+   more than 1.4 times the surface's own, since tets under a blow bear stress of other kinds. */
+#ifndef SHV_COHESIVE_ONSET_H
+#define SHV_COHESIVE_ONSET_H
+
+#include "model/state.h"
+
+struct ShvCohesive;
+
+typedef struct ShvOnset {
+    int32_t count;
+    int32_t *faces;  /* of awake tets, 4 × element + face: boundary faces of the mesh */
+    double *tension; /* per face: largest in its plane in the present check, Pa */
+    double *weakest; /* per node of the mesh: strength of its weakest facet, Pa; infinite where this is not for it */
+} ShvOnset;
+
+/* Largest tension in the surface at a node, and its direction. */
+typedef struct ShvSurfaceTension {
+    double stress; /* Pa; 0 where cracks do not begin so */
+    ShvVec3 direction;
+} ShvSurfaceTension;
+
+ShvStatus shv_onset_create(struct ShvCohesive *cohesive, ShvError *error);
+void shv_onset_release(ShvOnset *onset);
+void shv_onset_watch(struct ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* Nodes whose faces may bear more than their weakest facet go to `nodes`, `count` of them, unless cohesive->search has a mark for
+   them, and get one. Returns the largest ratio of tension to weakest facet of all that had none. */
+double shv_onset_list(struct ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count);
+ShvSurfaceTension shv_onset_tension(const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                    int32_t node);
+
+#endif
