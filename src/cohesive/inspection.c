@@ -34,7 +34,7 @@ void shv_inspection_get(ShvInspection *inspection)
 }
 
 /* Times in which a front crosses a facet: so long a crack that has just begun takes to unload what is beside it. */
-static const double unloading_paces = 3.0;
+static const double unloading_crossings = 3.0;
 
 /* ---- nodes ---- */
 
@@ -125,7 +125,8 @@ static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32
         for (int k = 0; k < 4; k++) {
             const int32_t facet = adjacency->element_facets[4 * (int64_t)element + k];
             const int32_t index = facet < adjacency->interior_count ? cohesive->facet_cohesive[facet] : -1;
-            if (index >= 0 && state->time - cohesive->born[index] < unloading_paces * cohesive->front.pace) return true;
+            if (index >= 0 && state->time - cohesive->born[index] < unloading_crossings * cohesive->front.crossing_time)
+                return true;
         }
     }
     return false;
