@@ -219,10 +219,6 @@ END
 
 Under Bullet fragments meet one another. In 6.3 and 6.13 splinters below 1 cm and 5 mm fly as particles, which meet obstacles alone
 (`rigid.dust`); the runs with PBD, where fragments do not meet at all, keep them (`rigid.dust=keep`).
-
-These runs under Bullet are older than the contacts at the border that act at once on both bodies (docs/decisions.md). With them 6.11 (a) ends
-with 4,647 fragments, the largest 64 % of the mass, and a ledger that closes to 4e-7 of its largest energy, but something is awake from the first
-impact to the end: 60,752 steps and 4,232 s beside other work, where it took 112. The others have not been run again.
 END
     if bullet_table | grep -qE 'interrupted|no result'; then
         printf '\nInterrupted runs and those without a result were stopped after some minutes or not begun: tens of thousands of splinters that touch are slow.\n'
