@@ -140,8 +140,9 @@ Made by `./bootstrap compare` from runs of the scenes in `scenes/rigid`: each un
 - Energy: error of kinetic and potential energy, over the largest of the exact motion (at rest: weight times radius). Gain:
   largest rise of the energy above an earlier value, over the same; where nothing drives a body there should be none.
 - Angular momentum: error of a body's own, over its largest.
-- Moments: how many impacts of the bounce or flips of the top are missing or too many, and the largest error of their times. Apex:
-  error of the heights between impacts. Surface: largest distance between a point of the body and where it should be.
+- Moments: how many impacts of the bounce or flips of the top are missing or too many; their times and apices are compared where
+  none is. Surface: how far a point of the body can be at most from where it should be: the error of position plus the radius
+  times the error of orientation.
 - Run time: without set-up, with what a frame every 10 ms costs; one thread of a shared machine.
 - A free obstacle (the rolling and slipping balls) is moved by one and the same code under `pbd` and `analytic`.
 - Fragments see each other under `bullet` and `bullet_plain`: under the others the boxes of a stack fall through each other.
