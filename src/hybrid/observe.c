@@ -192,7 +192,7 @@ static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
     balance->cohesive_released = hybrid->ledger.released;
     balance->closure = work[SHV_WORK_CLOSURE];
     balance->contact = work[SHV_WORK_CONTACT];
-    balance->friction = work[SHV_WORK_FRICTION];
+    balance->friction = work[SHV_WORK_FRICTION] + work[SHV_WORK_RUBBING];
     balance->constraint = work[SHV_WORK_CONSTRAINT];
     balance->traction = work[SHV_WORK_TRACTION];
     balance->bars = work[SHV_WORK_BARS];

@@ -11,6 +11,8 @@ const char *shv_work_name(ShvWork work)
         return "cohesive";
     case SHV_WORK_CLOSURE:
         return "closure";
+    case SHV_WORK_RUBBING:
+        return "rubbing";
     case SHV_WORK_CONTACT:
         return "contact";
     case SHV_WORK_FRICTION:

@@ -13,6 +13,7 @@ typedef enum ShvWork {
     SHV_WORK_TRACTION,   /* by imposed tractions */
     SHV_WORK_COHESIVE,   /* by cohesive tractions */
     SHV_WORK_CLOSURE,    /* by crack faces that close (≤ 0) */
+    SHV_WORK_RUBBING,    /* by friction of crack faces (≤ 0) */
     SHV_WORK_CONTACT,    /* by normal contact impulses with obstacles, on the nodes */
     SHV_WORK_FRICTION,   /* by tangential contact impulses, on the nodes */
     SHV_WORK_CONSTRAINT, /* by supports and imposed velocities (signed) */
