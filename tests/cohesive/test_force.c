@@ -209,6 +209,7 @@ static Outcome explode(int32_t threads, ShvCohesiveLaw law)
     fixture_define(&f, 0.02, 0.015, 0.015, 0.004);
     f.scene.threads = threads;
     f.material.law = law;
+    f.material.friction_angle_degrees = 11.3;
     fixture_build(&f);
     const int32_t count = f.model.adjacency.interior_count;
     int32_t *facets = calloc((size_t)count, sizeof *facets), duplicated;
