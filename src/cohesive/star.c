@@ -8,6 +8,8 @@
 
 /* Faces slide past each other where a facet leans over by less than this: round-off. */
 static const double overhang = 1e-6;
+/* The same under pressure with friction, where flat cracks are to slide: facets of a plane lean by as much as they are strained. */
+static const double strained_overhang = 0.02;
 /* Cosine between the largest principal stress and another direction, above which the first stands for both. */
 static const double much_the_same = 0.9;
 /* Cracks on several sides of a tet pull it off by what is left of their own traction, and pieces of one tet are the mesh's and
@@ -155,7 +157,7 @@ static void gather(ShvStar *star, const ShvCohesive *cohesive, const ShvState *s
 /* `along`: cosine between what a group leaves behind, outward, and where it goes. */
 static double capacity(const ShvStarFacet *facet, double size, double along, bool goes_on)
 {
-    if (along > overhang) return (double)INFINITY;
+    if (along > (facet->rubbing > 0.0 ? strained_overhang : overhang)) return (double)INFINITY;
     if (goes_on && facet->tip.lowered) return size * facet->share * facet->tip.strength;
     const double cohesion = size * facet->share * facet->strength * shv_strength_share(along, facet->shear_ratio);
     return cohesion + facet->rubbing * sqrt(shv_larger(1.0 - along * along, 0.0));
