@@ -48,7 +48,8 @@ typedef struct ShvObstacleView {
                 − (cohesive + contact + friction + closure + constraint + traction + bars + damping + handover + event):
    what the integrator gained or lost.
      cohesive_defect = cohesive + cohesive_recoverable + cohesive_released + fracture_dissipation:
-   how far the work of the tractions is from what the cohesive law says for the openings that came about. */
+   how far the work of the tractions is from what the cohesive law says for the openings that came about.
+     friction: of contacts and, with a friction_angle, of crack faces. */
 typedef struct ShvLedgerView {
     double time;
     double kinetic, strain, gravity_potential;         /* functions of the state */
