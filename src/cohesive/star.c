@@ -234,13 +234,13 @@ static ShvVec3 weakest_direction(const ShvStar *star)
         const ShvVec3 normal = shv_scale(facet->area, 1.0 / facet->size), traction = apply(star->stress, normal);
         const double tension = shv_dot(traction, normal);
         const ShvVec3 shear = shv_scale(shv_madd(traction, -tension, normal), soft);
-        const ShvVec3 way = shv_madd(shear, shv_larger(tension, 0.0), normal);
+        const ShvVec3 opening = shv_madd(shear, shv_larger(tension, 0.0), normal);
         const double rubbing = facet->rubbing > 0.0 ? facet->rubbing / (facet->shear_ratio * facet->size) : 0.0;
         const double held = facet->strength + rubbing;
-        const double value = shv_dot(traction, way) / (held * held);
+        const double value = shv_dot(traction, opening) / (held * held);
         if (!(value > largest)) continue;
         largest = value;
-        direction = shv_unit(way);
+        direction = shv_unit(opening);
     }
     return direction;
 }
@@ -254,8 +254,8 @@ static bool is_across_crack(const ShvStar *star, const ShvCohesive *cohesive, co
 }
 
 /* Directions come with either sign: what moves is a group or all the others. */
-void shv_star_look(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                   int32_t node, double least)
+void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                       int32_t node, double least)
 {
     double values[3];
     ShvMat3 axes;

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "evaluate/way.h"
+#include "evaluate/trajectory_error.h"
 
 #define COUNT(array)  ((int32_t)(sizeof(array) / sizeof *(array)))
 #define NORM(x, y, z) "sqrt((" x ")^2 + (" y ")^2 + (" z ")^2)"
@@ -132,7 +132,7 @@ bool shv_measure_tracks(const ShvMeasure *measure)
     const size_t length = strcspn(measure->error, "(");
     char name[64] = "";
     if (length < sizeof name) memcpy(name, measure->error, length);
-    return shv_way_index(name) >= 0;
+    return shv_trajectory_measure_index(name) >= 0;
 }
 
 bool shv_measure_is_own(const ShvMeasure *measure)

@@ -2,14 +2,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "evaluate/gather.h"
+#include "evaluate/sampler.h"
 
 static ShvStatus keep_pieces(ShvOutcome *outcome, ShvRunFile *file, int32_t count, ShvError *error)
 {
     ShvFragmentView *fragments = shv_allocate(outcome->memory, SHV_PART_RECORD, (size_t)count, sizeof *fragments);
     if (!fragments) return shv_fail_memory(error, "fragments", (size_t)count * sizeof *fragments);
     const ShvStatus status = shv_run_file_fragments(file, fragments, error);
-    if (status == SHV_OK) shv_gather_pieces(outcome, fragments, count);
+    if (status == SHV_OK) shv_sample_pieces(outcome, fragments, count);
     shv_release(fragments);
     return status;
 }
@@ -33,7 +33,7 @@ static ShvStatus keep_frames(ShvOutcome *outcome, ShvRunFile *file, int64_t fram
                        {"frame.steps", (double)progress.steps}};
         for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
             shv_outcome_add(outcome, numbers[k].name, SHV_CLOCK_FRAME, numbers[k].value);
-        shv_gather_ledger(outcome, &ledger);
+        shv_sample_ledger(outcome, &ledger);
     }
     return outcome->failed ? shv_fail_memory(error, "a recorded run", 0) : SHV_OK;
 }
@@ -53,7 +53,7 @@ static ShvStatus keep_crack(ShvOutcome *outcome, ShvRunFile *file, const ShvRunF
                               .element_count = info->element_count,
                               .positions = positions,
                               .elements = corners};
-    if (status == SHV_OK) status = shv_gather_crack(outcome, &mesh, bonds, error);
+    if (status == SHV_OK) status = shv_sample_crack(outcome, &mesh, bonds, error);
     shv_release(positions);
     shv_release(corners);
     shv_release(bonds);

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "evaluate/inputs.h"
 #include "evaluate/run.h"
-#include "evaluate/way.h"
+#include "evaluate/trajectory_error.h"
 #include "record/checkpoint.h"
 #include "scene/source.h"
 #include "shiver/version.h"
@@ -232,15 +232,16 @@ static ShvStatus find_reference(ShvStudy *study, ShvError *error)
 }
 
 /* What bodies are compared with must fit the scene before anything is run. */
-static ShvStatus check_way(const ShvStudy *study, ShvError *error)
+static ShvStatus check_trajectory(const ShvStudy *study, ShvError *error)
 {
     ShvScene *scene;
-    ShvWay way;
+    ShvTrajectoryError trajectory;
     if (!shv_study_tracks(study)) return SHV_OK;
     SHV_TRY(shv_study_scene(study, 0, &scene, error));
-    const ShvStatus status = shv_way_open(&way, shv_scene_definition(scene), shv_scene_folder(scene),
-                                          study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
-    shv_way_close(&way);
+    const ShvStatus status =
+        shv_trajectory_error_open(&trajectory, shv_scene_definition(scene), shv_scene_folder(scene),
+                                  study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    shv_trajectory_error_close(&trajectory);
     shv_scene_destroy(scene);
     return status;
 }
@@ -257,7 +258,7 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) status = find_reference(made, error);
-    if (status == SHV_OK) status = check_way(made, error);
+    if (status == SHV_OK) status = check_trajectory(made, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;

@@ -3,8 +3,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "evaluate/gather.h"
 #include "evaluate/names.h"
+#include "evaluate/sampler.h"
 #include "evaluate/study.h"
 
 /* What one measuring works with. */
@@ -18,13 +18,13 @@ typedef struct Judge {
 /* What one judging works with. */
 typedef struct Bench {
     ShvScene *scene;
-    ShvWay way;
+    ShvTrajectoryError trajectory;
     ShvPool series;
 } Bench;
 
 static void close_bench(Bench *bench)
 {
-    shv_way_close(&bench->way);
+    shv_trajectory_error_close(&bench->trajectory);
     shv_scene_destroy(bench->scene);
     shv_pool_release(&bench->series);
 }
@@ -34,9 +34,9 @@ static ShvStatus open_bench(const ShvStudy *study, int32_t setting, Bench *bench
     *bench = (Bench){.series = {.memory = study->memory}};
     if (!shv_study_tracks(study)) return SHV_OK;
     SHV_TRY(shv_study_scene(study, setting, &bench->scene, error));
-    const ShvStatus status =
-        shv_way_open(&bench->way, shv_scene_definition(bench->scene), shv_scene_folder(bench->scene),
-                     study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    const ShvStatus status = shv_trajectory_error_open(&bench->trajectory, shv_scene_definition(bench->scene),
+                                                       shv_scene_folder(bench->scene),
+                                                       study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
     if (status != SHV_OK) close_bench(bench);
     return status;
 }
@@ -60,7 +60,7 @@ static ShvStatus judge_run(const ShvStudy *study, Bench *bench, const ShvOutcome
 {
     const ShvNamedRun own = {.name = "", .outcome = outcome}, other = {.name = "reference", .outcome = reference};
     ShvNames names = {.pool = &bench->series, .run = &own, .others = &other, .other_count = 1};
-    if (bench->scene) names.way = &bench->way;
+    if (bench->scene) names.trajectory = &bench->trajectory;
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
         errors[i] = (double)NAN;

@@ -2,7 +2,7 @@
 #ifndef SHV_STABILITY_PROBE_H
 #define SHV_STABILITY_PROBE_H
 
-#include "hybrid/hybrid.h"
+#include "coupling/hybrid.h"
 #include "shiver/stability.h"
 
 typedef struct ShvProbe {
