@@ -133,7 +133,7 @@ static void step_once(Bench *bench, double step)
     start = shv_now();
     shv_cohesive_pull(&bench->cohesive, &bench->state, step, step);
     bench->sweeps += bench->cohesive.sweeps;
-    shv_cohesive_close(&bench->cohesive, &bench->state, step, step, 0.0);
+    shv_cohesive_close(&bench->cohesive, &bench->state, step, step);
     shv_cohesive_pull(&bench->cohesive, &bench->state, step, step);
     shv_cohesive_book(&bench->cohesive, &bench->state, step, &ledger);
     bench->cohesive_time += shv_now() - start;

@@ -47,10 +47,11 @@ typedef struct ShvMaterialDefinition {
     double ppr_shape;               /* α > 1: 2 softens linearly in pure opening */
     double ppr_shape_shear;         /* β > 1; NaN: as α */
     double weibull_modulus;         /* spread of strength from facet to facet; 0: none */
-    double weibull_volume;    /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
-    double face_restitution;  /* of crack faces that have opened and close again, 0 to 1; 0 */
-    ShvUnresolved unresolved; /* where the cohesive zone is shorter than zone_edges mean edges of the mesh */
-    double zone_edges;        /* mean edges that a resolved cohesive zone spans, ≥ 1; 5 */
+    double weibull_volume;   /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
+    double face_restitution; /* of crack faces that have opened and close again, 0 to 1; 0 */
+    double friction_angle_degrees; /* φ: faces under pressure p resist p tan φ in shear besides cohesion; 0 to 90; 0 */
+    ShvUnresolved unresolved;      /* where the cohesive zone is shorter than zone_edges mean edges of the mesh */
+    double zone_edges;             /* mean edges that a resolved cohesive zone spans, ≥ 1; 5 */
 } ShvMaterialDefinition;
 ShvMaterialDefinition shv_material_default(void);
 

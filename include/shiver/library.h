@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* One number under the name that the scene's key has (weibull_modulus: `weibull: {modulus: …}`); SI. */
+/* One number under the name that the scene's key has (weibull_modulus: `weibull: {modulus: …}`); SI, angles in degrees. */
 typedef struct ShvLibraryNumber {
     const char *key; /* NULL ends the list */
     double value;

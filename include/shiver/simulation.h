@@ -45,7 +45,7 @@ typedef struct ShvObstacleView {
 /* The ledger at one time, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
    is positive, and each is booked as the force or impulse acts.
      residual = kinetic + strain + gravity_potential − (the same at the start)
-                − (cohesive + contact + friction + closure + constraint + traction + bars + damping + handover + event):
+                − (cohesive + contact + friction + closure + crack_friction + constraint + traction + bars + damping + handover + event):
    what the integrator gained or lost.
      cohesive_defect = cohesive + cohesive_recoverable + cohesive_released + fracture_dissipation:
    how far the work of the tractions is from what the cohesive law says for the openings that came about. */
@@ -57,13 +57,14 @@ typedef struct ShvObstacleView {
     NUMBER(gravity_potential, "J")                                                                                     \
     NUMBER(cohesive_recoverable, "J") /* of the cohesive law, from its openings and histories */                       \
     NUMBER(fracture_dissipation, "J")                                                                                  \
-    WORK(contact, CONTACT)         /* by normal contact impulses */                                                    \
-    WORK(friction, FRICTION)       /* by tangential contact impulses */                                                \
-    WORK(closure, CLOSURE)         /* by crack faces that close (≤ 0) */                                             \
-    WORK(constraint, CONSTRAINT)   /* by supports and imposed velocities */                                            \
-    WORK(traction, TRACTION)       /* by imposed tractions */                                                          \
-    WORK(bars, BARS)               /* by position based projections */                                                 \
-    WORK(damping, DAMPING)         /* by damping towards rigid motion */                                               \
+    WORK(contact, CONTACT)               /* by normal contact impulses */                                              \
+    WORK(friction, FRICTION)             /* by tangential contact impulses */                                          \
+    WORK(closure, CLOSURE)               /* by crack faces that close (≤ 0) */                                       \
+    WORK(crack_friction, CRACK_FRICTION) /* by crack faces that slide under pressure (≤ 0) */                        \
+    WORK(constraint, CONSTRAINT)         /* by supports and imposed velocities */                                      \
+    WORK(traction, TRACTION)             /* by imposed tractions */                                                    \
+    WORK(bars, BARS)                     /* by position based projections */                                           \
+    WORK(damping, DAMPING)               /* by damping towards rigid motion */                                         \
     WORK(handover, HANDOVER)       /* vibration and strain dropped or given at mode switches, each one in /events */   \
     WORK(event, EVENT)             /* by events of the time line */                                                    \
     NUMBER(cohesive, "J")          /* by cohesive tractions on the nodes */                                            \

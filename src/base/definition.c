@@ -21,6 +21,7 @@ ShvMaterialDefinition shv_material_default(void)
                                    .ppr_shape = 2.0,
                                    .ppr_shape_shear = unset,
                                    .face_restitution = 0.0,
+                                   .friction_angle_degrees = 0.0,
                                    .zone_edges = 5.0};
 }
 

@@ -13,6 +13,15 @@
 /* Shear values where nobody measured them, from numbers that somebody did. */
 #define COHESION(strength)                                                                                             \
     "½√(fc σ), the cohesion of the Mohr-Coulomb line through σ and the compressive strength fc = " strength
+/* Where the angle of friction is known, the cohesion of the line of that slope through the compressive strength. */
+#define COHESION_AT_ANGLE(strength)                                                                                    \
+    "fc/(2 tan (45° + φ/2)), the Mohr-Coulomb line of the friction angle φ through fc = " strength
+#define NIELSEN                                                                                                        \
+    "M. P. Nielsen, Limit Analysis and Concrete Plasticity: modified Coulomb material with tan φ = 0.75 and "         \
+    "fc = 4 c"
+#define GOODMAN                                                                                                        \
+    "R. E. Goodman, Introduction to Rock Mechanics, triaxial tests of Inada biotite granite at 0.1 to 98 MPa, as "     \
+    "'Mechanics of Asphalt', Table 2.6, quotes it (with a cohesion of 55.2 MPa, of a stronger stone)"
 #define SLIDES   "G τ/σ, so that a facet slides as far before it fails as it opens: assumption"
 #define LOURENCO "P. B. Lourenço, recommendations for masonry (University of Minho): ductility index G/σ of 0.029 mm"
 #define PETROVIC "J. J. Petrovic, J. Mater. Sci. 38 (2003) 1-6, abstract"
@@ -171,9 +180,10 @@ static const ShvLibraryMaterial materials[] = {
                  {"poissons_ratio", 0.2, "Eurocode 2, 3.1.3", true},
                  {"fracture_energy", 76.4, MC_ENERGY, true},
                  {"cohesive_strength", 2.91e6, "1.4 MPa (fck/10 MPa)^(2/3); " MODEL_CODE, false},
-                 {"fracture_energy_shear", 138.1, SLIDES, false},
-                 {"cohesive_strength_shear", 5.26e6,
-                  COHESION("38 MPa, the mean of Eurocode 2, table 3.1, as buildinghow.com quotes it"), false},
+                 {"fracture_energy_shear", 249.4, SLIDES, false},
+                 {"cohesive_strength_shear", 9.5e6,
+                  COHESION_AT_ANGLE("38 MPa, the mean of Eurocode 2, table 3.1, as buildinghow.com quotes it"), false},
+                 {"friction_angle", 37.0, NIELSEN, true},
                  {"weibull_modulus", 6.6, EC_SCATTER, false}},
      .remark = "Common structural concrete."},
     {.name = "concrete_c50",
@@ -184,9 +194,10 @@ static const ShvLibraryMaterial materials[] = {
                  {"poissons_ratio", 0.2, "Eurocode 2, 3.1.3", true},
                  {"fracture_energy", 102.7, MC_ENERGY, true},
                  {"cohesive_strength", 4.09e6, "1.4 MPa (fck/10 MPa)^(2/3); " MODEL_CODE, false},
-                 {"fracture_energy_shear", 193.3, SLIDES, false},
-                 {"cohesive_strength_shear", 7.7e6,
-                  COHESION("58 MPa, the mean of Eurocode 2, table 3.1, as buildinghow.com quotes it"), false},
+                 {"fracture_energy_shear", 364.1, SLIDES, false},
+                 {"cohesive_strength_shear", 14.5e6,
+                  COHESION_AT_ANGLE("58 MPa, the mean of Eurocode 2, table 3.1, as buildinghow.com quotes it"), false},
+                 {"friction_angle", 37.0, NIELSEN, true},
                  {"weibull_modulus", 6.6, EC_SCATTER, false}},
      .remark = "High-strength structural concrete."},
     {.name = "mortar",
@@ -210,8 +221,9 @@ static const ShvLibraryMaterial materials[] = {
                  {"fracture_energy", 38.7,
                   "K²(1−ν²)/E with a toughness K of 1.7 MPa √m, Westerly granite, handbook value", true},
                  {"cohesive_strength", 10e6, ROCKS, false},
-                 {"fracture_energy_shear", 79.7, SLIDES, false},
-                 {"cohesive_strength_shear", 20.6e6, COHESION("170 MPa; ") ROCKS, false},
+                 {"fracture_energy_shear", 127.0, SLIDES, false},
+                 {"cohesive_strength_shear", 32.9e6, COHESION_AT_ANGLE("170 MPa; ") ROCKS, false},
+                 {"friction_angle", 47.7, GOODMAN, false},
                  {"weibull_modulus", 15.0, "handbook value", true}},
      .remark = "Sound and fine-grained; weathered granite bears a third."},
     {.name = "ice",
@@ -266,6 +278,7 @@ ShvMaterialDefinition shv_library_definition(const ShvLibraryMaterial *material)
                    {"cohesive_strength", &definition.cohesive_strength},
                    {"fracture_energy_shear", &definition.fracture_energy_shear},
                    {"cohesive_strength_shear", &definition.cohesive_strength_shear},
+                   {"friction_angle", &definition.friction_angle_degrees},
                    {"weibull_modulus", &definition.weibull_modulus}};
     definition.name = material->name;
     definition.breakable = material->breakable;

@@ -15,6 +15,7 @@ static const struct {
                {"fracture_energy", "G, J/m²", 1.0},
                {"cohesive_strength", "σ, MPa", 1e-6},
                {"cohesive_strength_shear", "τ, MPa", 1e-6},
+               {"friction_angle", "φ, °", 1.0},
                {"weibull_modulus", "m", 1.0}};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
@@ -108,6 +109,9 @@ static const char *const formulas =
     "the mesh resolves it, is printed by `shiver check`, `plan`, `run` and `info`, and stands in `/materials` of the "
     "run "
     "file.\n\n"
+    "τ is the strength in shear without pressure, the cohesion. Where a friction angle φ is given, facets under a "
+    "pressure p bear τ + p tan φ, and closed crack faces p tan φ (docs/cohesive.md); where none is, pressure adds "
+    "nothing.\n\n"
     "m is the Weibull modulus of the strength from facet to facet: `weibull: {modulus: 0}` takes the scatter away. A "
     "source that is marked [source not read] was not at hand; what is called an assumption is ours, and has none.\n\n"
     "A statement that results converge is possible where the zone is resolved: with plaster or this concrete, at edges "

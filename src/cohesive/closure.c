@@ -11,8 +11,9 @@ typedef struct Closing {
     ShvFacetGaps *gaps;
     int corner;
     bool known;
-    double held;  /* what the pair may give when it parts, J */
-    bool elastic; /* it gives back a share of what closing takes */
+    double held;     /* what the pair may give when it parts, J */
+    bool elastic;    /* it gives back a share of what closing takes */
+    double friction; /* tan φ */
 } Closing;
 
 /* Of opening, seen by one who turns with the facet. */
@@ -34,30 +35,25 @@ static double response(const Closing *closing, const ShvState *state, ShvVec3 di
 }
 
 /* Impulse on a pair, taken by the whole masses of its nodes: pairs are served one after another, each impulse for itself
-   inelastic, so that kinetic energy falls with every one of them. */
-static void strike(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
+   inelastic, so that kinetic energy falls with every one of them. Returns the force on the first node. */
+static ShvVec3 strike(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
 {
     const int i = closing->corner;
     const int32_t first = closing->rotation->first[i], second = closing->rotation->second[i];
-    const ShvVec3 force = shv_scale(impulse, -1.0 / kick); /* on the first node */
+    const ShvVec3 force = shv_scale(impulse, -1.0 / kick);
     shv_add_to3(state->velocity + 3 * (int64_t)first, shv_scale(impulse, -1.0 / state->mass[first]));
     shv_add_to3(state->velocity + 3 * (int64_t)second, shv_scale(impulse, 1.0 / state->mass[second]));
     shv_facet_rotation_strike(closing->rotation, state, shv_cross(closing->gaps->opening[i], force), kick);
     shv_add_to3(state->force + 3 * (int64_t)first, force);
     shv_add_to3(state->force + 3 * (int64_t)second, shv_scale(force, -1.0));
-    closing->gaps->push[i] = shv_add(closing->gaps->push[i], force);
     closing->known = false;
+    return force;
 }
 
-/* Coulomb: at most `limit`, and at most what stops the slip. */
-static void rub(Closing *closing, ShvState *state, double kick, double limit)
+static void press(Closing *closing, ShvState *state, double impulse, double kick)
 {
-    const ShvVec3 rate = rate_of(closing, state), normal = closing->rotation->normal;
-    const ShvVec3 slip = shv_madd(rate, -shv_dot(rate, normal), normal);
-    const double speed = shv_norm(slip);
-    if (!(speed > 0.0)) return;
-    const double stopping = speed / response(closing, state, shv_scale(slip, 1.0 / speed));
-    strike(closing, state, shv_scale(slip, -fmin(stopping, limit) / speed), kick);
+    ShvVec3 *push = &closing->gaps->push[closing->corner];
+    *push = shv_add(*push, strike(closing, state, shv_scale(closing->rotation->normal, impulse), kick));
 }
 
 /* Faces part when they do so faster than by this share of the speed that what they hold would give them: slower is noise of
@@ -72,7 +68,7 @@ static void change_push(Closing *closing, ShvState *state, double kick, double i
                         double inverse_mass)
 {
     closing->gaps->freed[closing->corner] += impulse * (speed + 0.5 * impulse * inverse_mass);
-    strike(closing, state, shv_scale(closing->rotation->normal, impulse), kick);
+    press(closing, state, impulse, kick);
 }
 
 /* Of a pair that nothing has pressed in this step all that is held comes back over the way from n − 1/2 to n + 1/2:
@@ -109,7 +105,29 @@ static bool yield_back(Closing *closing, ShvState *state, double kick, double sp
     return true;
 }
 
-static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction, bool failed)
+/* Coulomb friction of a pair that is pushed: what stops the slip, at most tan φ × push. It takes energy on the way from n − 1/2
+   to n + 1/2, on which it is booked: in a step in which the slip turns round it is less. Cohesion has been pulled before, so
+   that friction bears what is left of the load; the pull after contact then finds what cohesion has to bear beside it. */
+static bool rub(Closing *closing, ShvState *state, double kick, double step)
+{
+    const ShvVec3 rate = rate_of(closing, state), normal = closing->rotation->normal;
+    ShvVec3 *sum = &closing->gaps->rub[closing->corner];
+    const double most = -closing->friction * shv_dot(closing->gaps->push[closing->corner], normal);
+    const ShvVec3 slip = shv_madd(rate, -shv_dot(rate, normal), normal);
+    const double speed = shv_norm(slip);
+    if (!(most > 0.0 && speed > 0.0)) return false;
+    const double yield = kick * response(closing, state, shv_scale(slip, 1.0 / speed));
+    const ShvVec3 stopping = shv_madd(*sum, 1.0 / yield, slip);
+    const ShvVec3 wanted = shv_scale(stopping, shv_smaller(most / shv_norm(stopping), 1.0));
+    const ShvVec3 free = shv_madd(closing->gaps->before[closing->corner], 0.5 * step, shv_madd(slip, yield, *sum));
+    const double share = shv_dot(wanted, free) / (0.5 * step * yield * shv_dot(wanted, wanted));
+    const ShvVec3 force = shv_scale(wanted, shv_smaller(shv_larger(share, 0.0), 1.0)), change = shv_sub(force, *sum);
+    if (!(shv_norm(change) > settled_share * most)) return false;
+    *sum = shv_add(*sum, strike(closing, state, shv_scale(change, -kick), kick));
+    return true;
+}
+
+static bool close_pair(Closing *closing, ShvState *state, double kick, double step)
 {
     const ShvVec3 normal = closing->rotation->normal;
     bool *pressed = &closing->gaps->pressed[closing->corner];
@@ -120,35 +138,35 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
     if (speed > 0.0 && closing->held > 0.0) return rebound(closing, state, kick, step, speed);
     if (!(speed < allowed)) return false;
     const double impulse = (allowed - speed) / response(closing, state, normal);
-    strike(closing, state, shv_scale(normal, impulse), kick);
-    if (friction > 0.0 && failed) rub(closing, state, kick, friction * impulse);
+    press(closing, state, impulse, kick);
     *pressed = true;
     return true;
 }
 
-static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step, double friction)
+static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step)
 {
     Closing closing = {.rotation = &cohesive->rotations[k], .gaps = &cohesive->gaps[k]};
     closing.elastic = cohesive->sides[closing.rotation->index].returned > 0.0;
-    const uint8_t phase = cohesive->phase[closing.rotation->index];
+    closing.friction = cohesive->sides[closing.rotation->index].friction;
     bool any = false;
-    if (phase == SHV_COHESIVE_SEPARATED) return false;
+    if (cohesive->phase[closing.rotation->index] == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
         if (closing.rotation->first[closing.corner] == closing.rotation->second[closing.corner]) continue;
         closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
-        any = close_pair(&closing, state, kick, step, friction, phase == SHV_COHESIVE_FAILED) || any;
+        any = close_pair(&closing, state, kick, step) || any;
+        if (closing.friction > 0.0) any = rub(&closing, state, kick, step) || any;
     }
     return any;
 }
 
-void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction)
+void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step)
 {
     if (!(step > 0.0 && kick > 0.0)) return;
     bool again = true;
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
         again = false;
         for (int32_t k = 0; k < cohesive->rotation_count; k++)
-            again = close_facet(cohesive, state, k, kick, step, friction) || again;
+            again = close_facet(cohesive, state, k, kick, step) || again;
         cohesive->pushed = cohesive->pushed || again;
     }
 }

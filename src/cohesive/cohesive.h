@@ -83,6 +83,7 @@ typedef struct ShvFacetGaps {
     bool pressed[3];    /* it keeps them from closing further, and does not give back what they hold */
     double freed[3];    /* kinetic energy that giving back has brought so far, J */
     double taken[3];    /* by the push from the nodes in the step, as booked, J */
+    ShvVec3 rub[3];     /* friction on the first node, N */
 } ShvFacetGaps;
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
@@ -101,6 +102,7 @@ typedef struct ShvCohesiveSides {
     ShvVec3 arm[2];  /* of corners 1 and 2 from corner 0, at reference positions, m */
     double start;    /* normal opening with which the law starts (shv_law_start), m */
     double returned; /* share of what closing faces take that they give back: restitution² */
+    double friction; /* tan φ */
 } ShvCohesiveSides;
 
 enum { SHV_NEAREST_FACETS = 16 };
@@ -264,8 +266,9 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
    the impulse that lets it just close (or, when it is closed already, stops it). What such impulses take from the nodes of a
    pair that has opened before is held, and given back in the step in which the pair parts: by the impulse whose work, on the
    way from n − 1/2 to n + 1/2, is just that. So faces are rigid, elastic without a stiffness, and nothing limits the step.
-   Coulomb friction between failed faces. The mean force goes to state->force. */
-void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step, double friction);
+   A pair that is pushed rubs, whether its law still carries or not, by tan φ times the push at most, and never so that
+   it does work on the nodes on that way. The mean force goes to state->force. */
+void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step);
 /* Books the works of both on the nodes; velocities are those of n + 1/2. Where the openings go from here is remembered for
    the next `begin`. */
 void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger);

@@ -167,7 +167,7 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
     shv_facet_rotation_begin(rotation, &cohesive->sides[index], cohesive->area[index], state);
     for (int i = 0; i < 3; i++) {
         const int64_t first = 3 * (int64_t)rotation->first[i], second = 3 * (int64_t)rotation->second[i];
-        gaps->push[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
+        gaps->push[i] = gaps->rub[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
         gaps->taken[i] = gaps->freed[i] = 0.0;
         gaps->pressed[i] = false;
         if (first == second) continue;
@@ -316,26 +316,38 @@ static PointWork book_point(const ShvCohesive *cohesive, const ShvState *state, 
     return work;
 }
 
+static bool acts(ShvVec3 force)
+{
+    return force.x != 0.0 || force.y != 0.0 || force.z != 0.0;
+}
+
+/* Of a force on the first node of a pair, on the second the opposite, J. */
+static PointWork work_of(ShvVec3 force, ShvVec3 before, ShvVec3 after)
+{
+    return (PointWork){-shv_dot(force, before), -shv_dot(force, after)};
+}
+
 static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
-    double before = 0.0, after = 0.0;
+    PointWork closing = {0.0, 0.0}, rubbing = {0.0, 0.0};
     for (int32_t k = 0; cohesive->pushed && k < cohesive->rotation_count; k++) {
         const ShvFacetRotation *rotation = &cohesive->rotations[k];
         ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
-            const ShvVec3 push = gaps->push[i];
-            if (push.x == 0.0 && push.y == 0.0 && push.z == 0.0) continue;
+            if (!acts(gaps->push[i]) && !acts(gaps->rub[i])) continue;
             const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)rotation->second[i]),
                                              shv_load3(state->velocity + 3 * (int64_t)rotation->first[i]));
-            const ShvVec3 rate = shv_sub(velocity, shv_cross(rotation->rate, gaps->opening[i]));
-            const double work[2] = {shv_dot(push, gaps->before[i]), shv_dot(push, shv_scale(rate, 0.5 * step))};
-            gaps->taken[i] = work[0] + work[1];
-            before -= work[0];
-            after -= work[1];
+            const ShvVec3 after = shv_scale(shv_sub(velocity, shv_cross(rotation->rate, gaps->opening[i])), 0.5 * step);
+            const PointWork push = work_of(gaps->push[i], gaps->before[i], after);
+            const PointWork rub = work_of(gaps->rub[i], gaps->before[i], after);
+            gaps->taken[i] = -(push.before + push.after);
+            closing = (PointWork){closing.before + push.before, closing.after + push.after};
+            rubbing = (PointWork){rubbing.before + rub.before, rubbing.after + rub.after};
         }
     }
     cohesive->booked_time = state->time;
-    shv_ledger_book(ledger, SHV_WORK_CLOSURE, before, after);
+    shv_ledger_book(ledger, SHV_WORK_CLOSURE, closing.before, closing.after);
+    shv_ledger_book(ledger, SHV_WORK_CRACK_FRICTION, rubbing.before, rubbing.after);
 }
 
 /* Sums over blocks of points, then over the blocks: the same for any number of threads. */

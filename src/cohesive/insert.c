@@ -79,6 +79,8 @@ static double activation(const ShvCohesive *cohesive, const ShvState *state, con
     const ShvVec3 normal = shv_cohesive_frame(cohesive, state, index).normal;
     ShvFacetTraction traction = shv_facet_traction(stress, elements[0], elements[1], normal);
     const double strength = cohesive->facet_strength[facet];
+    traction.shear =
+        fmax(traction.shear - material->friction * fmax(-traction.normal, 0.0), 0.0); /* friction bears the rest */
     const double whole = shv_facet_overstress(material, strength, traction);
     traction.normal = fmax(traction.normal, 0.0);
     const double tension = shv_facet_overstress(material, strength, (ShvFacetTraction){traction.normal, 0.0});
@@ -134,6 +136,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     const ShvHistory start = shv_law_start(&cohesive->law[index], length, material->youngs_modulus);
     cohesive->sides[index].start = start.normal;
     cohesive->sides[index].returned = material->face_restitution * material->face_restitution;
+    cohesive->sides[index].friction = material->friction;
     for (int i = 0; i < 3; i++) {
         cohesive->history[point + i] = start;
         cohesive->opening[point + i] = (ShvOpening){0};

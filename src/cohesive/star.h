@@ -9,7 +9,8 @@
 
    Strength in a direction at an angle θ to the facet's normal: σ √(cos² θ + β² sin² θ), β = shear/normal strength; the
    law starts with the components of just that traction (insert.c), so that what is inserted carries what it was judged by. A facet
-   that the motion would close holds whatever is asked of it. */
+   that is pressed by p holds p tan φ sin θ besides, as its faces will (closure.c). A facet that the motion would close holds
+   whatever is asked of it. */
 #ifndef SHV_COHESIVE_STAR_H
 #define SHV_COHESIVE_STAR_H
 
@@ -27,6 +28,7 @@ typedef struct ShvStarFacet {
     double size;                  /* its length */
     ShvVec3 force;                /* mean stress on it, N: of the second member on the first */
     double strength, shear_ratio; /* Pa, β */
+    double rubbing;               /* tan φ × what presses it, N */
     ShvTip tip;                   /* what it counts with where a crack goes on */
     double share;                 /* of its strength that counts: above 1 where a tet would lose its last bonds */
 } ShvStarFacet;

@@ -156,6 +156,19 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     return shv_cohesive_reserve_nodes(cohesive, model->mesh.node_count, error);
 }
 
+/* The principal criterion judges tension alone: nothing would say when a facet slides. */
+static ShvStatus check_friction(const ShvModel *model, const ShvFractureDefinition *settings, ShvError *error)
+{
+    for (int32_t i = 0; i < model->material_count; i++)
+        if (settings->criterion == SHV_CRITERION_PRINCIPAL && model->materials[i].friction > 0.0)
+            return shv_fail(
+                error, SHV_BAD_INPUT,
+                "material '%s' has a friction_angle, which 'fracture: {criterion: principal}' does not ask "
+                "for: it judges tension alone; give 'criterion: force' or 'traction', or 'friction_angle: 0'",
+                model->materials[i].name);
+    return SHV_OK;
+}
+
 ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, const ShvFractureDefinition *settings,
                               ShvError *error)
 {
@@ -164,6 +177,7 @@ ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, cons
         return shv_fail(error, SHV_BAD_INPUT,
                         "nothing in this model can break; make a material breakable and enable "
                         "fracture, or leave cohesive facets out");
+    SHV_TRY(check_friction(model, settings, error));
     const ShvStatus status = allocate(cohesive, error);
     if (status != SHV_OK) {
         shv_cohesive_release(cohesive);

@@ -16,7 +16,8 @@ typedef struct ShvFacetTraction {
 
 /* Mean of the stresses of two elements on a unit normal. */
 ShvFacetTraction shv_facet_traction(const double *stress, int32_t first, int32_t second, ShvVec3 normal);
-/* √(⟨tn⟩² + (tt/β)²) / strength, β the material's shear/normal strength; any traction exceeds a strength of zero. */
+/* √(⟨tn⟩² + (tt/β)²) / strength, β the material's shear/normal strength; any traction exceeds a strength of zero. In
+   compression tt / (β strength + |tn| tan φ): what softens and what rubs together. */
 double shv_facet_overstress(const ShvMaterial *material, double strength, ShvFacetTraction traction);
 /* β, the shear strength as a multiple of the normal one. */
 double shv_shear_ratio(const ShvMaterial *material);

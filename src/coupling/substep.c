@@ -1,8 +1,5 @@
 #include "coupling/hybrid.h"
 
-/* Friction between crack faces that have failed and closed again: none. Rough faces interlock through their own shape. */
-static const double crack_friction = 0.0;
-
 ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
@@ -43,7 +40,7 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
 {
     if (!hybrid->model.can_break) return;
     shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, after);
-    shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after, crack_friction);
+    shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after);
 }
 
 ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error)

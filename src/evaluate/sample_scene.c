@@ -15,17 +15,19 @@ typedef struct Field {
     {                                                                                                                  \
 #member, offsetof(ShvMaterialDefinition, member), false                                                        \
     }
-static const Field material_fields[] = {MATERIAL(density),
-                                        MATERIAL(youngs_modulus),
-                                        MATERIAL(poissons_ratio),
-                                        MATERIAL(fracture_energy),
-                                        MATERIAL(cohesive_strength),
-                                        MATERIAL(fracture_energy_shear),
-                                        MATERIAL(cohesive_strength_shear),
-                                        MATERIAL(ppr_shape),
-                                        MATERIAL(ppr_shape_shear),
-                                        MATERIAL(weibull_modulus),
-                                        MATERIAL(weibull_volume)};
+static const Field material_fields[] = {
+    MATERIAL(density),
+    MATERIAL(youngs_modulus),
+    MATERIAL(poissons_ratio),
+    MATERIAL(fracture_energy),
+    MATERIAL(cohesive_strength),
+    MATERIAL(fracture_energy_shear),
+    MATERIAL(cohesive_strength_shear),
+    MATERIAL(ppr_shape),
+    MATERIAL(ppr_shape_shear),
+    MATERIAL(weibull_modulus),
+    MATERIAL(weibull_volume),
+    {"friction_angle", offsetof(ShvMaterialDefinition, friction_angle_degrees), false}};
 #define OBJECT(name, member, vector)                                                                                   \
     {                                                                                                                  \
         name, offsetof(ShvObjectDefinition, member), vector                                                            \

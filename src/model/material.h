@@ -28,6 +28,9 @@ typedef struct ShvMaterial {
     double shape[2];   /* PPR α, β */
     double weibull_modulus, weibull_volume;
     double face_restitution;
+    double friction; /* tan φ */
+    double riding
+        [2]; /* cos and sin of the angle between the least compression and the way in which faces slide (star.h) */
 } ShvMaterial;
 
 /* Checks a definition (cookie, ranges; the message names the material and key) and derives the rest. */

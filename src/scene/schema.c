@@ -10,7 +10,7 @@ static const ShvRange share = {0.0, 1.0, false, false}, positive_share = {0.0, 1
 static const ShvRange open_share = {0.0, 1.0, true, true}, above_one = {1.0, INFINITE, true, false};
 static const ShvRange at_least_one = {1.0, INFINITE, false, false}, poisson = {-1.0, 0.5, true, true};
 static const ShvRange jitter = {0.0, 0.3, false, false}, copies = {1.0, 65535.0, false, false};
-static const ShvRange growth = {0.0, 0.8, true, false};
+static const ShvRange growth = {0.0, 0.8, true, false}, friction_angle = {0.0, 90.0, false, true};
 static const ShvRange version = {1.0, 1.0, false, false}, threads = {0.0, 1024.0, false, false};
 
 /* An axis and an angle lie side by side in placements and keyframes; one table reads both. */
@@ -155,6 +155,12 @@ static const ShvKey material_keys[] = {
      .sentence =
          "Of crack faces that have opened and close again: its square is the share of the energy of their impact that "
          "they give back when they part. 1: faces are elastic; 0: nothing comes back."},
+    {"friction_angle", SHV_KEY_NUMBER, SHV_DIMENSION_ANGLE, .range = &friction_angle,
+     .offset = MATERIAL(friction_angle_degrees),
+     .sentence =
+         "Angle φ of friction: under a pressure p facets bear p tan φ in shear besides the cohesion "
+         "`cohesive_strength_shear`, which alone softens, and so do crack faces that are closed (docs/cohesive.md). "
+         "0: pressure adds nothing. Not with `fracture.criterion: principal`, which judges tension alone."},
     {"zone_edges", SHV_KEY_NUMBER, .range = &at_least_one, .offset = MATERIAL(zone_edges),
      .sentence =
          "Mean edges that a resolved cohesive zone spans, of the coarsest object of the material; 5 to 10 are usual."},

@@ -279,9 +279,63 @@ static void weibull_scatter(void **state)
     fixture_release(&f);
 }
 
+/* Under a pressure from all sides a plane of facets bears c + p tan φ in shear, no more under tension than without friction:
+   facet by facet, and node by node. */
+static void pressure_adds_friction(void **state)
+{
+    (void)state;
+    const double pressure = 100e6, cohesion = 60e6, degrees = 30.0,
+                 bears = cohesion + pressure * tan(degrees * 0.017453292519943295);
+    const ShvCriterion criteria[] = {SHV_CRITERION_TRACTION, SHV_CRITERION_FORCE};
+    for (int i = 0; i < 2; i++) {
+        Fixture f;
+        fixture_define(&f, 0.02, 0.02, 0.02, 0.005);
+        f.scene.fracture.criterion = criteria[i];
+        f.scene.fracture.threshold = 1.0;
+        f.material.cohesive_strength_shear = cohesion;
+        f.material.friction_angle_degrees = degrees;
+        fixture_build_cubes(&f, 4, 4, 4);
+        fixture_start(&f);
+        int32_t *candidates = calloc((size_t)f.model.adjacency.interior_count, sizeof *candidates), count;
+        double *overstress = calloc((size_t)f.model.adjacency.interior_count, sizeof *overstress);
+        const double shares[] = {0.97, 1.04}; /* where nothing has cracked, 3 % more are asked for */
+        for (int k = 0; k < 2; k++) {
+            const double shear = shares[k] * bears;
+            shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+            fixture_stress(&f, -pressure, -pressure, -pressure, 0.0, 0.0, shear);
+            const double largest =
+                shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, candidates, overstress, &count);
+            check_near(largest, shares[k], 1e-9);
+            assert_true(k == 0 ? count == 0 : count > 0);
+        }
+        fixture_stress(&f, 30e6, 0.0, 0.0, 0.0, 0.0, 0.0);
+        check_near(shv_cohesive_candidates(&f.cohesive, &f.state, f.stress, NULL, candidates, overstress, &count),
+                   30.0 / 40.0, 1e-9);
+        free(candidates);
+        free(overstress);
+        fixture_release(&f);
+    }
+}
+
+static void friction_needs_a_criterion_of_shear(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.02, 0.02, 0.02, 0.01);
+    f.scene.fracture.criterion = SHV_CRITERION_PRINCIPAL;
+    f.material.friction_angle_degrees = 30.0;
+    fixture_build_cubes(&f, 2, 2, 2);
+    check_fails(shv_cohesive_create(&f.cohesive, &f.model, &f.scene.fracture, &f.error), SHV_BAD_INPUT, f.error,
+                "friction_angle");
+    shv_model_release(&f.model);
+    shv_memory_destroy(f.memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pressure_adds_friction),
+        cmocka_unit_test(friction_needs_a_criterion_of_shear),
         cmocka_unit_test(matches_brute_force),
         cmocka_unit_test(same_bits_for_any_threads),
         cmocka_unit_test(uniform_tension_and_rotation),

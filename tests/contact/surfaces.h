@@ -318,7 +318,7 @@ static inline void surfaces_kick(Surfaces *s, double step)
         }
     if (s->model.can_break) {
         shv_cohesive_pull(&s->cohesive, state, kick, step);
-        shv_cohesive_close(&s->cohesive, state, kick, step, 0.0);
+        shv_cohesive_close(&s->cohesive, state, kick, step);
     }
     const double kinetic = surfaces_kinetic(s, state->velocity) + coupled_bodies_kinetic(s);
     check_ok(shv_surface_contact_apply(&s->contact, &s->bodies, step, &s->error), s->error);

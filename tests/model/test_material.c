@@ -140,6 +140,9 @@ static void impossible_values_are_refused_by_name(void **state)
     REFUSES(d.face_restitution = -0.1, "face_restitution");
     REFUSES(d.face_restitution = 1.1, "face_restitution");
     REFUSES(d.face_restitution = nan, "face_restitution");
+    REFUSES(d.friction_angle_degrees = -1.0, "friction_angle");
+    REFUSES(d.friction_angle_degrees = 90.0, "friction_angle");
+    REFUSES(d.friction_angle_degrees = nan, "friction_angle");
     REFUSES((d.youngs_modulus = 1e300, d.density = 1e-300), "speed of sound");
 #undef REFUSES
     d = (ShvMaterialDefinition){0};
@@ -147,6 +150,23 @@ static void impossible_values_are_refused_by_name(void **state)
     d = glass();
     d.name = NULL;
     check_fails(shv_material_make(&material, &d, &error), SHV_BAD_INPUT, error, "no name");
+}
+
+/* With φ motion stands at 45° + (φ − 30°)/2 to the least compression. */
+static void friction_follows_from_its_angle(void **state)
+{
+    (void)state;
+    const double angles[] = {0.0, 35.0, 89.0}, degree = 0.017453292519943295;
+    for (int i = 0; i < 3; i++) {
+        ShvMaterialDefinition definition = glass();
+        definition.friction_angle_degrees = angles[i];
+        ShvMaterial material;
+        ShvError error;
+        check_ok(shv_material_make(&material, &definition, &error), error);
+        check_near(material.friction, tan(degree * angles[i]), 1e-12 * tan(degree * angles[i]));
+        check_near(material.riding[0], cos(degree * (30.0 + 0.5 * angles[i])), 1e-14);
+        check_near(material.riding[1], sin(degree * (30.0 + 0.5 * angles[i])), 1e-14);
+    }
 }
 
 static void nearly_incompressible_is_finite(void **state)
@@ -229,6 +249,7 @@ int main(void)
         cmocka_unit_test(limits_have_lengths),
         cmocka_unit_test(unbreakable_material_needs_no_fracture_data),
         cmocka_unit_test(impossible_values_are_refused_by_name),
+        cmocka_unit_test(friction_follows_from_its_angle),
         cmocka_unit_test(nearly_incompressible_is_finite),
         cmocka_unit_test(unresolved_zones_are_scaled),
         cmocka_unit_test(coarse_tips_are_tough),

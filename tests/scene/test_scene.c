@@ -91,6 +91,7 @@ static void check_materials(const ShvSceneDefinition *scene)
     assert_int_equal(glass->unresolved, SHV_UNRESOLVED_SCALE_ENERGY);
     same(glass->zone_edges, 7.0);
     same(glass->face_restitution, 0.5);
+    same(glass->friction_angle_degrees, 35.0);
     assert_string_equal(steel->name, "steel");
     assert_false(steel->breakable);
     assert_true(isnan(steel->cohesive_strength));
