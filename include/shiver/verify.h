@@ -54,7 +54,8 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count);
 
 typedef struct ShvVerifyOptions {
     uint32_t cookie;
-    bool full; /* also the runs that the short set leaves out */
+    bool full;      /* also the runs that the short set leaves out */
+    bool short_set; /* a case that is not of the short set is left out: *verification is NULL */
     struct ShvMemory *memory;
     bool (*stop)(void *data); /* as in ShvSimulationOptions */
     void *stop_data;
@@ -70,14 +71,9 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
 void shv_verify_destroy(ShvVerification *verification);
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification);
 
-/* Whether a case belongs to the short set. */
-ShvStatus shv_verify_in_short_set(const char *path, bool *in_short, ShvDiagnostics **diagnostics, ShvError *error);
-
-/* All cases as a page of HTML, or as the tables of a Markdown page; `force` replaces an existing file. */
-ShvStatus shv_verify_write_html(const char *path, bool force, const ShvVerifyCase *const *cases, int32_t count,
-                                ShvError *error);
-ShvStatus shv_verify_write_markdown(const char *path, bool force, const ShvVerifyCase *const *cases, int32_t count,
-                                    ShvError *error);
+/* All cases as a page of HTML, or else as the tables of a Markdown page; `force` replaces an existing file. */
+ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,
+                           ShvError *error);
 
 #ifdef __cplusplus
 }

@@ -108,6 +108,25 @@ void shv_html_table_end(FILE *stream)
     shv_print(stream, "</tbody>\n</table></div>\n");
 }
 
+/* A bar would end a cell of Markdown. */
+static void put_markdown_cell(FILE *stream, const char *text)
+{
+    shv_print(stream, " ");
+    for (; *text; text++) shv_print(stream, *text == '|' ? "\\|" : *text == '\n' ? " " : "%c", *text);
+    shv_print(stream, " |");
+}
+
+void shv_table_row(FILE *stream, bool html, const char *const *texts, const char *const *classes, int32_t count)
+{
+    shv_print(stream, html ? "<tr>" : "|");
+    for (int32_t i = 0; i < count; i++)
+        if (html)
+            shv_html_cell(stream, texts[i], classes[i]);
+        else
+            put_markdown_cell(stream, texts[i]);
+    shv_print(stream, html ? "</tr>\n" : "\n");
+}
+
 void shv_html_plot(FILE *stream, const ShvPlot *plot)
 {
     shv_print(stream, "<figure>\n");

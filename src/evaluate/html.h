@@ -38,6 +38,9 @@ void shv_html_cell(FILE *stream, const char *text, const char *class);
 void shv_html_row_end(FILE *stream);
 void shv_html_table_end(FILE *stream);
 
+/* A row of texts at once: of HTML with classes (NULL: none), or of Markdown. */
+void shv_table_row(FILE *stream, bool html, const char *const *texts, const char *const *classes, int32_t count);
+
 /* The plot as a figure within the page. */
 void shv_html_plot(FILE *stream, const ShvPlot *plot);
 

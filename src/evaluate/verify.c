@@ -432,6 +432,7 @@ static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **d
 {
     ShvVerification *made = verifier->made;
     SHV_TRY(read_case(&verifier->item, path, &verifier->work, &made->texts, diagnostics, error));
+    if (verifier->options->short_set && !verifier->item->in_short) return SHV_OK;
     made->view.name = case_name(&made->texts, path);
     made->view.title = verifier->item->title;
     made->view.scene = verifier->item->scene;
@@ -470,7 +471,7 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
         *diagnostics = list;
     else
         shv_diagnostics_destroy(list);
-    if (status == SHV_OK)
+    if (status == SHV_OK && made->view.name)
         *verification = made;
     else
         shv_verify_destroy(made);
@@ -488,20 +489,4 @@ void shv_verify_destroy(ShvVerification *verification)
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification)
 {
     return &verification->view;
-}
-
-ShvStatus shv_verify_in_short_set(const char *path, bool *in_short, ShvDiagnostics **diagnostics, ShvError *error)
-{
-    ShvPool work = {.memory = NULL}, texts = {.memory = NULL};
-    ShvCaseItem *item = NULL;
-    ShvDiagnostics *list = NULL;
-    const ShvStatus status = read_case(&item, path, &work, &texts, &list, error);
-    if (status == SHV_OK) *in_short = item->in_short;
-    shv_pool_release(&work);
-    shv_pool_release(&texts);
-    if (diagnostics)
-        *diagnostics = list;
-    else
-        shv_diagnostics_destroy(list);
-    return status;
 }
