@@ -12,12 +12,7 @@
 void shv_gather_release(ShvGather *gather)
 {
     shv_bodies_release(&gather->bodies);
-    shv_release(gather->corners);
-    shv_release(gather->fragments);
-    shv_release(gather->damage);
-    gather->damage = NULL;
-    gather->corners = NULL;
-    gather->fragments = NULL;
+    shv_pool_release(&gather->pool);
 }
 
 /* ---- series ---- */
@@ -44,7 +39,7 @@ static void add_probes(ShvOutcome *outcome, const ShvFrameView *frame)
         }
 }
 
-void shv_gather_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
+static void add_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
 {
 #define NUMBER(member) shv_outcome_add(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
 #define VECTOR(member) shv_outcome_add_vector(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
@@ -97,9 +92,8 @@ static ShvStatus add_corners(ShvGather *gather, const ShvSimulation *simulation,
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     const int64_t count = shv_simulation_mesh(simulation).element_count;
     double lowest = HUGE_VAL, highest = -HUGE_VAL, radius = 0.0;
-    ShvMemory *memory = gather->outcome->memory;
-    if (!gather->corners) gather->corners = shv_allocate(memory, SHV_PART_RECORD, 12 * (size_t)count, sizeof(double));
-    if (!gather->fragments) gather->fragments = shv_allocate(memory, SHV_PART_RECORD, (size_t)count, sizeof(int32_t));
+    if (!gather->corners) gather->corners = shv_pool_take(&gather->pool, 12 * (size_t)count, sizeof(double));
+    if (!gather->fragments) gather->fragments = shv_pool_take(&gather->pool, (size_t)count, sizeof(int32_t));
     if (!gather->corners || !gather->fragments) return shv_fail_memory(error, "corners", 100 * (size_t)count);
     shv_simulation_corner_positions(simulation, gather->corners);
     shv_simulation_element_state(simulation, gather->fragments, NULL);
@@ -161,7 +155,7 @@ ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, S
         SHV_TRY(shv_bodies_create(&gather->bodies, gather->scene, frame, outcome->memory, error));
     add_numbers(outcome, frame);
     add_motion(outcome, frame);
-    shv_gather_ledger(outcome, &frame->ledger);
+    add_ledger(outcome, &frame->ledger);
     SHV_TRY(add_corners(gather, simulation, error));
     SHV_TRY(shv_gather_tip(gather, simulation, error));
     add_probes(outcome, frame);
@@ -183,7 +177,8 @@ void shv_sort_numbers(double *values, int64_t count)
     if (count > 1) qsort(values, (size_t)count, sizeof *values, compare_doubles);
 }
 
-void shv_gather_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count)
+/* Masses and momenta of living fragments; "pieces.mass" ascending. */
+static void add_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count)
 {
     double mass = 0.0;
     ShvVec3 momentum = shv_vec3(0.0, 0.0, 0.0);
@@ -211,37 +206,20 @@ void shv_gather_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, in
     shv_outcome_set(outcome, "end.spin", length_of(largest->angular_velocity));
 }
 
-ShvStatus shv_gather_crack(ShvOutcome *outcome, const ShvMeshView *mesh, const uint8_t *bonds, ShvError *error)
+/* The failed facets. */
+static ShvStatus add_crack(ShvGather *gather, const ShvSimulation *simulation, ShvError *error)
 {
-    ShvCrackSurface surface;
-    SHV_TRY(shv_crack_surface_create(&surface, mesh, bonds, outcome->memory, error));
+    ShvOutcome *outcome = gather->outcome;
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    uint8_t *bonds = shv_pool_take(&gather->pool, 4 * (size_t)mesh.element_count, 1);
+    if (!bonds) return shv_fail_memory(error, "bonds of facets", 4 * (size_t)mesh.element_count);
+    shv_simulation_bonds(simulation, bonds);
+    const ShvCrackSurface surface = shv_crack_surface(&mesh, bonds, &gather->pool);
     const double halves[2] = {(double)(uint32_t)(surface.mesh >> 32), (double)(uint32_t)surface.mesh};
     shv_outcome_add_all(outcome, "crack.mesh", SHV_CLOCK_NONE, halves, 2);
-    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, NULL, 0);
-    for (int32_t i = 0; i < surface.count; i++) {
-        const ShvCrackFacet *facet = &surface.facets[i];
-        double numbers[SHV_FACET_NUMBERS];
-        for (int k = 0; k < 3; k++) {
-            numbers[k] = facet->nodes[k];
-            shv_store3(numbers + 3 + 3 * k, facet->corners[k]);
-        }
-        shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, numbers, SHV_FACET_NUMBERS);
-        outcome->cursor--;
-    }
-    shv_crack_surface_release(&surface);
-    return outcome->failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
-}
-
-static ShvStatus add_bonds(ShvGather *gather, const ShvSimulation *simulation, ShvError *error)
-{
-    const ShvMeshView mesh = shv_simulation_mesh(simulation);
-    const size_t count = 4 * (size_t)mesh.element_count;
-    uint8_t *bonds = shv_allocate(gather->outcome->memory, SHV_PART_RECORD, count, sizeof *bonds);
-    if (!bonds) return shv_fail_memory(error, "bonds of facets", count * sizeof *bonds);
-    shv_simulation_bonds(simulation, bonds);
-    const ShvStatus status = shv_gather_crack(gather->outcome, &mesh, bonds, error);
-    shv_release(bonds);
-    return status;
+    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, (const void *)surface.facets,
+                        (int64_t)surface.count * SHV_FACET_NUMBERS);
+    return outcome->failed || gather->pool.failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
 }
 
 /* A double holds 53 bits of the hash: equal for equal runs. */
@@ -274,7 +252,7 @@ ShvStatus shv_gather_end(ShvGather *gather, const ShvSimulation *simulation, Shv
     ShvOutcome *outcome = gather->outcome;
     ShvCrackView crack;
     SHV_TRY(shv_simulation_crack(simulation, &crack, error));
-    shv_gather_pieces(outcome, frame->fragments, frame->fragment_count);
+    add_pieces(outcome, frame->fragments, frame->fragment_count);
     shv_outcome_set(outcome, "end.crack_facets", crack.facets);
     shv_outcome_add_vector(outcome, "end.crack_origin", SHV_CLOCK_NONE, crack.origin);
     shv_outcome_add_vector(outcome, "end.crack_centre", SHV_CLOCK_NONE, crack.centre);
@@ -282,5 +260,5 @@ ShvStatus shv_gather_end(ShvGather *gather, const ShvSimulation *simulation, Shv
     shv_outcome_set(outcome, "end.hash", hash_number(shv_simulation_hash(simulation)));
     shv_outcome_set(outcome, "run.threads", shv_simulation_threads(simulation));
     add_end(outcome, frame);
-    return add_bonds(gather, simulation, error);
+    return add_crack(gather, simulation, error);
 }

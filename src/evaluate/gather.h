@@ -4,6 +4,7 @@
 
 #include "evaluate/body.h"
 #include "evaluate/outcome.h"
+#include "scene/pool.h"
 #include "shiver/plan.h"
 
 typedef struct ShvGather {
@@ -11,6 +12,7 @@ typedef struct ShvGather {
     const ShvSceneDefinition *scene;
     bool tracked;       /* also the way of all bodies */
     ShvBodies bodies;   /* of the first frame, where tracked */
+    ShvPool pool;       /* of the scratch below */
     double *corners;    /* 12 per element */
     int32_t *fragments; /* per element */
     double *damage;     /* 4 per element */
@@ -25,13 +27,7 @@ ShvStatus shv_gather_tip(ShvGather *gather, const ShvSimulation *simulation, Shv
 ShvStatus shv_gather_facts(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
 /* What is known at the end: pieces, cracks, costs. */
 ShvStatus shv_gather_end(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
-
-/* Masses and momenta of living fragments; "pieces.mass" ascending. */
-void shv_gather_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count);
-/* The failed facets. */
-ShvStatus shv_gather_crack(ShvOutcome *outcome, const ShvMeshView *mesh, const uint8_t *bonds, ShvError *error);
 /* Ascending. */
 void shv_sort_numbers(double *values, int64_t count);
-void shv_gather_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger);
 
 #endif

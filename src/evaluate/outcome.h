@@ -47,15 +47,13 @@ void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */
 void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3]);
 
-/* outcome_file.c: words and hexadecimal numbers in lines, so that reading gives the same bits. */
+/* outcome_file.c */
 void shv_outcome_put(const ShvOutcome *outcome, FILE *stream);
 /* Writes whole or not at all. */
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error);
-/* SHV_BAD_INPUT for a text that is not whole; `name` stands for it in messages. On failure nothing is owned. */
-ShvStatus shv_outcome_parse(ShvOutcome *outcome, char *text, size_t size, const char *name, ShvMemory *memory,
+/* SHV_BAD_INPUT for what is not whole; `name` stands for it in messages. On failure nothing is owned. */
+ShvStatus shv_outcome_parse(ShvOutcome *outcome, const char *data, size_t size, const char *name, ShvMemory *memory,
                             ShvError *error);
 ShvStatus shv_outcome_load(ShvOutcome *outcome, const char *path, ShvMemory *memory, ShvError *error);
-/* Of a run file: what it does not hold is missing. */
-ShvStatus shv_outcome_of_run_file(ShvOutcome *outcome, const char *path, ShvMemory *memory, ShvError *error);
 
 #endif

@@ -47,9 +47,9 @@ static ShvStatus save(Pull *pull, ShvError *error)
     ShvStatus status = fclose(stream) == 0 ? SHV_OK : shv_fail_memory(error, "a checkpoint", size);
     ShvCheckpointMark mark = mark_of(pull);
     mark.sequence = ++pull->sequence;
-    if (status == SHV_OK) /* with the end of the text */
-        status = shv_checkpoint_write(pull->order->checkpoint, pull->order->memory, pull->simulation, &mark, note,
-                                      size + 1, error);
+    if (status == SHV_OK)
+        status = shv_checkpoint_write(pull->order->checkpoint, pull->order->memory, pull->simulation, &mark, note, size,
+                                      error);
     free(note);
     return status;
 }
@@ -82,8 +82,7 @@ static bool take_note(Pull *pull, const ShvCheckpoint *found)
 {
     ShvOutcome before;
     ShvError ignored;
-    if (found->note_size == 0 || found->note[found->note_size - 1] != '\0') return false;
-    if (shv_outcome_parse(&before, (char *)found->note, found->note_size - 1, "a checkpoint", pull->order->memory,
+    if (shv_outcome_parse(&before, (const char *)found->note, found->note_size, "a checkpoint", pull->order->memory,
                           &ignored) != SHV_OK)
         return false;
     const double bodies = shv_outcome_number(&before, "track.bodies");
@@ -220,7 +219,8 @@ ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError 
 {
     *outcome = (ShvOutcome){.memory = order->memory};
     Pull pull = {.order = order, .scene = *order->scene, .outcome = outcome, .own = {SHV_OK, ""}};
-    pull.gather = (ShvGather){.outcome = outcome, .scene = order->scene, .tracked = order->tracked};
+    pull.gather = (ShvGather){
+        .outcome = outcome, .scene = order->scene, .tracked = order->tracked, .pool = {.memory = order->memory}};
     shv_processor_name(outcome->processor, sizeof outcome->processor);
     SHV_TRY(run_first(&pull, error));
     outcome->key = order->key;

@@ -180,30 +180,24 @@ static ShvStatus check_options(const ShvStudyOptions *options, ShvError *error)
     return SHV_OK;
 }
 
+/* A text that is given, or else that of a file. */
+static ShvStatus read_text(const ShvStudy *study, const char *given, const char *file, char **text, size_t *length,
+                           ShvError *error)
+{
+    if (!given) return shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, text, length, error);
+    *length = strlen(given);
+    *text = shv_copy_text(study->memory, SHV_PART_SCENE, given);
+    return *text ? SHV_OK : shv_fail_memory(error, "a study", *length);
+}
+
 static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file, ShvError *error)
 {
     size_t length;
     const ShvStudyOptions *options = &study->options;
-    if (options->scene_text) {
-        study->length = strlen(options->scene_text);
-        study->text = shv_copy_text(study->memory, SHV_PART_SCENE, options->scene_text);
-        if (!study->text) return shv_fail_memory(error, "a scene", study->length);
-    } else {
-        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, scene, SHV_SCENE_LARGEST_BYTES, &study->text,
-                              &study->length, error));
-    }
+    SHV_TRY(read_text(study, options->scene_text, scene, &study->text, &study->length, error));
     SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->folder, error));
-    if (!file) {
-        file = "the comparison";
-        length = strlen(options->plan);
-        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->study_folder, error));
-        study->study_text = shv_copy_text(study->memory, SHV_PART_SCENE, options->plan);
-        if (!study->study_text) return shv_fail_memory(error, "a study", length);
-    } else {
-        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, file, &study->study_folder, error));
-        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, &study->study_text, &length,
-                              error));
-    }
+    SHV_TRY(read_text(study, file ? NULL : options->plan, file, &study->study_text, &length, error));
+    if (!file) file = "the comparison";
     SHV_TRY(shv_study_plan_read(&study->plan, study->study_text, length, file, options->overrides,
                                 options->override_count, study->memory, error));
     study->setting_count = study->plan.setting_count + (study->plan.reference == SHV_STUDY_SETTING ? 1 : 0);
@@ -273,7 +267,6 @@ void shv_study_close(ShvStudy *study)
     shv_release(study->text);
     shv_release(study->study_text);
     shv_release(study->folder);
-    shv_release(study->study_folder);
     shv_release(study->keys);
     shv_release(study->results);
     shv_study_figure_release(&study->figure);

@@ -29,12 +29,12 @@ struct ShvStudy {
     ShvMemory *memory;
     ShvStudyOptions options;
     ShvStudyPlan plan;
-    char *text, *study_text;     /* of the scene; of the study */
-    char *folder, *study_folder; /* where the files lie that they name */
+    char *text, *study_text; /* of the scene; of the study */
+    char *folder;            /* where the files lie that the scene names */
     size_t length;
     const char *scene_path;
     int32_t setting_count; /* those of the plan, and the reference's own */
-    int32_t reference;     /* index of its setting; −1: closed form or file */
+    int32_t reference;     /* index of its setting; −1: closed form */
     uint64_t *keys;        /* of each run: setting × members + member */
     /* after measuring */
     ShvStudyResult *results;

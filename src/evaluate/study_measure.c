@@ -10,9 +10,8 @@
 /* What one measuring works with. */
 typedef struct Judge {
     ShvStudy *study;
-    ShvOutcome *references; /* one a member; a run file stands for all; none with a closed form */
-    int32_t reference_count;
-    double *samples; /* measures × members: errors, then values, then run times */
+    ShvOutcome *references; /* one a member; none with a closed form */
+    double *samples;        /* measures × members: errors, then values, then run times */
 } Judge;
 
 /* What one judging works with. */
@@ -73,12 +72,6 @@ static ShvStatus judge_run(const ShvStudy *study, Bench *bench, const ShvOutcome
 }
 
 /* ---- one run, in a row ---- */
-
-static const ShvOutcome *reference_of(const Judge *judge, int32_t member)
-{
-    if (judge->reference_count == 0) return NULL;
-    return &judge->references[judge->reference_count > 1 ? member : 0];
-}
 
 /* Median of `count` numbers, those that are not finite left out; sorts them. NaN of none. */
 static double median(double *values, int32_t count)
@@ -149,7 +142,8 @@ static ShvStatus judge_member(Judge *judge, Bench *bench, int32_t setting, int32
     SHV_TRY(shv_study_load(study, setting * study->plan.members + member, &outcome, error));
     note_run(&study->results[setting], &outcome, member);
     note_machine(study, &outcome);
-    const ShvStatus status = judge_run(study, bench, &outcome, reference_of(judge, member), errors, values, error);
+    const ShvStatus status =
+        judge_run(study, bench, &outcome, judge->references ? &judge->references[member] : NULL, errors, values, error);
     for (int32_t i = 0; i < measures && status == SHV_OK; i++) {
         *sample(judge, i, member) = errors[i];
         *sample(judge, measures + i, member) = values[i];
@@ -272,7 +266,7 @@ static ShvStatus find_scatter(ShvStudy *study, int32_t setting, const ShvOutcome
 
 static void release_outcomes(ShvOutcome *outcomes, int32_t count)
 {
-    for (int32_t i = 0; i < count; i++) shv_outcome_release(&outcomes[i]);
+    for (int32_t i = 0; outcomes && i < count; i++) shv_outcome_release(&outcomes[i]);
     shv_release(outcomes);
 }
 
@@ -296,20 +290,6 @@ static ShvStatus load_members(const ShvStudy *study, int32_t setting, ShvOutcome
     return status;
 }
 
-static ShvStatus load_file(Judge *judge, ShvError *error)
-{
-    const ShvStudy *study = judge->study;
-    judge->references = shv_allocate(study->memory, SHV_PART_GENERAL, 1, sizeof *judge->references);
-    if (!judge->references) return shv_fail_memory(error, "a reference run", sizeof *judge->references);
-    judge->reference_count = 1;
-    char *path;
-    SHV_TRY(
-        shv_path_join(study->memory, SHV_PART_GENERAL, study->study_folder, study->plan.reference_file, &path, error));
-    const ShvStatus status = shv_outcome_of_run_file(judge->references, path, study->memory, error);
-    shv_release(path);
-    return status;
-}
-
 static void name_closed_form(char *text, size_t size, const ShvReferenceDefinition *reference)
 {
     static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
@@ -324,9 +304,7 @@ static void name_reference(ShvStudy *study)
     const size_t size = sizeof study->reference_name;
     ShvScene *scene = NULL;
     ShvError ignored;
-    if (study->plan.reference == SHV_STUDY_FILE) {
-        shv_format(text, size, "run file %.200s", study->plan.reference_file);
-    } else if (study->reference >= 0) {
+    if (study->reference >= 0) {
         const ShvStudySetting *setting = shv_study_setting(study, study->reference);
         shv_format(text, size, "run of %.160s%s%.60s", setting->series, setting->label[0] ? ", " : "", setting->label);
     } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
@@ -339,10 +317,8 @@ static ShvStatus find_references(Judge *judge, ShvError *error)
 {
     ShvStudy *study = judge->study;
     name_reference(study);
-    if (study->plan.reference == SHV_STUDY_FILE) SHV_TRY(load_file(judge, error));
     if (study->reference >= 0) {
         SHV_TRY(load_members(study, study->reference, &judge->references, error));
-        judge->reference_count = study->plan.members;
         return find_scatter(study, study->reference, judge->references, error);
     }
     if (study->plan.members == 1) return SHV_OK;
@@ -397,7 +373,7 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
     ShvStatus status = reserve(&judge, error);
     if (status == SHV_OK) status = judge_all(&judge, error);
     if (status == SHV_OK && study->plan.pool.failed) status = shv_fail_memory(error, "names of settings", 0);
-    release_outcomes(judge.references, judge.reference_count);
+    release_outcomes(judge.references, study->plan.members);
     shv_release(judge.samples);
     if (status == SHV_OK) return SHV_OK;
     shv_release(study->results);

@@ -229,18 +229,13 @@ static void read_reference(Planner *planner, const ShvNode *root)
     ShvStudyPlan *plan = planner->plan;
     if (!entry) return;
     const ShvNode *node = entry->value;
-    if (node->kind == SHV_NODE_MAPPING && node->count == 1 && strcmp(node->first->key->text, "file") == 0 &&
-        node->first->value->kind == SHV_NODE_SCALAR) {
-        plan->reference = SHV_STUDY_FILE;
-        plan->reference_file = node->first->value->text;
-    } else if (node->kind == SHV_NODE_MAPPING) {
+    if (node->kind == SHV_NODE_MAPPING) {
         read_reference_setting(planner, node);
     } else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0) {
         plan->reference = SHV_STUDY_CLOSED;
     } else if (node->kind != SHV_NODE_SCALAR || !node->text || strcmp(node->text, "finest") != 0) {
-        shv_error(
-            planner->diagnostics, node->place,
-            "'reference' is 'finest', 'closed form', a run file ({file: run.h5}) or the keys of a run of its own");
+        shv_error(planner->diagnostics, node->place,
+                  "'reference' is 'finest', 'closed form' or the keys of a run of its own");
     }
 }
 
@@ -356,7 +351,6 @@ static void check_together(Planner *planner, const ShvNode *root)
 {
     const ShvStudyPlan *plan = planner->plan;
     const ShvEntry *entry = shv_tree_find(root, "reference");
-    const bool end_only = plan->reference == SHV_STUDY_FILE;
     if (plan->reference == SHV_STUDY_CLOSED && plan->members > 1)
         shv_error(planner->diagnostics, entry->value->place,
                   "an ensemble has no closed form; take another reference or leave out 'ensemble'");
@@ -365,9 +359,6 @@ static void check_together(Planner *planner, const ShvNode *root)
         if (plan->reference == SHV_STUDY_CLOSED && !shv_measure_tracks(measure) && !shv_measure_is_own(measure))
             shv_error(planner->diagnostics, entry->value->place, "'%s' has no closed form; take another reference",
                       measure->name);
-        if (end_only && shv_measure_tracks(measure))
-            shv_error(planner->diagnostics, entry->value->place,
-                      "'%s' follows bodies, which a run file as reference does not serve", measure->name);
     }
 }
 

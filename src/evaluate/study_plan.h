@@ -15,10 +15,9 @@ enum {
 };
 
 typedef enum ShvStudyReference {
-    SHV_STUDY_FINEST,  /* the finest of the settings */
-    SHV_STUDY_CLOSED,  /* the scene's `reference` */
-    SHV_STUDY_SETTING, /* a setting of its own */
-    SHV_STUDY_FILE     /* a run file */
+    SHV_STUDY_FINEST, /* the finest of the settings */
+    SHV_STUDY_CLOSED, /* the scene's `reference` */
+    SHV_STUDY_SETTING /* a setting of its own */
 } ShvStudyReference;
 
 /* One combination of values of the keys that a study varies. */
@@ -40,7 +39,6 @@ typedef struct ShvStudyPlan {
     int32_t setting_count;
     ShvStudyReference reference;
     ShvStudySetting reference_setting;
-    const char *reference_file;
     ShvMeasure measures[SHV_STUDY_MOST_MEASURES]; /* of our own, or formulas of the study, which have no sentence */
     int32_t measure_count;
     int32_t repeats; /* of each run, for its time */

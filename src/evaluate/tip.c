@@ -17,10 +17,9 @@ static ShvStatus find_tip(ShvGather *gather, const ShvSimulation *simulation, Sh
 {
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     const size_t count = 4 * (size_t)mesh.element_count;
-    ShvMemory *memory = gather->outcome->memory;
     ShvCrackView crack;
     SHV_TRY(shv_simulation_crack(simulation, &crack, error));
-    if (!gather->damage) gather->damage = shv_allocate(memory, SHV_PART_RECORD, count, sizeof(double));
+    if (!gather->damage) gather->damage = shv_pool_take(&gather->pool, count, sizeof(double));
     if (!gather->damage) return shv_fail_memory(error, "damage of facets", count * sizeof(double));
     shv_simulation_element_state(simulation, NULL, gather->damage);
     const ShvVec3 origin = shv_load3(crack.origin);

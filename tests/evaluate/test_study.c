@@ -175,7 +175,6 @@ static void test_bad_plans(void **state)
         {"shiver_study: 1\nensemble: {seeds: 5}\nreference: closed form\n" REST, "an ensemble has no closed form"},
         {"shiver_study: 1\nreference: best\n" REST, "'reference' is 'finest'"},
         {"shiver_study: 1\nreference: {step: [1, 2]}\n" REST, "give one value of 'step'"},
-        {"shiver_study: 1\nreference: {file: a.h5}\n" REST, "'energy' follows bodies"},
         {"shiver_study: 1\nreference: closed form\nvary: {step: 1}\nmeasures: [fragments]\n",
          "'fragments' has no closed form"},
     };
