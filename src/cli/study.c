@@ -37,12 +37,12 @@ static void print_number(double value)
     printf("  %12s", text);
 }
 
-static void print_row(const ShvStudy *study, const ShvStudyRow *row, int width)
+static void print_row(const ShvStudyView *study, const ShvStudyRow *row, int width)
 {
     printf("%-*s", width, row->name);
     print_number(row->seconds);
     print_number(row->courant > 0.0 ? row->courant : (double)NAN);
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
+    for (int32_t i = 0; i < study->measure_count; i++) {
         print_number(row->errors[i]);
         printf("%s", row->on_front[i] ? "*" : " ");
     }
@@ -50,46 +50,45 @@ static void print_row(const ShvStudy *study, const ShvStudyRow *row, int width)
     printf("%s\n", row->is_reference ? "  (reference)" : "");
 }
 
-static void print_table(const ShvStudy *study)
+static void print_table(const ShvStudyView *study)
 {
     int width = 8;
-    for (int32_t i = 0; i < shv_study_row_count(study); i++) {
-        const int length = (int)strlen(shv_study_row(study, i)->name);
+    bool any = false;
+    for (int32_t i = 0; i < study->row_count; i++) {
+        const int length = (int)strlen(study->rows[i].name);
         width = length > width ? length : width;
     }
-    printf("errors from %s; * on the Pareto front%s\n", shv_study_reference(study),
-           shv_study_timings_valid(study) ? "" : "; run times are not valid");
+    printf("errors from %s; * on the Pareto front%s\n", study->reference,
+           study->timings_valid ? "" : "; run times are not valid");
     printf("%-*s  %12s  %12s", width, "setting", "run time, s", "Courant");
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) printf("  %12.12s ", shv_study_measure_name(study, i));
+    for (int32_t i = 0; i < study->measure_count; i++) printf("  %12.12s ", study->measures[i]);
     printf("\n");
-    for (int32_t i = 0; i < shv_study_row_count(study); i++) print_row(study, shv_study_row(study, i), width);
-    bool any = false;
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) any |= shv_study_scatter(study, i) > 0.0;
+    for (int32_t i = 0; i < study->row_count; i++) print_row(study, &study->rows[i], width);
+    for (int32_t i = 0; i < study->measure_count; i++) any |= study->scatter[i] > 0.0;
     if (!any) return;
     printf("%-*s  %12s  %12s", width, "scatter", "", "");
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
-        print_number(shv_study_scatter(study, i));
+    for (int32_t i = 0; i < study->measure_count; i++) {
+        print_number(study->scatter[i]);
         printf(" ");
     }
     printf("\n");
 }
 
 /* "error=0.05" takes the study's first measure. */
-static ShvStatus read_pick(const ShvStudy *study, const char *text, int32_t *measure, double *largest, ShvError *error)
+static ShvStatus read_pick(const ShvStudyView *study, const char *text, int32_t *measure, double *largest,
+                           ShvError *error)
 {
     const char *equals = strchr(text, '=');
     const size_t length = equals ? (size_t)(equals - text) : 0;
     if (!equals || shv_parse_double(equals + 1, strlen(equals + 1), false, largest, NULL) != SHV_OK)
         return shv_fail(error, SHV_BAD_INPUT, "--pick needs error=LARGEST or MEASURE=LARGEST, not '%.60s'", text);
     *measure = length == 5 && strncmp(text, "error", 5) == 0 ? 0 : -1;
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
-        const char *name = shv_study_measure_name(study, i);
-        if (strlen(name) == length && strncmp(name, text, length) == 0) *measure = i;
-    }
+    for (int32_t i = 0; i < study->measure_count; i++)
+        if (strlen(study->measures[i]) == length && strncmp(study->measures[i], text, length) == 0) *measure = i;
     if (*measure < 0)
         return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on",
-                        (int)length, text, shv_study_measure_name(study, 0));
-    if (!shv_study_timings_valid(study))
+                        (int)length, text, study->measures[0]);
+    if (!study->timings_valid)
         return shv_fail(error, SHV_BAD_INPUT,
                         "run times of this study are not valid, so that nothing can be called cheapest; run it without "
                         "-j, on one machine");
@@ -102,21 +101,21 @@ static int pick(const ShvStudy *study, const char *text, bool quiet)
     int32_t measure = 0;
     double largest = 0.0;
     ShvError error;
-    const ShvStatus status = read_pick(study, text, &measure, &largest, &error);
+    const ShvStudyView *view = shv_study_view(study);
+    const ShvStatus status = read_pick(view, text, &measure, &largest, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     const int32_t best = shv_study_pick(study, measure, largest);
-    const char *name = shv_study_measure_name(study, measure), *unit = shv_study_error_unit(study, measure);
+    const char *name = view->measures[measure], *unit = view->error_units[measure];
     if (best < 0) {
         fprintf(stderr, "shiver: no setting has an error of %s of at most %g\n", name, largest);
         return SHV_EXIT_FAILED;
     }
-    const ShvStudyRow *row = shv_study_row(study, best);
+    const ShvStudyRow *row = &view->rows[best];
     FILE *stream = quiet ? stderr : stdout;
     fprintf(stream, "pick: %s: error of %s %.3g%s%s in %.3g s\n", row->name, name, row->errors[measure],
             unit[0] ? " " : "", unit, row->seconds);
-    const double scatter = shv_study_scatter(study, measure);
-    if (scatter > largest)
-        fprintf(stream, "the scatter, %.3g, is more than that: such an error says little\n", scatter);
+    if (view->scatter[measure] > largest)
+        fprintf(stream, "the scatter, %.3g, is more than that: such an error says little\n", view->scatter[measure]);
     return SHV_EXIT_DONE;
 }
 
@@ -149,7 +148,7 @@ static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
     if (json)
         shv_study_print_json(study, stdout);
     else
-        print_table(study);
+        print_table(shv_study_view(study));
     return SHV_OK;
 }
 

@@ -88,7 +88,7 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 {
     const int32_t members = study->plan.members;
     const size_t count = (size_t)study->setting_count * (size_t)members;
-    study->keys = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *study->keys);
+    study->keys = shv_pool_take(&study->pool, count, sizeof *study->keys);
     if (!study->keys) return shv_fail_memory(error, "the runs of a study", count * sizeof *study->keys);
     for (int32_t s = 0; s < study->setting_count; s++) {
         const ShvStudySetting *setting = shv_study_setting(study, s);
@@ -246,7 +246,7 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     SHV_TRY(check_options(options, error));
     ShvStudy *made = shv_allocate(options->memory, SHV_PART_GENERAL, 1, sizeof *made);
     if (!made) return shv_fail_memory(error, "a study", sizeof *made);
-    made->memory = options->memory;
+    made->memory = made->pool.memory = options->memory;
     made->options = *options;
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
@@ -267,9 +267,7 @@ void shv_study_close(ShvStudy *study)
     shv_release(study->text);
     shv_release(study->study_text);
     shv_release(study->folder);
-    shv_release(study->keys);
-    shv_release(study->results);
-    shv_study_figure_release(&study->figure);
+    shv_pool_release(&study->pool);
     shv_release(study);
 }
 

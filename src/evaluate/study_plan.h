@@ -6,13 +6,9 @@
 #include <math.h>
 
 #include "scene/tree.h"
+#include "shiver/study.h"
 
-enum {
-    SHV_STUDY_MOST_SETTINGS = 10000,
-    SHV_STUDY_MOST_KEYS = 16,
-    SHV_STUDY_LEAST_MEMBERS = 5,
-    SHV_STUDY_MOST_MEASURES = 32
-};
+enum { SHV_STUDY_MOST_SETTINGS = 10000, SHV_STUDY_MOST_KEYS = 16, SHV_STUDY_LEAST_MEMBERS = 5 };
 
 typedef enum ShvStudyReference {
     SHV_STUDY_FINEST, /* the finest of the settings */

@@ -31,7 +31,7 @@ static void put_setting_heads(const ShvStudy *study, FILE *stream)
 static void put_setting(const ShvStudy *study, int32_t index, FILE *stream)
 {
     const ShvStudySetting *setting = shv_study_setting(study, index);
-    const ShvStudyRow *row = &study->results[index].row;
+    const ShvStudyRow *row = &study->rows[index];
     for (int32_t i = 0; i < study->plan.key_count; i++) put_field(stream, setting->values[i], i == 0);
     shv_print(stream, ",%s,%s", row->is_reference ? "yes" : "", shv_status_name(row->status));
 }
@@ -59,7 +59,7 @@ static void put_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *st
         if (study->plan.members == 1) continue;
         shv_output_number(stream, row->errors_low[i]);
         shv_output_number(stream, row->errors_high[i]);
-        shv_output_number(stream, study->scatter[i]);
+        shv_output_number(stream, study->view.scatter[i]);
     }
 }
 
@@ -70,7 +70,7 @@ void shv_study_put_results(const ShvStudy *study, FILE *stream)
     put_measure_heads(study, stream);
     shv_print(stream, ",message\n");
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         put_setting(study, i, stream);
         shv_output_number(stream, row->stable_step);
         shv_output_number(stream, row->step);
@@ -90,9 +90,9 @@ void shv_study_put_timings(const ShvStudy *study, FILE *stream)
         shv_print(stream, ",on front of %s", study->plan.measures[i].name);
     shv_print(stream, "\n");
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         put_setting(study, i, stream);
-        shv_print(stream, ",%s", study->timings_valid ? "yes" : "no");
+        shv_print(stream, ",%s", study->view.timings_valid ? "yes" : "no");
         shv_output_number(stream, row->seconds);
         shv_output_number(stream, row->seconds_low);
         shv_output_number(stream, row->seconds_high);
@@ -148,10 +148,10 @@ void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
     shv_print(stream, "\n|---|---|---|");
     for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, "---|");
     shv_print(stream, "\n");
-    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->results[i].row, stream);
+    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->rows[i], stream);
     if (study->plan.members == 1) return;
     shv_print(stream, "| scatter | | |");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->scatter[i], false);
+    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->view.scatter[i], false);
     shv_print(stream, "\n");
 }
 
@@ -183,7 +183,7 @@ static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
     const ShvStudySetting *setting = shv_study_setting(study, index);
-    const ShvStudyRow *row = &study->results[index].row;
+    const ShvStudyRow *row = &study->rows[index];
     bool first = true;
     shv_print(stream, "{\"setting\": {");
     for (int32_t i = 0; i < study->plan.key_count; i++) {
@@ -229,17 +229,17 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
                  {"scene", study->scene_path},
                  {"version", shv_version()},
                  {"processor", study->processor},
-                 {"errors_from", study->reference_name}};
+                 {"errors_from", study->view.reference}};
     shv_print(stream, "{");
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         put_pair(stream, texts[i].name, texts[i].text);
         shv_print(stream, ", ");
     }
     shv_print(stream, "\"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
-              study->timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
+              study->view.timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "%s", i > 0 ? ", " : "");
-        shv_output_member(stream, study->plan.measures[i].name, study->scatter[i]);
+        shv_output_member(stream, study->plan.measures[i].name, study->view.scatter[i]);
     }
     shv_print(stream, "}, \"rows\": [");
     for (int32_t i = 0; i < study->setting_count; i++) {

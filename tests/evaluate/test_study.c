@@ -273,7 +273,7 @@ static void test_going_on(void **state)
     assert_int_equal(shv_study_run(study, &error), SHV_INTERRUPTED);
     assert_int_equal(shv_study_missing(study), 4);
     check_fails(shv_study_measure(study, &error), SHV_BAD_INPUT, error, "4 of 6 runs are missing");
-    assert_int_equal(shv_study_row_count(study), 0);
+    assert_int_equal(shv_study_view(study)->row_count, 0);
     check_fails(shv_study_write(study, &error), SHV_BAD_INPUT, error, "after it has been measured");
     shv_study_close(study);
     assert_int_equal(complete("bounce.yaml", bounce_study, output), 4);
@@ -286,7 +286,7 @@ static void test_going_on(void **state)
     check_ok(shv_study_run(study, &error), error);
     assert_int_equal(told.runs, 6);
     check_ok(shv_study_measure(study, &error), error);
-    assert_false(shv_study_timings_valid(study));
+    assert_false(shv_study_view(study)->timings_valid);
     shv_study_close(study);
     assert_int_equal(complete("bounce.yaml", bounce_study, output), 6);
     /* Another scene is another run, and so is another number of repeats; another measure of the same kind is not. */
@@ -349,10 +349,10 @@ static void test_rows(void **state)
                                  &options);
     check_ok(shv_study_run(study, &error), error);
     check_ok(shv_study_measure(study, &error), error);
-    assert_int_equal(shv_study_row_count(study), 3);
-    assert_string_equal(shv_study_reference(study), "run of runs, 0.5×");
-    const ShvStudyRow *half = shv_study_row(study, 0), *one = shv_study_row(study, 1),
-                      *beyond = shv_study_row(study, 2);
+    assert_int_equal(shv_study_view(study)->row_count, 3);
+    assert_string_equal(shv_study_view(study)->reference, "run of runs, 0.5×");
+    const ShvStudyRow *half = &shv_study_view(study)->rows[0], *one = &shv_study_view(study)->rows[1],
+                      *beyond = &shv_study_view(study)->rows[2];
     assert_true(half->is_reference && !one->is_reference);
     for (int i = 0; i < 3; i++) assert_true(half->errors[i] == 0.0);
     assert_true(half->values[1] > 1.0 && half->values[0] > 0.0); /* it does break */
@@ -365,7 +365,7 @@ static void test_rows(void **state)
     assert_int_equal(beyond->status, SHV_BAD_INPUT);
     assert_non_null(strstr(beyond->message, "1.5 times the stable step"));
     assert_true(isnan(beyond->errors[0]));
-    assert_true(shv_study_scatter(study, 0) == 0.0);
+    assert_true(shv_study_view(study)->scatter[0] == 0.0);
     assert_int_equal(shv_study_pick(study, 2, 1.0), 1); /* the reference is not picked */
     assert_int_equal(shv_study_pick(study, 2, 0.0), -1);
     shv_study_close(study);
@@ -384,11 +384,11 @@ static void test_ensemble(void **state)
     check_ok(shv_study_run(study, &error), error);
     assert_int_equal(told.runs, 15);
     check_ok(shv_study_measure(study, &error), error);
-    const ShvStudyRow *row = shv_study_row(study, 0);
+    const ShvStudyRow *row = &shv_study_view(study)->rows[0];
     assert_true(row->errors_low[0] <= row->errors[0] && row->errors[0] <= row->errors_high[0]);
     assert_true(row->errors_low[0] < row->errors_high[0]);
-    assert_true(shv_study_scatter(study, 0) > 0.0);
-    assert_true(shv_study_scatter(study, 1) == 0.0);
+    assert_true(shv_study_view(study)->scatter[0] > 0.0);
+    assert_true(shv_study_view(study)->scatter[1] == 0.0);
     /* The scatter is the median of ten pairs of the reference's runs: by hand from their files. */
     double dissipated[5], pairs[10];
     for (int32_t m = 0; m < 5; m++) {
@@ -400,7 +400,7 @@ static void test_ensemble(void **state)
     for (int a = 0, k = 0; a < 5; a++)
         for (int b = a + 1; b < 5; b++) pairs[k++] = fabs(dissipated[a] - dissipated[b]) / dissipated[b];
     shv_sort_numbers(pairs, 10);
-    check_near(shv_study_scatter(study, 0), 0.5 * (pairs[4] + pairs[5]), 1e-15);
+    check_near(shv_study_view(study)->scatter[0], 0.5 * (pairs[4] + pairs[5]), 1e-15);
     /* Members other than the first differ by tiny places. */
     shv_study_close(study);
     study = open_study("ball.yaml",
@@ -480,9 +480,9 @@ static void test_shadow(void **state)
                                  &options);
     check_ok(shv_study_run(study, &error), error);
     check_ok(shv_study_measure(study, &error), error);
-    assert_true(isnan(shv_study_row(study, 0)->errors[0]));
-    check_near(shv_study_row(study, 1)->errors[0], 1.0, 0.0);
-    check_near(shv_study_row(study, 1)->values[0], 1.0, 0.0);
+    assert_true(isnan(shv_study_view(study)->rows[0].errors[0]));
+    check_near(shv_study_view(study)->rows[1].errors[0], 1.0, 0.0);
+    check_near(shv_study_view(study)->rows[1].values[0], 1.0, 0.0);
     shv_study_close(study);
 }
 
@@ -516,10 +516,9 @@ static void test_without_memory(void **state)
 
 /* ---- fronts ---- */
 
-static void set_row(ShvStudyResult *result, double seconds, double error, ShvStatus status)
+static ShvStudyRow row_of(double seconds, double error, ShvStatus status)
 {
-    *result = (ShvStudyResult){.errors = {error}};
-    result->row = (ShvStudyRow){.seconds = seconds, .status = status, .errors = result->errors};
+    return (ShvStudyRow){.seconds = seconds, .status = status, .errors = {error}};
 }
 
 static void check_front(double scatter, const char *wanted)
@@ -527,14 +526,14 @@ static void check_front(double scatter, const char *wanted)
     static const double rows[][2] = {{4.0, 0.01}, {1.0, 0.5},  {2.0, 0.4}, {3.0, 0.3},
                                      {3.0, 0.2},  {5.0, 0.02}, {2.5, 0.45}};
     enum { COUNT = sizeof rows / sizeof rows[0] };
-    ShvStudyResult results[COUNT + 3];
-    ShvStudy study = {.results = results, .setting_count = COUNT + 3};
-    for (int i = 0; i < COUNT; i++) set_row(&results[i], rows[i][0], rows[i][1], SHV_OK);
-    set_row(&results[COUNT], 0.1, 0.0, SHV_DIVERGED);
-    set_row(&results[COUNT + 1], 0.1, (double)NAN, SHV_OK);
-    set_row(&results[COUNT + 2], 0.1, 0.0, SHV_OK);
-    results[COUNT + 2].row.is_reference = true;
-    study.scatter[0] = scatter;
+    ShvStudyRow results[COUNT + 3];
+    ShvStudy study = {.rows = results, .setting_count = COUNT + 3};
+    study.view = (ShvStudyView){.rows = results, .row_count = COUNT + 3, .scatter = {scatter}};
+    for (int i = 0; i < COUNT; i++) results[i] = row_of(rows[i][0], rows[i][1], SHV_OK);
+    results[COUNT] = row_of(0.1, 0.0, SHV_DIVERGED);
+    results[COUNT + 1] = row_of(0.1, (double)NAN, SHV_OK);
+    results[COUNT + 2] = row_of(0.1, 0.0, SHV_OK);
+    results[COUNT + 2].is_reference = true;
     shv_study_mark_front(&study, 0);
     for (int i = 0; i < COUNT + 3; i++)
         if (results[i].on_front[0] != (wanted[i] == '*')) fail_msg("scatter %g: row %d", scatter, i);
