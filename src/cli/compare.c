@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/names.h"
 #include "base/text.h"
 #include "cli/command.h"
@@ -24,21 +25,16 @@ typedef struct Choice {
 
 static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
 {
-    for (const char *at = text;; at++) {
-        if (choice->step_count == MOST_STEPS)
-            return shv_fail(error, SHV_BAD_INPUT, "--steps takes at most %d time steps", (int)MOST_STEPS);
-        char *end = NULL;
-        double step = 0.0;
-        if (strspn(at, "0123456789.") > 0) step = shv_text_to_double(at, &end);
-        if (!end || (*end && *end != ',') || !(step > 0.0) || !isfinite(step))
+    SHV_TRY(shv_cli_read_numbers(text, "--steps", "times in seconds, as in 1e-2,1e-3", choice->steps, MOST_STEPS,
+                                 &choice->step_count, error));
+    for (int32_t i = 0; i < choice->step_count; i++) {
+        if (!(choice->steps[i] > 0.0))
             return shv_fail(error, SHV_BAD_INPUT, "--steps needs times in seconds, as in 1e-2,1e-3, not '%s'", text);
-        for (int32_t i = 0; i < choice->step_count; i++)
-            if (choice->steps[i] == step)
-                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);
-        choice->steps[choice->step_count++] = step;
-        at = end;
-        if (!*at) return SHV_OK;
+        for (int32_t k = 0; k < i; k++)
+            if (choice->steps[k] == choice->steps[i])
+                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", choice->steps[i]);
     }
+    return SHV_OK;
 }
 
 static ShvStatus read_engine(const char *word, Choice *choice, ShvError *error)

@@ -4,7 +4,7 @@
    h (cos²θ − ν sin²θ) ε. Springs beside the solid then make it stiffer by 1 + Σ K h² (cos²θ − ν sin²θ)²/(E V). */
 #include <stdlib.h>
 
-#include "stability/probe.h"
+#include "stability/stability.h"
 
 typedef struct Edge {
     int32_t ends[2];
