@@ -2,23 +2,6 @@
 
 #include "base/text.h"
 
-void shv_html_text(FILE *stream, const char *text)
-{
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '&')
-            shv_print(stream, "&amp;");
-        else if (c == '<')
-            shv_print(stream, "&lt;");
-        else if (c == '>')
-            shv_print(stream, "&gt;");
-        else if (c == '"')
-            shv_print(stream, "&quot;");
-        else
-            shv_print(stream, "%c", (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f ? ' ' : c);
-    }
-}
-
 static void put_element(FILE *stream, const char *name, const char *text)
 {
     shv_print(stream, "<%s>", name);
@@ -130,6 +113,6 @@ void shv_table_row(FILE *stream, bool html, const char *const *texts, const char
 void shv_html_plot(FILE *stream, const ShvPlot *plot)
 {
     shv_print(stream, "<figure>\n");
-    shv_plot_write_inline(stream, plot);
+    shv_plot_write(stream, plot, true);
     shv_print(stream, "</figure>\n");
 }

@@ -74,10 +74,9 @@ static double way_function(ShvNames *names, int index, const ShvOutcome *other)
 
 static const ShvNamedRun *run_named(const ShvNames *names, const char *name, size_t length)
 {
-    for (int32_t i = 0; i < names->other_count; i++)
-        if (strlen(names->others[i].name) == length && strncmp(names->others[i].name, name, length) == 0)
-            return &names->others[i];
-    return NULL;
+    const ShvNamedRun *run = names->run->before;
+    while (run && (strlen(run->name) != length || strncmp(run->name, name, length) != 0)) run = run->before;
+    return run;
 }
 
 static bool call(void *data, const char *function, const char *name, ShvFormulaValue *value)
@@ -151,9 +150,9 @@ static bool find(void *data, const char *name, ShvFormulaValue *value)
 {
     ShvNames *names = data;
     const ShvNamedRun *run = names->run;
-    for (int32_t i = run->variable_count - 1; i >= 0; i--) {
-        if (strcmp(run->variables[i].name, name) != 0) continue;
-        *value = run->variables[i].value;
+    for (const ShvVariable *variable = run->variables; variable; variable = variable->before) {
+        if (strcmp(variable->name, name) != 0) continue;
+        *value = variable->value;
         return true;
     }
     return find_list(run->outcome, name, value) || find_other(names, name, value) || find_figure(names, name, value);

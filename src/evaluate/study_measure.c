@@ -55,8 +55,9 @@ static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOut
                            double *values, ShvError *error)
 {
     const ShvStudyPlan *plan = &judge->study->plan;
-    const ShvNamedRun own = {.name = "", .outcome = outcome}, other = {.name = "reference", .outcome = reference};
-    ShvNames names = {.pool = &judge->series, .run = &own, .others = &other, .other_count = 1};
+    const ShvNamedRun other = {.name = "reference", .outcome = reference};
+    const ShvNamedRun own = {.name = "", .outcome = outcome, .before = &other};
+    ShvNames names = {.pool = &judge->series, .run = &own};
     if (judge->scene) names.way = &judge->way;
     for (int32_t i = 0; i < plan->measure_count; i++) {
         errors[i] = values[i] = (double)NAN;

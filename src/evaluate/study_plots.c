@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/html.h"
 #include "evaluate/study.h"
 
 /* ---- error against run time ---- */
@@ -100,7 +99,7 @@ static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, F
                           .front = &front,
                           .spans = figure->room.spans,
                           .span_count = figure->span_count};
-    (within ? shv_plot_write_inline : shv_plot_write)(stream, &plot);
+    shv_plot_write(stream, &plot, within);
 }
 
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
@@ -164,16 +163,13 @@ void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within)
     double longest = 0.0;
     for (int32_t i = 0; i < count; i++) longest = fmax(longest, cost_sum(&study->rows[i]));
     const double scale = longest > 0.0 ? (WIDTH - LEFT - RIGHT) / longest : 0.0;
-    if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    shv_print(stream,
-              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" font-family=\"Helvetica, Arial, sans-serif\" "
-              "font-size=\"12\" fill=\"#4a463f\">\n<title>",
-              within ? "" : "xmlns=\"http://www.w3.org/2000/svg\" ", WIDTH, height, WIDTH, height);
-    shv_html_text(stream, study->plan.name);
-    shv_print(stream, ": run time by part</title>\n<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
+    char title[300];
+    shv_format(title, sizeof title, "%.250s: run time by part", study->plan.name);
+    shv_plot_begin(stream, WIDTH, height, within, title, " font-size=\"12\" fill=\"#4a463f\"");
+    shv_print(stream, "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
                       "<text x=\"20\" y=\"28\" font-size=\"14\" font-weight=\"bold\" fill=\"#2c2a26\">");
-    shv_html_text(stream, study->plan.name);
-    shv_print(stream, ": run time by part</text>\n");
+    shv_html_text(stream, title);
+    shv_print(stream, "</text>\n");
     put_legend(study, stream);
     for (int32_t i = 0; i < count; i++) put_bar(&study->rows[i], i, scale, stream);
     shv_print(stream, "</svg>\n");

@@ -18,12 +18,8 @@ typedef struct ShvTrackRow {
 
 typedef struct ShvTrack {
     ShvTrackRow *rows;
-    int32_t count, capacity;
+    int32_t count;
 } ShvTrack;
-
-/* Adds a row, or finds no memory for it. */
-ShvStatus shv_track_add(ShvTrack *track, ShvMemory *memory, const ShvTrackRow *row, ShvError *error);
-void shv_track_release(ShvTrack *track);
 
 /* Moments that mark a motion, at most `most`; returns their number. `reference`: of the reference states. */
 /* Impacts on a plane: where the parabolas through two frames meet, between which the velocity along `normal` turned from in

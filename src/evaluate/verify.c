@@ -37,13 +37,6 @@ char *shv_next_line(ShvPool *pool, const char **at)
     return NULL;
 }
 
-static int32_t count_lines(const char *text)
-{
-    int32_t count = 1;
-    for (; text && *text; text++) count += *text == '\n';
-    return count;
-}
-
 /* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
 static ShvStatus fail_variable(Verifier *verifier, const char *name, const char *rest, ShvStatus status,
                                ShvError *error)
@@ -72,12 +65,15 @@ static ShvStatus define(Verifier *verifier, char *line, const char *from, ShvErr
     char *end = equals;
     while (end > line && (end[-1] == ' ' || end[-1] == '\t')) end--;
     *end = '\0';
-    ShvVariable *variable = &verifier->now->named.variables[verifier->now->named.variable_count];
+    ShvNamedRun *named = &verifier->now->named;
+    ShvVariable *variable = shv_pool_take(&verifier->work, 1, sizeof *variable);
+    if (!variable) return shv_fail_memory(error, "variables", sizeof *variable);
     const ShvFormulaNames names = shv_names(&verifier->names);
     const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
     if (status != SHV_OK) return fail_variable(verifier, line, from, status, error);
     variable->name = line;
-    verifier->now->named.variable_count++;
+    variable->before = named->variables;
+    named->variables = variable;
     return SHV_OK;
 }
 
@@ -335,15 +331,14 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
 static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
 {
     const size_t quantities = (size_t)verifier->item->quantities.count;
-    const size_t lines = (size_t)count_lines(run ? run->let : NULL) + (size_t)count_lines(verifier->item->let);
     KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
     now->named.name = now->title = run ? run->head.name : "";
     if (run && run->title) now->title = run->title;
     now->outcome = (ShvOutcome){.memory = verifier->options->memory};
     now->named.outcome = &now->outcome;
-    now->named.variables = shv_pool_take(&verifier->work, lines, sizeof *now->named.variables);
+    if (verifier->run_count > 1) now->named.before = &now[-1].named;
     now->values = shv_pool_take(&verifier->work, 3 * quantities, sizeof *now->values);
-    if (!now->named.variables || !now->values) return shv_fail_memory(error, "a run", quantities * 24);
+    if (!now->values) return shv_fail_memory(error, "a run", quantities * 24);
     now->references = now->values + quantities;
     now->steps = now->references + quantities;
     for (size_t i = 0; i < 3 * quantities; i++) now->values[i] = (double)NAN;
@@ -364,10 +359,7 @@ static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, 
         status = simulate(verifier, scene, error);
     }
     verifier->names = (ShvNames){.pool = &verifier->series, .run = &verifier->now->named};
-    verifier->names.others = verifier->named;
-    verifier->names.other_count = verifier->run_count - 1;
     if (status == SHV_OK) status = judge_run(verifier, run, last, error);
-    verifier->named[verifier->run_count - 1] = verifier->now->named;
     shv_scene_destroy(scene);
     return status;
 }
@@ -380,9 +372,7 @@ static ShvStatus make_runs(Verifier *verifier, ShvError *error)
     for (int32_t i = 0; i < count; i++)
         if (verifier->options->full || !runs[i].full) last = i;
     verifier->runs = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->runs);
-    verifier->named = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->named);
-    if (!verifier->runs || !verifier->named)
-        return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
+    if (!verifier->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
     if (count == 0) return make_run(verifier, NULL, true, error);
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++) {

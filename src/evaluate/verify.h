@@ -29,7 +29,6 @@ typedef struct Verifier {
     ShvPool work, series; /* of the whole case */
     char *folder, *scene_path;
     KeptRun *runs, *now;
-    ShvNamedRun *named; /* of the runs before */
     int32_t run_count;
     ShvNames names;
 } Verifier;

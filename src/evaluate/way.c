@@ -62,8 +62,9 @@ void shv_way_close(ShvWay *way)
 {
     shv_bodies_release(&way->bodies);
     shv_release(way->forms);
-    shv_track_release(&way->track);
+    shv_release(way->track.rows);
     way->forms = NULL;
+    way->track.rows = NULL;
 }
 
 /* ---- frame by frame ---- */
@@ -240,15 +241,15 @@ ShvStatus shv_way_follow(ShvWay *way, const ShvOutcome *run, const ShvOutcome *r
     const ShvOutcomeList *track = shv_outcome_find(run, "track"), *times = shv_outcome_find(run, "frame.time");
     const ShvOutcomeList *beside = reference ? shv_outcome_find(reference, "track") : NULL;
     for (int i = 0; i < SHV_WAY_ERRORS; i++) errors[i] = (double)NAN;
-    shv_track_release(&way->track);
+    way->track.count = 0;
     if (!times || times->count == 0 || (reference && !beside) || (!reference && !way->forms)) return SHV_OK;
     SHV_TRY(check_frames(way, run, reference, error));
     for (int32_t i = 0; way->forms && i < way->bodies.count; i++)
         way->forms[i].top.time = way->forms[i].top.turned = 0.0; /* closed forms start anew */
-    for (int32_t i = 0; i < times->count; i++) {
-        const ShvTrackRow row = row_of(way, track, beside, i, times->values[i]);
-        SHV_TRY(shv_track_add(&way->track, way->memory, &row, error));
-    }
+    SHV_RESIZE(way->memory, SHV_PART_RECORD, way->track.rows, (size_t)times->count, "a run to compare", 0, error);
+    for (; way->track.count < times->count; way->track.count++)
+        way->track.rows[way->track.count] =
+            row_of(way, track, beside, way->track.count, times->values[way->track.count]);
     summarise(way, errors);
     return SHV_OK;
 }

@@ -36,13 +36,15 @@ static void put_limits(FILE *stream, Drawing *drawing)
         drawing->lines[k] =
             (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations.count, SHV_PLOT_MARKED_LINE};
     }
-    shv_plot_write(stream, &(ShvPlot){.title = stability->name,
-                                      .x_label = "sweeps of bars a step",
-                                      .y_label = "largest stable step, computed stable steps",
-                                      .log_x = true,
-                                      .log_y = true,
-                                      .lines = drawing->lines,
-                                      .line_count = plain + 1});
+    shv_plot_write(stream,
+                   &(ShvPlot){.title = stability->name,
+                              .x_label = "sweeps of bars a step",
+                              .y_label = "largest stable step, computed stable steps",
+                              .log_x = true,
+                              .log_y = true,
+                              .lines = drawing->lines,
+                              .line_count = plain + 1},
+                   false);
 }
 
 static void add_line(Drawing *drawing, int32_t *count, const ShvStabilityRow *row,
@@ -72,13 +74,15 @@ static void put_against_step(FILE *stream, Drawing *drawing, const char *label,
     for (int32_t k = 0; n > 0 && k < options->stiffness.count && k < MOST_K; k++)
         add_line(drawing, &count, &rows[1 + k * n + middle], value);
     if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &count, &rows[n], value);
-    shv_plot_write(stream, &(ShvPlot){.title = drawing->stability->name,
-                                      .x_label = "step, computed stable steps",
-                                      .y_label = label,
-                                      .log_x = true,
-                                      .log_y = true,
-                                      .lines = drawing->lines,
-                                      .line_count = count});
+    shv_plot_write(stream,
+                   &(ShvPlot){.title = drawing->stability->name,
+                              .x_label = "step, computed stable steps",
+                              .y_label = label,
+                              .log_x = true,
+                              .log_y = true,
+                              .lines = drawing->lines,
+                              .line_count = count},
+                   false);
 }
 
 static double stiffness_of(const ShvStabilityPoint *point)

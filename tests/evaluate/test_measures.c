@@ -110,8 +110,9 @@ static ShvOutcome outcome_of(double dissipated, double fragments, const double m
 static double error_of(const char *measure, const ShvOutcome *a, const ShvOutcome *b, bool value)
 {
     ShvPool pool = {.memory = NULL};
-    const ShvNamedRun run = {.name = "", .outcome = a}, other = {.name = "reference", .outcome = b};
-    ShvNames names = {.pool = &pool, .run = &run, .others = &other, .other_count = 1};
+    const ShvNamedRun other = {.name = "reference", .outcome = b};
+    const ShvNamedRun run = {.name = "", .outcome = a, .before = &other};
+    ShvNames names = {.pool = &pool, .run = &run};
     const ShvFormulaNames lookup = shv_names(&names);
     double number = (double)NAN;
     ShvError error;
