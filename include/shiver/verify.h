@@ -57,14 +57,12 @@ typedef struct ShvVerifyOptions {
     bool full;      /* also the runs that the short set leaves out */
     bool short_set; /* a case that is not of the short set is left out: *verification is NULL */
     struct ShvMemory *memory;
-    bool (*stop)(void *data); /* as in ShvSimulationOptions */
-    void *stop_data;
 } ShvVerifyOptions;
 ShvVerifyOptions shv_verify_default(void);
 
 typedef struct ShvVerification ShvVerification;
 /* Runs a case. What goes wrong within a run is a row; faults of the case file or its scenes are SHV_BAD_INPUT, and
-   *diagnostics (may be NULL) lists those of the case file. SHV_INTERRUPTED when asked to stop. On failure *verification is
+   *diagnostics (may be NULL) lists those of the case file. On failure *verification is
    NULL. */
 ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const ShvVerifyOptions *options,
                          ShvDiagnostics **diagnostics, ShvError *error);

@@ -8,7 +8,6 @@
 #include "base/names.h"
 #include "base/text.h"
 #include "cli/command.h"
-#include "cli/study.h"
 
 enum { STEPS, ENGINES, OUTPUT, FORCE, JSON };
 

@@ -3,7 +3,6 @@
 
 #include "base/memory.h"
 #include "cli/command.h"
-#include "cli/verify.h"
 
 enum { STIFFNESS, ITERATIONS, MODULI, MULTIPLES, STEPS, CSV, SVG, FORCE, JSON, SUITE, QUICK, MARKDOWN };
 

@@ -5,7 +5,6 @@
 #include "base/file.h"
 #include "cli/command.h"
 #include "cli/jobs.h"
-#include "cli/study.h"
 
 enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
 

@@ -9,7 +9,6 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "cli/verify.h"
 
 enum { FULL, JSON, HTML, MARKDOWN, FOLDER, FORCE };
 

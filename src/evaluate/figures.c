@@ -41,6 +41,7 @@ static const struct {
     {"end.wall_seconds", "run.setup + run.seconds"},
 };
 
+/* Those that follow bodies come first, in the order of ShvWayError. */
 static const ShvMeasure measures[] = {
     {"position", NULL, "m", NULL, "position(reference)", "largest distance of a body's centre over the run"},
     {"orientation", NULL, "rad", NULL, "orientation(reference)", "largest angle of a body over the run"},
@@ -125,6 +126,13 @@ const ShvMeasure *shv_measure_named(const char *name)
     for (int32_t i = 0; i < COUNT(measures); i++)
         if (strcmp(measures[i].name, name) == 0) return &measures[i];
     return NULL;
+}
+
+int shv_way_index(const char *name)
+{
+    for (int i = 0; i < SHV_WAY_ERRORS; i++)
+        if (strcmp(measures[i].name, name) == 0) return i;
+    return -1;
 }
 
 bool shv_measure_tracks(const ShvMeasure *measure)

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/reduction.h"
 
 enum { LONGEST_NAME = 128, DEEPEST = 64 };
 

@@ -21,8 +21,6 @@ typedef struct ShvGather {
 void shv_gather_release(ShvGather *gather);
 /* The present frame. What is a number so far (not a series) is that of the run up to here. */
 ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
-/* tip.c: "crack.tip" and "crack.length" of the present frame. */
-ShvStatus shv_gather_tip(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
 /* Numbers of the scene and of its meshes. */
 ShvStatus shv_gather_facts(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
 /* What is known at the end: pieces, cracks, costs. */

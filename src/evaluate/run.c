@@ -1,4 +1,4 @@
-#include "evaluate/run.h"
+#include "evaluate/outcome.h"
 
 #include <math.h>
 #include <stdio.h>

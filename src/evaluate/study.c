@@ -10,7 +10,7 @@
 #include "base/random.h"
 #include "base/text.h"
 #include "evaluate/inputs.h"
-#include "evaluate/run.h"
+
 #include "evaluate/way.h"
 #include "record/checkpoint.h"
 #include "scene/source.h"

@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "evaluate/line.h"
-#include "evaluate/run.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
 
@@ -317,9 +316,7 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
                                .folder = shv_scene_folder(scene),
                                .memory = options->memory,
                                .multiple = (double)NAN,
-                               .repeats = 1,
-                               .stop = options->stop,
-                               .stop_data = options->stop_data};
+                               .repeats = 1};
     KeptRun *now = verifier->now;
     const ShvStatus status = shv_run_scene(&now->outcome, &order, error);
     const double seconds = shv_outcome_number(&now->outcome, "run.seconds");

@@ -21,7 +21,7 @@ typedef enum ShvWayError {
     SHV_WAY_MOMENTS,
     SHV_WAY_ERRORS
 } ShvWayError;
-/* By the name of a formula's function; −1: none. */
+/* figures.c: by the name of a formula's function; −1: none. */
 int shv_way_index(const char *name);
 
 typedef struct ShvWay {

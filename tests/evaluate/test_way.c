@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "base/memory.h"
-#include "evaluate/run.h"
+
 #include "evaluate/way.h"
 #include "shiver/scene.h"
 
