@@ -55,11 +55,5 @@ void shv_study_plan_release(ShvStudyPlan *plan);
 int32_t shv_study_values(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvNode *node, const char ***values);
 /* A node as YAML of one line. */
 const char *shv_study_text_of(ShvPool *pool, const ShvNode *node);
-/* A number behind a key, within a range; reports what is wrong with it and leaves the value as it was then. */
-bool shv_study_number(ShvDiagnostics *diagnostics, const ShvNode *node, const char *name, double low, double high,
-                      bool whole, double *value);
-/* Reports keys of a mapping that are not among the names, and what is no mapping. */
-bool shv_study_check_keys(ShvDiagnostics *diagnostics, const ShvNode *node, const char *what, const char *const *names,
-                          int32_t count);
 
 #endif
