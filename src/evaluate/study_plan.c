@@ -389,14 +389,6 @@ static void read_plan(Planner *planner, const ShvNode *root, const char *const *
     check_together(planner, item.reference);
 }
 
-static ShvStatus report(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    const int32_t errors = shv_diagnostics_errors(diagnostics);
-    const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, 0);
-    if (errors == 1) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
-    return shv_fail(error, SHV_BAD_INPUT, "%d errors in the study; the first is %s", (int)errors, first->message);
-}
-
 ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t length, const char *name,
                               const char *const *more, int32_t more_count, ShvMemory *memory, ShvError *error)
 {
@@ -406,13 +398,7 @@ ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t lengt
     Planner planner = {plan, &plan->pool, diagnostics, NULL, 0, ""};
     const ShvNode *root = shv_tree_read(&plan->pool, diagnostics, text, length, 0);
     if (root) read_plan(&planner, root, more, more_count);
-    const bool failed = plan->pool.failed || shv_diagnostics_failed(diagnostics);
-    ShvStatus status = SHV_OK;
-    shv_diagnostics_sort(diagnostics);
-    if (failed)
-        status = shv_fail_memory(error, "a study", length);
-    else if (shv_diagnostics_errors(diagnostics) > 0)
-        status = report(diagnostics, error);
+    const ShvStatus status = shv_diagnostics_end(diagnostics, plan->pool.failed, "the study", length, error);
     shv_diagnostics_destroy(diagnostics);
     if (status != SHV_OK) shv_study_plan_release(plan);
     return status;

@@ -391,15 +391,6 @@ static const char *case_name(ShvPool *pool, const char *path)
     return shv_pool_text(pool, name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
 }
 
-static ShvStatus report_faults(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    for (int32_t i = 0; i < shv_diagnostics_count(diagnostics); i++) {
-        const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, i);
-        if (first->severity == SHV_SEVERITY_ERROR) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
-    }
-    return shv_fail_memory(error, "a verification case", 0);
-}
-
 static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, ShvPool *texts,
                            ShvDiagnostics **diagnostics, ShvError *error)
 {
@@ -409,10 +400,8 @@ static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, 
     *diagnostics = shv_diagnostics_create(work->memory, path, NULL, 0);
     if (*diagnostics) *item = shv_case_read(text, length, work, texts, *diagnostics);
     shv_release(text);
-    if (!*diagnostics || work->failed || texts->failed) return shv_fail_memory(error, "a verification case", length);
-    if (*item) return SHV_OK;
-    shv_diagnostics_sort(*diagnostics);
-    return report_faults(*diagnostics, error);
+    if (!*diagnostics) return shv_fail_memory(error, "a verification case", length);
+    return shv_diagnostics_end(*diagnostics, work->failed || texts->failed, "the case", length, error);
 }
 
 static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
