@@ -70,9 +70,6 @@ typedef struct ShvStudy ShvStudy;
 ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, const ShvStudyOptions *options,
                          ShvError *error);
 void shv_study_close(ShvStudy *study);
-/* Runs of all settings and members; and those that are missing in the folder. */
-int32_t shv_study_run_count(const ShvStudy *study);
-int32_t shv_study_missing(const ShvStudy *study);
 /* Runs what is missing (of the task, if one is given); each finished run is a file of its own at once. SHV_INTERRUPTED when it
    was told to stop: going on later begins where it ended. */
 ShvStatus shv_study_run(ShvStudy *study, ShvError *error);

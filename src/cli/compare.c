@@ -149,8 +149,8 @@ static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const 
     return put_reference(stream, scene, choice, error);
 }
 
-static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, const Choice *choice, const char *folder,
-                         ShvError *error)
+/* The exit status. */
+static int compare(const ShvArguments *arguments, const ShvScene *scene, const Choice *choice, const char *folder)
 {
     /* Of runs that take less than this the best of up to three counts, in s. */
     static const double short_run = 0.1;
@@ -158,12 +158,11 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, c
     ShvStudyOptions options = shv_study_default();
     char *text = NULL, command[SHV_CLI_PATH];
     size_t length = 0;
-    ShvStatus status = check(definition, choice, error);
-    if (status != SHV_OK) return status;
+    ShvError error;
     FILE *stream = open_memstream(&text, &length);
-    if (!stream) return shv_fail(error, SHV_NO_MEMORY, "out of memory for a study");
-    status = put_study(stream, definition, choice, error);
-    fclose(stream);
+    ShvStatus status = stream ? check(definition, choice, &error) : shv_fail_memory(&error, "a study", 0);
+    if (status == SHV_OK) status = put_study(stream, definition, choice, &error);
+    if (stream) fclose(stream);
     snprintf(command, sizeof command, "shiver compare %s", arguments->positional[0]);
     options.output = folder;
     options.plan = text;
@@ -173,9 +172,10 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, c
     options.force = arguments->values[FORCE] != NULL;
     options.overrides = arguments->overrides;
     options.override_count = arguments->override_count;
-    if (status == SHV_OK) status = shv_cli_study(arguments, &options, arguments->values[JSON] != NULL, error);
+    const int result = status == SHV_OK ? shv_cli_study(arguments, &options, arguments->values[JSON] != NULL)
+                                        : shv_cli_failed(status, &error);
     free(text);
-    return status;
+    return result;
 }
 
 static int run(const ShvArguments *arguments)
@@ -190,11 +190,10 @@ static int run(const ShvArguments *arguments)
     ShvArguments loading = *arguments;
     if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = "rigid.engine=pbd";
     ShvScene *scene;
-    const int loaded = shv_cli_load_scene(&scene, &loading);
-    if (!scene) return loaded;
-    status = compare(arguments, scene, &choice, folder, &error);
+    int result = shv_cli_load_scene(&scene, &loading);
+    if (scene) result = compare(arguments, scene, &choice, folder);
     shv_scene_destroy(scene);
-    return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    return result;
 }
 
 const ShvCommand shv_command_compare = {

@@ -6,7 +6,7 @@
 #include "cli/command.h"
 #include "cli/jobs.h"
 
-enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
+enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON, OPTIONS };
 
 static void say_run(void *data, const char *setting)
 {
@@ -139,11 +139,18 @@ static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
     return status == SHV_OK ? shv_study_run(study, error) : status;
 }
 
+static ShvStatus make_runs(ShvStudy *study, const Share *share, bool merge, ShvError *error)
+{
+    if (merge) return SHV_OK;
+    const ShvStatus status =
+        share->jobs > 1 ? shv_jobs_run(share->jobs, run_share, share, error) : shv_study_run(study, error);
+    return status == SHV_INTERRUPTED ? shv_cli_why_stopped(error) : status;
+}
+
 static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
 {
-    ShvStatus status = shv_study_measure(study, error);
-    if (status == SHV_OK) status = shv_study_write(study, error);
-    if (status != SHV_OK) return status;
+    SHV_TRY(shv_study_measure(study, error));
+    SHV_TRY(shv_study_write(study, error));
     if (json)
         shv_study_print_json(study, stdout);
     else
@@ -151,19 +158,28 @@ static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json, ShvError *error)
+/* The study in `file`, or that of options->plan; `what` of its own options, as far as there are such. Returns the exit status. */
+static int conduct(const Share *share, const char *file, const char *const what[OPTIONS], bool json)
 {
+    ShvError error;
     ShvStudy *study = NULL;
+    shv_jobs_catch_signals();
+    ShvStatus status = shv_study_open(&study, share->arguments->positional[0], file, share->options, &error);
+    if (status == SHV_OK) status = make_runs(study, share, what[MERGE] != NULL, &error);
+    if (status == SHV_OK && !what[TASK]) status = show(study, json, &error);
+    int result = status != SHV_OK ? shv_cli_failed(status, &error) : SHV_EXIT_DONE;
+    if (status == SHV_OK && what[PICK]) result = pick(study, what[PICK], json);
+    if (result == SHV_EXIT_DONE && !what[TASK] && !json) printf("wrote %s/report.html\n", share->options->output);
+    shv_study_close(study);
+    return result;
+}
+
+int shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json)
+{
+    static const char *const none[OPTIONS] = {NULL};
     options->begins = arguments->quiet ? NULL : say_run;
     options->stop = shv_jobs_asked_to_stop;
-    shv_jobs_catch_signals();
-    ShvStatus status = shv_study_open(&study, arguments->positional[0], NULL, options, error);
-    if (status == SHV_OK) status = shv_study_run(study, error);
-    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(error);
-    if (status == SHV_OK) status = show(study, json, error);
-    if (status == SHV_OK && !json) printf("wrote %s/report.html\n", options->output);
-    shv_study_close(study);
-    return status;
+    return conduct(&(Share){.arguments = arguments, .options = options}, NULL, none, json);
 }
 
 static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
@@ -188,32 +204,15 @@ static int run(const ShvArguments *arguments)
 {
     char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
     ShvError error;
-    int32_t jobs;
-    ShvStudy *study = NULL;
     ShvStudyOptions options = shv_study_default();
-    ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    Share share = {.arguments = arguments, .options = &options};
+    ShvStatus status = read_options(arguments, &options, &share.jobs, &error);
     if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[1], false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     write_command(arguments, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
-    shv_jobs_catch_signals();
-    status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
-    const Share share = {.arguments = arguments, .options = &options, .jobs = jobs};
-    if (status == SHV_OK && jobs > 1) status = shv_jobs_run(jobs, run_share, &share, &error);
-    if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
-    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
-    int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
-    if (status == SHV_OK && !arguments->values[TASK]) {
-        const bool json = arguments->values[JSON] != NULL;
-        status = show(study, json, &error);
-        result = status != SHV_OK          ? shv_cli_failed(status, &error)
-                 : arguments->values[PICK] ? pick(study, arguments->values[PICK], json)
-                                           : SHV_EXIT_DONE;
-        if (result == SHV_EXIT_DONE && !arguments->values[JSON]) printf("wrote %s/report.html\n", options.output);
-    }
-    shv_study_close(study);
-    return result;
+    return conduct(&share, arguments->positional[1], arguments->values, arguments->values[JSON] != NULL);
 }
 
 const ShvCommand shv_command_study = {

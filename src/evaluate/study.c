@@ -205,23 +205,15 @@ static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file
 }
 
 /* A reference that is one of the settings is not run besides. */
-static int32_t same_setting(const ShvStudy *study)
-{
-    const int32_t members = study->plan.members, own = study->plan.setting_count;
-    for (int32_t i = 0; i < own; i++)
-        if (study->keys[i * members] == study->keys[own * members]) return i;
-    return -1;
-}
-
 static ShvStatus find_reference(ShvStudy *study, ShvError *error)
 {
-    study->reference = study->plan.reference == SHV_STUDY_SETTING ? study->plan.setting_count : -1;
-    const int32_t same = study->reference < 0 ? -1 : same_setting(study);
-    if (same >= 0) {
-        study->reference = same;
-        study->setting_count = study->plan.setting_count;
-    }
+    const int32_t members = study->plan.members, own = study->plan.setting_count;
+    study->reference = -1;
     if (study->plan.reference == SHV_STUDY_FINEST) return shv_study_finest(study, &study->reference, error);
+    if (study->plan.reference == SHV_STUDY_CLOSED) return SHV_OK;
+    study->reference = 0;
+    while (study->keys[study->reference * members] != study->keys[own * members]) study->reference++;
+    if (study->reference < own) study->setting_count = own;
     return SHV_OK;
 }
 
@@ -276,13 +268,6 @@ void shv_study_close(ShvStudy *study)
 int32_t shv_study_run_count(const ShvStudy *study)
 {
     return study->setting_count * study->plan.members;
-}
-
-int32_t shv_study_missing(const ShvStudy *study)
-{
-    int32_t missing = 0;
-    for (int32_t i = 0; i < shv_study_run_count(study); i++) missing += !is_done(study, i);
-    return missing;
 }
 
 static void tell(const ShvStudy *study, int32_t run)

@@ -35,6 +35,8 @@ struct ShvStudy {
     char processor[128];
 };
 
+/* Runs of all settings and members. */
+int32_t shv_study_run_count(const ShvStudy *study);
 /* Settings: those of the plan, then the reference's own. */
 const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index);
 /* Whether runs must keep the way of bodies. */
