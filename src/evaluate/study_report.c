@@ -136,10 +136,9 @@ static void put_definitions(const ShvStudy *study, FILE *stream)
     shv_html_table_begin(stream, heads, 2);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
-        shv_html_row_begin(stream, NULL);
-        shv_html_cell(stream, measure->name, NULL);
-        shv_html_cell(stream, measure->sentence ? measure->sentence : measure->error, NULL);
-        shv_html_row_end(stream);
+        static const char *const classes[2] = {NULL, NULL};
+        const char *const texts[2] = {measure->name, measure->sentence ? measure->sentence : measure->error};
+        shv_table_row(stream, true, texts, classes, 2);
     }
     shv_html_table_end(stream);
 }

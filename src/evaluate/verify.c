@@ -119,6 +119,7 @@ ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const 
                           .reference = none,
                           .error = none,
                           .tolerance = none,
+                          .step = none,
                           .seconds = run->seconds};
 }
 
@@ -177,50 +178,44 @@ static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, cons
     return row;
 }
 
-static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
+static ShvStatus measure(Verifier *verifier, const ShvCaseQuantity *quantity, bool last, ShvVerifyRow *row,
+                         ShvError *error)
 {
-    const ShvCaseQuantity *quantity = (const ShvCaseQuantity *)verifier->item->quantities.data + index;
     const ShvFormulaNames names = shv_names(&verifier->names);
-    KeptRun *run = verifier->now;
-    *row = start_row(verifier, run, quantity);
+    *row = start_row(verifier, verifier->now, quantity);
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
     if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
-    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &run->steps[index], error));
+    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
     set_error(row, quantity);
     if (quantity->judge == SHV_JUDGE_LAST && !last) row->compare = SHV_VERIFY_SHOWN;
     shv_verify_judge(row, quantity->explained);
-    run->values[index] = row->value;
-    run->references[index] = row->reference;
     return SHV_OK;
 }
 
 static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
 {
+    const ShvCaseQuantity *quantities = verifier->item->quantities.data;
     for (int32_t i = 0; i < verifier->item->quantities.count; i++) {
         ShvVerifyRow row;
         ShvError why;
-        const ShvStatus status = measure(verifier, i, last, &row, &why);
+        const ShvStatus status = measure(verifier, &quantities[i], last, &row, &why);
         if (verifier->series.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
-        if (status == SHV_OK)
-            SHV_TRY(shv_verify_append(verifier, &row, error));
-        else
-            SHV_TRY(shv_verify_fail(verifier, ((const ShvCaseQuantity *)verifier->item->quantities.data)[i].name, &why,
-                                    error));
+        SHV_TRY(status == SHV_OK ? shv_verify_append(verifier, &row, error)
+                                 : shv_verify_fail(verifier, quantities[i].name, &why, error));
     }
     return SHV_OK;
 }
 
 /* ---- order of convergence ---- */
 
-/* Slope of log|error| over log step through all runs, least squares; NaN with fewer than two. */
-static double observed_order(const Verifier *verifier, int32_t index)
+/* Slope of log|error| over log step through the rows of a quantity, least squares; NaN with fewer than two. */
+static double observed_order(const ShvVerifyCase *view, const char *quantity)
 {
     ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < verifier->run_count; i++) {
-        const KeptRun *run = &verifier->runs[i];
-        const double step = log(run->steps[index]);
-        const double error = log(fabs(run->values[index] / run->references[index] - 1.0));
-        if (isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
+    for (int32_t i = 0; i < view->row_count; i++) {
+        const ShvVerifyRow *row = &view->rows[i];
+        const double step = log(row->step), error = log(fabs(row->value / row->reference - 1.0));
+        if (row->quantity == quantity && isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
     }
     return shv_line_slope(&line);
 }
@@ -241,7 +236,7 @@ static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *erro
         row.quantity = name;
         row.unit = "";
         row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
-        row.value = observed_order(verifier, i);
+        row.value = observed_order(&verifier->made->view, quantity->name);
         row.reference = quantity->order;
         row.absolute = true;
         row.error = row.value - row.reference;
@@ -325,28 +320,21 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
     return status;
 }
 
-static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
+static void start_run(Verifier *verifier, const ShvCaseRun *run)
 {
-    const size_t quantities = (size_t)verifier->item->quantities.count;
     KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
     now->named.name = now->title = run ? run->head.name : "";
     if (run && run->title) now->title = run->title;
     now->outcome = (ShvOutcome){.memory = verifier->options->memory};
     now->named.outcome = &now->outcome;
     if (verifier->run_count > 1) now->named.before = &now[-1].named;
-    now->values = shv_pool_take(&verifier->work, 3 * quantities, sizeof *now->values);
-    if (!now->values) return shv_fail_memory(error, "a run", quantities * 24);
-    now->references = now->values + quantities;
-    now->steps = now->references + quantities;
-    for (size_t i = 0; i < 3 * quantities; i++) now->values[i] = (double)NAN;
-    return SHV_OK;
 }
 
 /* A scene that is refused is a finding where something is expected of the run, else a fault of the case. */
 static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
     ShvScene *scene = NULL;
-    SHV_TRY(start_run(verifier, run, error));
+    start_run(verifier, run);
     ShvStatus status = load_scene(verifier, run, &scene, error);
     if (status == SHV_BAD_INPUT && run && run->expect) {
         verifier->now->outcome.status = status;

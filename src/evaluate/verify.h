@@ -10,7 +10,6 @@ typedef struct KeptRun {
     ShvNamedRun named;
     const char *title;
     ShvOutcome outcome;
-    double *values, *references, *steps; /* per quantity; NaN where it failed */
     double seconds;
 } KeptRun;
 
