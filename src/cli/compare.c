@@ -36,28 +36,21 @@ static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
     return SHV_OK;
 }
 
-static ShvStatus read_engine(const char *word, Choice *choice, ShvError *error)
-{
-    for (int i = 0; i < ENGINE_COUNT; i++) {
-        if (strcmp(word, engines[i]) != 0) continue;
-        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
-        choice->engine[i] = true;
-        return SHV_OK;
-    }
-    const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
-    return shv_fail(error, SHV_BAD_INPUT,
-                    "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
-                    near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
-}
-
 static ShvStatus read_engines(const char *text, Choice *choice, ShvError *error)
 {
     for (const char *at = text;; at++) {
-        const size_t length = strcspn(at, ",");
+        const int length = (int)strcspn(at, ",");
         char word[64];
-        snprintf(word, sizeof word, "%.*s", length < sizeof word ? (int)length : (int)sizeof word - 1, at);
-        const ShvStatus status = read_engine(word, choice, error);
-        if (status != SHV_OK) return status;
+        int i = 0;
+        snprintf(word, sizeof word, "%.*s", length < 63 ? length : 63, at);
+        while (i < ENGINE_COUNT && strcmp(word, engines[i]) != 0) i++;
+        const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
+        if (i == ENGINE_COUNT)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
+                            near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
+        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
+        choice->engine[i] = true;
         at += length;
         if (!*at) return SHV_OK;
     }

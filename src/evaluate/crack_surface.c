@@ -25,15 +25,11 @@ static int compare_facets(const void *first, const void *second)
     return compare_nodes(a->nodes, b->nodes);
 }
 
-static void sort_nodes(int32_t nodes[3])
+static void swap_descending(int32_t *a, int32_t *b)
 {
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2 - i; k++)
-            if (nodes[k] > nodes[k + 1]) {
-                const int32_t swap = nodes[k];
-                nodes[k] = nodes[k + 1];
-                nodes[k + 1] = swap;
-            }
+    const int32_t low = *a < *b ? *a : *b;
+    *b = *a < *b ? *b : *a;
+    *a = low;
 }
 
 static ShvCrackFacet facet_of(const ShvMeshView *mesh, int64_t element, int face)
@@ -41,7 +37,7 @@ static ShvCrackFacet facet_of(const ShvMeshView *mesh, int64_t element, int face
     ShvCrackFacet facet;
     int32_t nodes[3];
     for (int i = 0; i < 3; i++) nodes[i] = mesh->elements[4 * element + faces[face][i]];
-    sort_nodes(nodes);
+    for (int i = 0; i < 3; i++) swap_descending(&nodes[i % 2], &nodes[i % 2 + 1]);
     for (int i = 0; i < 3; i++) {
         facet.nodes[i] = nodes[i];
         facet.corners[i] = shv_load3(mesh->positions + 3 * (int64_t)nodes[i]);

@@ -8,7 +8,6 @@
      nonzero(a, b)                  a, or b where a is 0 or not a number
      min max mean rms slope integral sum rise fall (s [, from, to])
                                     slope: least squares, 1/s; integral: trapezia; rise, fall: Σ of changes up, down
-     window(s, from, to)            the series, as if nothing else had been recorded
      first last (s)  at(s, time)
      arrival departure duration (s, level)   first and last time on the other side of `level` than the first value or, where that
                                              is the level itself, off it; duration: departure − arrival; linear in between

@@ -306,7 +306,6 @@ ShvStatus shv_gather_end(ShvGather *gather, const ShvSimulation *simulation, Shv
     shv_outcome_add_vector(outcome, "end.crack_centre", SHV_CLOCK_NONE, crack.centre);
     shv_outcome_add_vector(outcome, "end.crack_normal", SHV_CLOCK_NONE, crack.normal);
     shv_outcome_set(outcome, "end.hash", hash_number(shv_simulation_hash(simulation)));
-    shv_outcome_set(outcome, "run.threads", shv_simulation_threads(simulation));
     add_end(outcome, frame);
     return add_crack(gather, simulation, error);
 }

@@ -37,16 +37,6 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
     return sum;
 }
 
-static void summarise(char *text, size_t size, const ShvVerifyCase *const *cases, int32_t count)
-{
-    const ShvVerifyCase totals = shv_verify_sum(cases, count);
-    shv_format(text, size,
-               "%d cases; %d quantities pass, %d miss with an explanation, %d miss without one; %.0f s of run time.",
-               (int)count, (int)totals.passes, (int)totals.explained, (int)totals.misses, totals.seconds);
-}
-
-/* ---- HTML ---- */
-
 static const char *class_of(ShvVerdict verdict)
 {
     switch (verdict) {
@@ -111,46 +101,44 @@ static void put_sentences(FILE *stream, const ShvVerifyCase *of, Paragraph put)
     }
 }
 
-static void html_page(FILE *stream, const ShvVerifyCase *const *cases, int32_t count)
-{
-    char text[256];
-    shv_html_begin(stream, "Verification");
-    summarise(text, sizeof text, cases, count);
-    shv_html_paragraph(stream, text);
-    for (int32_t i = 0; i < count; i++) {
-        shv_html_heading(stream, 2, cases[i]->title);
-        shv_format(text, sizeof text, "shiver verify --full %s", cases[i]->name);
-        shv_html_command(stream, text);
-        shv_html_table_begin(stream, heads, COLUMNS);
-        for (int32_t k = 0; k < cases[i]->row_count; k++) put_row(stream, &cases[i]->rows[k], true);
-        shv_html_table_end(stream);
-        put_sentences(stream, cases[i], shv_html_paragraph);
-    }
-    shv_html_end(stream);
-}
-
-/* ---- Markdown ---- */
-
 static void markdown_paragraph(FILE *stream, const char *text)
 {
     shv_print(stream, "\n%s\n", text);
 }
 
-static void markdown_tables(FILE *stream, const ShvVerifyCase *const *cases, int32_t count)
+static void put_head(FILE *stream, const ShvVerifyCase *of, bool html)
 {
-    char text[256];
-    summarise(text, sizeof text, cases, count);
-    shv_print(stream, "%s\n", text);
-    for (int32_t i = 0; i < count; i++) {
-        shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", cases[i]->title, cases[i]->name, cases[i]->scene);
+    char command[256];
+    shv_format(command, sizeof command, "shiver verify --full %s", of->name);
+    if (html) {
+        shv_html_heading(stream, 2, of->title);
+        shv_html_command(stream, command);
+        shv_html_table_begin(stream, heads, COLUMNS);
+    } else {
+        shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", of->title, of->name, of->scene);
         shv_table_row(stream, false, heads, NULL, COLUMNS);
         shv_print(stream, "|---|---|--:|--:|---|--:|--:|---|--:|\n");
-        for (int32_t k = 0; k < cases[i]->row_count; k++) put_row(stream, &cases[i]->rows[k], false);
-        put_sentences(stream, cases[i], markdown_paragraph);
     }
 }
 
-/* ---- files ---- */
+static void put_page(FILE *stream, bool html, const ShvVerifyCase *const *cases, int32_t count)
+{
+    const ShvVerifyCase totals = shv_verify_sum(cases, count);
+    char text[256];
+    shv_format(text, sizeof text,
+               "%d cases; %d quantities pass, %d miss with an explanation, %d miss without one; %.0f s of run time.",
+               (int)count, (int)totals.passes, (int)totals.explained, (int)totals.misses, totals.seconds);
+    if (html) shv_html_begin(stream, "Verification");
+    if (html) shv_html_paragraph(stream, text);
+    if (!html) shv_print(stream, "%s\n", text);
+    for (int32_t i = 0; i < count; i++) {
+        put_head(stream, cases[i], html);
+        for (int32_t k = 0; k < cases[i]->row_count; k++) put_row(stream, &cases[i]->rows[k], html);
+        if (html) shv_html_table_end(stream);
+        put_sentences(stream, cases[i], html ? shv_html_paragraph : markdown_paragraph);
+    }
+    if (html) shv_html_end(stream);
+}
 
 ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,
                            ShvError *error)
@@ -160,6 +148,6 @@ ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVer
     options.force = force;
     SHV_TRY(shv_publish_check(path, force, error));
     SHV_TRY(shv_output_open(&output, &options, path, "", error));
-    (html ? html_page : markdown_tables)(output.stream, cases, count);
+    put_page(output.stream, html, cases, count);
     return shv_output_close(&output, &options, SHV_OK, error);
 }
