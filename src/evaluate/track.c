@@ -71,13 +71,3 @@ int shv_track_flips(const ShvTrack *track, bool reference, const ShvMat3 *inerti
     }
     return count;
 }
-
-double shv_track_gain(const ShvTrack *track)
-{
-    double lowest = HUGE_VAL, gain = 0.0;
-    for (int32_t i = 0; i < track->count; i++) {
-        lowest = fmin(lowest, track->rows[i].energy);
-        gain = fmax(gain, track->rows[i].energy - lowest);
-    }
-    return gain;
-}

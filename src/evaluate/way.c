@@ -76,38 +76,69 @@ static ShvBodyState state_at(const ShvOutcomeList *track, int32_t bodies, int32_
     return state;
 }
 
+/* Sums over the chosen bodies in one frame; own, and of what they are compared with. */
+typedef struct Sums {
+    double energy, exact_energy, exact_kinetic; /* J */
+    ShvVec3 momentum, exact_momentum;
+} Sums;
+
+/* The largest of them over the frames so far. */
+typedef struct Extremes {
+    double energy, lowest, gain;     /* J: error; the least energy; its largest rise above that */
+    double kinetic, start, fallen;   /* J, of the exact motion: kinetic; potential at the start, and its change */
+    double spin, exact_spin;         /* kg m²/s, about a body's own centre: error; of the exact motion */
+    double momentum, exact_momentum; /* kg m/s: likewise */
+} Extremes;
+
 static double energy_of(const ShvBody *body, const ShvBodyState *state, ShvVec3 gravity)
 {
     return shv_body_kinetic(body, state) - body->mass * shv_dot(gravity, state->position);
 }
 
-static void add_body(ShvTrackRow *row, const ShvBody *body, const ShvBodyState *state, const ShvBodyState *exact,
-                     ShvVec3 gravity)
+static void raise(double *largest, double value)
+{
+    *largest = fmax(*largest, value);
+}
+
+static void add_body(Sums *sums, Extremes *most, double errors[SHV_WAY_ERRORS], const ShvBody *body,
+                     const ShvBodyState *state, const ShvBodyState *exact, ShvVec3 gravity)
 {
     const double moved = shv_norm(shv_sub(state->position, exact->position));
     const double turned = shv_turn_between(state->orientation, exact->orientation);
-    const ShvVec3 spin = shv_body_spin_momentum(body, state), linear = shv_scale(state->velocity, body->mass);
-    row->position = fmax(row->position, moved);
-    row->orientation = fmax(row->orientation, turned);
-    row->velocity = fmax(row->velocity, shv_norm(shv_sub(state->velocity, exact->velocity)));
-    row->surface = fmax(row->surface, moved + body->radius * turned);
-    row->spin = fmax(row->spin, shv_norm(shv_sub(spin, shv_body_spin_momentum(body, exact))));
-    row->energy += energy_of(body, state, gravity);
-    row->reference_energy += energy_of(body, exact, gravity);
-    row->reference_kinetic += shv_body_kinetic(body, exact);
-    row->reference_spin = fmax(row->reference_spin, shv_norm(shv_body_spin_momentum(body, exact)));
-    row->momentum = shv_add(row->momentum, linear);
-    row->reference_momentum = shv_madd(row->reference_momentum, body->mass, exact->velocity);
-    row->angular_momentum = shv_add(row->angular_momentum, shv_add(spin, shv_cross(state->position, linear)));
+    const ShvVec3 spin = shv_body_spin_momentum(body, state), exact_spin = shv_body_spin_momentum(body, exact);
+    raise(&errors[SHV_WAY_POSITION], moved);
+    raise(&errors[SHV_WAY_ORIENTATION], turned);
+    raise(&errors[SHV_WAY_VELOCITY], shv_norm(shv_sub(state->velocity, exact->velocity)));
+    raise(&errors[SHV_WAY_SURFACE], moved + body->radius * turned);
+    raise(&most->spin, shv_norm(shv_sub(spin, exact_spin)));
+    raise(&most->exact_spin, shv_norm(exact_spin));
+    sums->energy += energy_of(body, state, gravity);
+    sums->exact_energy += energy_of(body, exact, gravity);
+    sums->exact_kinetic += shv_body_kinetic(body, exact);
+    sums->momentum = shv_add(sums->momentum, shv_scale(state->velocity, body->mass));
+    sums->exact_momentum = shv_madd(sums->exact_momentum, body->mass, exact->velocity);
+}
+
+static void add_frame(Extremes *most, const Sums *sums, bool first)
+{
+    const double potential = sums->exact_energy - sums->exact_kinetic;
+    if (first) most->start = potential;
+    most->lowest = first ? sums->energy : fmin(most->lowest, sums->energy);
+    raise(&most->gain, sums->energy - most->lowest);
+    raise(&most->energy, fabs(sums->energy - sums->exact_energy));
+    raise(&most->kinetic, sums->exact_kinetic);
+    raise(&most->fallen, fabs(potential - most->start));
+    raise(&most->momentum, shv_norm(shv_sub(sums->momentum, sums->exact_momentum)));
+    raise(&most->exact_momentum, shv_norm(sums->exact_momentum));
 }
 
 /* `reference` NULL, or shorter: the closed form, or the run itself. */
-static ShvTrackRow row_of(ShvWay *way, const ShvOutcomeList *track, const ShvOutcomeList *reference, int32_t frame,
-                          double time)
+static void follow_frame(ShvWay *way, const ShvOutcomeList *track, const ShvOutcomeList *reference, double time,
+                         Extremes *most, double errors[SHV_WAY_ERRORS])
 {
-    const ShvVec3 gravity = shv_load3(way->scene->gravity);
-    const int32_t count = way->bodies.count;
-    ShvTrackRow row = {.time = time};
+    const int32_t count = way->bodies.count, frame = way->track.count;
+    ShvTrackRow *row = &way->track.rows[way->track.count++];
+    Sums sums = {.energy = 0.0};
     bool any = false;
     for (int32_t i = 0; i < count; i++) {
         const ShvBody *body = &way->bodies.items[i];
@@ -118,13 +149,11 @@ static ShvTrackRow row_of(ShvWay *way, const ShvOutcomeList *track, const ShvOut
             exact = shv_closed_form_at(&way->forms[i], time);
         else if ((int64_t)(frame + 1) * count * SHV_BODY_NUMBERS <= reference->count)
             exact = state_at(reference, count, frame, i);
-        add_body(&row, body, &state, &exact, gravity);
-        if (any) continue;
-        row.state = state;
-        row.reference = exact;
+        add_body(&sums, most, errors, body, &state, &exact, shv_load3(way->scene->gravity));
+        if (!any) *row = (ShvTrackRow){time, state, exact};
         any = true;
     }
-    return row;
+    add_frame(most, &sums, frame == 0);
 }
 
 /* ---- figures ---- */
@@ -138,21 +167,12 @@ static int32_t first_chosen(const ShvBodies *bodies)
 
 /* What energies are measured by: the largest kinetic energy of the reference or change of its potential energy; of what stays
    at rest, the weight times the radius. */
-static double energy_scale(const ShvWay *way)
+static double energy_scale(const ShvWay *way, const Extremes *most)
 {
-    const ShvTrack *track = &way->track;
-    const double gravity = shv_norm(shv_load3(way->scene->gravity));
-    double largest = 0.0, weight = 0.0;
-    for (int32_t i = 0; i < track->count; i++) {
-        const ShvTrackRow *row = &track->rows[i], *start = &track->rows[0];
-        const double potential = row->reference_energy - row->reference_kinetic;
-        const double fallen = potential - (start->reference_energy - start->reference_kinetic);
-        largest = fmax(largest, fmax(row->reference_kinetic, fabs(fallen)));
-    }
-    for (int32_t i = 0; i < way->bodies.count; i++) {
-        const ShvBody *body = &way->bodies.items[i];
-        if (body->chosen) weight += body->mass * gravity * body->radius;
-    }
+    const double gravity = shv_norm(shv_load3(way->scene->gravity)), largest = fmax(most->kinetic, most->fallen);
+    double weight = 0.0;
+    for (int32_t i = 0; i < way->bodies.count; i++)
+        if (way->bodies.items[i].chosen) weight += way->bodies.items[i].mass * gravity * way->bodies.items[i].radius;
     return largest > 1e-12 * weight ? largest : weight;
 }
 
@@ -196,29 +216,6 @@ static void find_moments(const ShvWay *way, double errors[SHV_WAY_ERRORS])
         largest_apart(found, heights < wanted ? heights : wanted, exact, heights < wanted ? heights : wanted, true);
 }
 
-static void summarise(const ShvWay *way, double errors[SHV_WAY_ERRORS])
-{
-    double energy = 0.0, spin = 0.0, largest_spin = 0.0, momentum = 0.0, largest_momentum = 0.0;
-    for (int i = 0; i <= SHV_WAY_SURFACE; i++) errors[i] = 0.0;
-    for (int i = SHV_WAY_MOMENT; i < SHV_WAY_ERRORS; i++) errors[i] = (double)NAN;
-    for (int32_t i = 0; i < way->track.count; i++) {
-        const ShvTrackRow *row = &way->track.rows[i];
-        const double own[] = {row->position, row->orientation, row->velocity, row->surface};
-        for (int k = 0; k <= SHV_WAY_SURFACE; k++) errors[k] = fmax(errors[k], own[k]);
-        energy = fmax(energy, fabs(row->energy - row->reference_energy));
-        spin = fmax(spin, row->spin);
-        largest_spin = fmax(largest_spin, row->reference_spin);
-        momentum = fmax(momentum, shv_norm(shv_sub(row->momentum, row->reference_momentum)));
-        largest_momentum = fmax(largest_momentum, shv_norm(row->reference_momentum));
-    }
-    const double scale = energy_scale(way);
-    errors[SHV_WAY_ENERGY] = over(energy, scale);
-    errors[SHV_WAY_ENERGY_GAIN] = over(shv_track_gain(&way->track), scale);
-    errors[SHV_WAY_ANGULAR_MOMENTUM] = over(spin, largest_spin);
-    errors[SHV_WAY_LINEAR_MOMENTUM] = momentum == 0.0 ? 0.0 : over(momentum, largest_momentum);
-    if (way->forms) find_moments(way, errors);
-}
-
 /* ---- all ---- */
 
 static ShvStatus check_frames(const ShvWay *way, const ShvOutcome *run, const ShvOutcome *reference, ShvError *error)
@@ -247,9 +244,15 @@ ShvStatus shv_way_follow(ShvWay *way, const ShvOutcome *run, const ShvOutcome *r
     for (int32_t i = 0; way->forms && i < way->bodies.count; i++)
         way->forms[i].top.time = way->forms[i].top.turned = 0.0; /* closed forms start anew */
     SHV_RESIZE(way->memory, SHV_PART_RECORD, way->track.rows, (size_t)times->count, "a run to compare", 0, error);
-    for (; way->track.count < times->count; way->track.count++)
-        way->track.rows[way->track.count] =
-            row_of(way, track, beside, way->track.count, times->values[way->track.count]);
-    summarise(way, errors);
+    Extremes most = {.energy = 0.0};
+    for (int i = 0; i <= SHV_WAY_SURFACE; i++) errors[i] = 0.0;
+    while (way->track.count < times->count)
+        follow_frame(way, track, beside, times->values[way->track.count], &most, errors);
+    const double scale = energy_scale(way, &most);
+    errors[SHV_WAY_ENERGY] = over(most.energy, scale);
+    errors[SHV_WAY_ENERGY_GAIN] = over(most.gain, scale);
+    errors[SHV_WAY_ANGULAR_MOMENTUM] = over(most.spin, most.exact_spin);
+    errors[SHV_WAY_LINEAR_MOMENTUM] = most.momentum == 0.0 ? 0.0 : over(most.momentum, most.exact_momentum);
+    if (way->forms) find_moments(way, errors);
     return SHV_OK;
 }

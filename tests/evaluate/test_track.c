@@ -1,4 +1,4 @@
-/* Impacts, apices, flips and gains read from tracks that were made from exact motions. */
+/* Impacts, apices and flips read from tracks that were made from exact motions. */
 #include "check.h"
 
 #include "evaluate/free_top.h"
@@ -80,23 +80,12 @@ static void test_flips(void **state)
     for (int n = 0; n < 3; n++) check_near(times[n], published[n], 5e-4);
 }
 
-static void test_gain(void **state)
-{
-    (void)state;
-    static const double energies[] = {5.0, 4.0, 4.5, 3.0, 3.9, 1.0};
-    ShvTrack track = {rows, 0};
-    assert_true(shv_track_gain(&track) == 0.0);
-    for (int i = 0; i < 6; i++) add(&track, &(ShvTrackRow){.energy = energies[i]});
-    check_near(shv_track_gain(&track), 0.9, 1e-15);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_impacts),
         cmocka_unit_test(test_no_impact),
         cmocka_unit_test(test_flips),
-        cmocka_unit_test(test_gain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
