@@ -29,12 +29,11 @@ static void add_probes(ShvOutcome *outcome, const ShvFrameView *frame)
     for (int32_t p = 0; p < frame->probe_count; p++)
         for (int k = 0; k < SHV_PROBE_NUMBERS; k++) {
             shv_format(name, sizeof name, "%.63s.%s", frame->probes[p].name, names[k]);
-            if (rows == 0) shv_outcome_add_all(outcome, name, SHV_CLOCK_PROBE, NULL, 0);
-            for (int64_t r = 0; r < rows; r++) {
+            double *room = shv_outcome_room(outcome, name, SHV_CLOCK_PROBE, rows);
+            for (int64_t r = 0; r < rows && room; r++) {
                 double numbers[SHV_PROBE_NUMBERS];
                 memcpy(numbers, &frame->probe_samples[r * frame->probe_count + p], sizeof numbers);
-                if (r > 0) outcome->cursor--; /* the same list again */
-                shv_outcome_add(outcome, name, SHV_CLOCK_PROBE, numbers[k]);
+                room[r] = numbers[k];
             }
         }
 }
@@ -159,40 +158,28 @@ static ShvStatus add_tip(ShvGather *gather, const ShvSimulation *simulation, Shv
     return SHV_OK;
 }
 
-/* ---- numbers of the run so far ---- */
+/* ---- events and bodies ---- */
 
 static void count_events(ShvOutcome *outcome, const ShvFrameView *frame)
 {
-    static const struct {
-        ShvRunEvent kind;
-        const char *name;
-    } counted[] = {{SHV_RUN_WAKE, "run.wakes"},
-                   {SHV_RUN_SLEEP, "run.rests"},
-                   {SHV_RUN_INVERSION, "run.inversions"},
-                   {SHV_RUN_SQUEEZE, "run.squeezes"}};
-    if (!shv_outcome_find(outcome, "run.first_wake")) shv_outcome_set(outcome, "run.first_wake", (double)NAN);
-    for (size_t k = 0; k < COUNT(counted); k++) {
-        const double before = shv_outcome_number(outcome, counted[k].name);
-        double number = isnan(before) ? 0.0 : before;
-        for (int32_t i = 0; i < frame->event_count; i++) {
-            if (frame->events[i].kind != counted[k].kind) continue;
-            if (k == 0 && number == 0.0) shv_outcome_set(outcome, "run.first_wake", frame->events[i].time);
-            number += 1.0;
-        }
-        shv_outcome_set(outcome, counted[k].name, number);
+    static const ShvRunEvent kinds[] = {SHV_RUN_WAKE, SHV_RUN_SLEEP, SHV_RUN_INVERSION, SHV_RUN_SQUEEZE};
+    static const char *const names[] = {"frame.wakes", "frame.rests", "frame.inversions", "frame.squeezes"};
+    for (size_t k = 0; k < COUNT(kinds); k++) {
+        double number = 0.0;
+        for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kinds[k];
+        shv_outcome_add(outcome, names[k], SHV_CLOCK_FRAME, number);
     }
 }
 
 static void track(ShvGather *gather, const ShvFrameView *frame)
 {
-    for (int32_t i = 0; i < gather->bodies.count; i++) {
+    const int64_t count = gather->bodies.count;
+    double *room = shv_outcome_room(gather->outcome, "track", SHV_CLOCK_NONE, count * SHV_BODY_NUMBERS);
+    for (int64_t i = 0; i < count && room; i++) {
         const ShvBodyState state = shv_body_state(&gather->bodies.items[i], frame);
-        double numbers[SHV_BODY_NUMBERS];
-        memcpy(numbers, &state, sizeof numbers);
-        if (i > 0) gather->outcome->cursor--;
-        shv_outcome_add_all(gather->outcome, "track", SHV_CLOCK_NONE, numbers, SHV_BODY_NUMBERS);
+        memcpy(room + i * SHV_BODY_NUMBERS, &state, sizeof state);
     }
-    shv_outcome_set(gather->outcome, "track.bodies", gather->bodies.count);
+    shv_outcome_set(gather->outcome, "track.bodies", (double)count);
 }
 
 ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, ShvError *error)
@@ -265,7 +252,7 @@ static ShvStatus add_crack(ShvGather *gather, const ShvSimulation *simulation, S
     const ShvCrackSurface surface = shv_crack_surface(&mesh, bonds, &gather->pool);
     const double halves[2] = {(double)(uint32_t)(surface.mesh >> 32), (double)(uint32_t)surface.mesh};
     shv_outcome_add_all(outcome, "crack.mesh", SHV_CLOCK_NONE, halves, 2);
-    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, (const void *)surface.facets,
+    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, surface.facets,
                         (int64_t)surface.count * SHV_FACET_NUMBERS);
     return outcome->failed || gather->pool.failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
 }

@@ -19,7 +19,7 @@ typedef struct ShvGather {
 } ShvGather;
 
 void shv_gather_release(ShvGather *gather);
-/* The present frame. What is a number so far (not a series) is that of the run up to here. */
+/* The present frame. */
 ShvStatus shv_gather_frame(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);
 /* Numbers of the scene and of its meshes. */
 ShvStatus shv_gather_facts(ShvGather *gather, const ShvSimulation *simulation, ShvError *error);

@@ -41,7 +41,9 @@ const double *shv_outcome_times(const ShvOutcome *outcome, const ShvOutcomeList 
 double shv_outcome_number(const ShvOutcome *outcome, const char *name);
 /* Adds to the end of a list, which is made where it is missing. Quick where lists are added to in the same order again. */
 void shv_outcome_add(ShvOutcome *outcome, const char *name, ShvClock clock, double value);
-void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const double *values, int64_t count);
+void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const void *values, int64_t count);
+/* The same with the values left to the caller; NULL when memory is out. */
+double *shv_outcome_room(ShvOutcome *outcome, const char *name, ShvClock clock, int64_t count);
 /* A list of this one number. */
 void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */

@@ -56,11 +56,8 @@ static bool get_list(Reader *reader, ShvOutcome *outcome)
     ShvOutcomeList list;
     if (!get(reader, &list, sizeof list) || !memchr(list.name, '\0', sizeof list.name)) return false;
     if (list.count < 0 || (uint64_t)list.count > reader->left / sizeof(double)) return false;
-    const size_t size = (size_t)list.count * sizeof(double);
-    shv_outcome_add_all(outcome, list.name, list.clock, (const void *)reader->at, list.count);
-    reader->at += size;
-    reader->left -= size;
-    return true;
+    double *room = shv_outcome_room(outcome, list.name, list.clock, list.count);
+    return !room || get(reader, room, (size_t)list.count * sizeof *room);
 }
 
 static bool get_outcome(Reader *reader, ShvOutcome *outcome)

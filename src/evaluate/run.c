@@ -71,12 +71,6 @@ static bool ask(void *data)
     return stops;
 }
 
-static bool fits(void *data, const ShvCheckpointMark *mark)
-{
-    (void)data, (void)mark;
-    return true;
-}
-
 /* What was gathered until then takes the place of the first frame. */
 static bool take_note(Pull *pull, const ShvCheckpoint *found)
 {
@@ -107,7 +101,7 @@ static ShvStatus go_on(Pull *pull, ShvError *error)
     ShvCheckpoint found;
     ShvError ignored;
     const ShvCheckpointMark own = mark_of(pull);
-    ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, fits, NULL, &ignored);
+    ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, NULL, NULL, &ignored);
     const bool goes_on = status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found);
     if (goes_on) {
         pull->sequence = found.mark.sequence;
