@@ -11,7 +11,6 @@
 #include "base/text.h"
 #include "evaluate/inputs.h"
 
-#include "evaluate/way.h"
 #include "record/checkpoint.h"
 #include "scene/source.h"
 #include "shiver/version.h"
@@ -106,52 +105,42 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 
 /* ---- files ---- */
 
-ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error)
+ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
+                         ShvError *error)
 {
     char name[64];
     if (run >= 0) shv_format(name, sizeof name, "runs/%016llx.run", (unsigned long long)study->keys[run]);
-    return shv_path_join(study->memory, SHV_PART_GENERAL, study->options.output, run >= 0 ? name : file, path, error);
+    if (shv_format(path, SHV_STUDY_PATH, "%s/%s", study->options.output, run >= 0 ? name : file) < SHV_STUDY_PATH)
+        return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "the name of the folder '%.80s…' is too long", study->options.output);
 }
 
 /* A report that is not ours stays. */
-static ShvStatus check_folder(const ShvStudy *study, const char *runs, ShvError *error)
-{
-    struct stat about;
-    char *report;
-    if (study->options.force || stat(runs, &about) == 0) return SHV_OK;
-    SHV_TRY(shv_study_path(study, -1, "report.html", &report, error));
-    const bool there = stat(report, &about) == 0;
-    shv_release(report);
-    if (!there) return SHV_OK;
-    return shv_fail(error, SHV_BAD_INPUT, "'%s' has a report but no runs of a study; name another folder, or --force",
-                    study->options.output);
-}
-
 static ShvStatus make_folders(const ShvStudy *study, ShvError *error)
 {
-    char *runs;
-    SHV_TRY(shv_study_path(study, -1, "runs", &runs, error));
-    ShvStatus status = check_folder(study, runs, error);
-    if (status == SHV_OK) status = shv_make_folder(study->options.output, error);
-    if (status == SHV_OK) status = shv_make_folder(runs, error);
-    shv_release(runs);
-    return status;
+    struct stat about;
+    char runs[SHV_STUDY_PATH], report[SHV_STUDY_PATH];
+    SHV_TRY(shv_study_path(study, -1, "runs", runs, error));
+    SHV_TRY(shv_study_path(study, -1, "report.html", report, error));
+    if (!study->options.force && stat(runs, &about) != 0 && stat(report, &about) == 0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "'%s' has a report but no runs of a study; name another folder, or --force",
+                        study->options.output);
+    SHV_TRY(shv_make_folder(study->options.output, error));
+    return shv_make_folder(runs, error);
 }
 
 ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error)
 {
-    char *path;
+    char path[SHV_STUDY_PATH];
     *outcome = (ShvOutcome){.memory = study->memory};
-    SHV_TRY(shv_study_path(study, run, NULL, &path, error));
-    ShvStatus status = shv_outcome_load(outcome, path, study->memory, error);
-    if (status == SHV_OK &&
-        (outcome->key != study->keys[run] ||
-         (outcome->status == SHV_OK && shv_study_tracks(study) && !shv_outcome_find(outcome, "track")))) {
-        status = shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
-        shv_outcome_release(outcome);
-    }
-    shv_release(path);
-    return status;
+    SHV_TRY(shv_study_path(study, run, NULL, path, error));
+    SHV_TRY(shv_outcome_load(outcome, path, study->memory, error));
+    const bool whole =
+        outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, "track") != NULL;
+    if (outcome->key == study->keys[run] && whole) return SHV_OK;
+    shv_outcome_release(outcome);
+    return shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
 }
 
 /* A run that was timed beside others does not count where times matter. */
@@ -217,15 +206,22 @@ static ShvStatus find_reference(ShvStudy *study, ShvError *error)
     return SHV_OK;
 }
 
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error)
+{
+    *scene = NULL;
+    *way = (ShvWay){.memory = study->memory};
+    if (!shv_study_tracks(study)) return SHV_OK;
+    SHV_TRY(shv_study_scene(study, setting, scene, error));
+    return shv_way_open(way, shv_scene_definition(*scene), shv_scene_folder(*scene),
+                        study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+}
+
 /* What bodies are compared with must fit the scene before anything is run. */
 static ShvStatus check_way(const ShvStudy *study, ShvError *error)
 {
     ShvScene *scene;
     ShvWay way;
-    if (!shv_study_tracks(study)) return SHV_OK;
-    SHV_TRY(shv_study_scene(study, 0, &scene, error));
-    const ShvStatus status = shv_way_open(&way, shv_scene_definition(scene), shv_scene_folder(scene),
-                                          study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    const ShvStatus status = shv_study_follow(study, 0, &scene, &way, error);
     shv_way_close(&way);
     shv_scene_destroy(scene);
     return status;
@@ -312,16 +308,15 @@ static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
 {
     ShvScene *scene;
     ShvOutcome outcome = {.memory = study->memory};
-    char *path = NULL;
+    char path[SHV_STUDY_PATH];
     tell(study, run);
+    SHV_TRY(shv_study_path(study, run, NULL, path, error));
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
-    ShvStatus status = shv_study_path(study, run, NULL, &path, error);
-    if (status == SHV_OK) status = run_scene(study, run, scene, path, &outcome, error);
+    ShvStatus status = run_scene(study, run, scene, path, &outcome, error);
     outcome.key = study->keys[run];
     outcome.shared = study->options.shared;
     if (status == SHV_OK) status = shv_outcome_save(&outcome, path, error);
     if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
-    shv_release(path);
     shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;

@@ -6,6 +6,7 @@
 #include "evaluate/outcome.h"
 #include "evaluate/plot.h"
 #include "evaluate/study_plan.h"
+#include "evaluate/way.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
 
@@ -48,8 +49,12 @@ ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinit
                                     ShvObjectDefinition *objects);
 /* What is kept of a run, of which key and needs must fit; else SHV_BAD_INPUT or SHV_FILE_ERROR. */
 ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error);
-/* "runs" folder and file of a run, or a file of the report with run −1; the caller releases *path. */
-ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error);
+/* File of a run, or a file of the report with run −1. */
+enum { SHV_STUDY_PATH = 4096 };
+ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
+                         ShvError *error);
+/* What follows the bodies of a setting, where a measure does. The caller destroys both in every case. */
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error);
 
 /* study_rank.c: the finest setting; whether a row has an error and a run time to be compared; marks rows for one measure. */
 ShvStatus shv_study_finest(const ShvStudy *study, int32_t *finest, ShvError *error);

@@ -28,13 +28,8 @@ static void close_setting(Judge *judge)
 
 static ShvStatus open_setting(Judge *judge, int32_t setting, ShvError *error)
 {
-    const ShvStudy *study = judge->study;
-    judge->way = (ShvWay){.memory = study->memory};
-    judge->series = (ShvPool){.memory = study->memory};
-    if (!shv_study_tracks(study)) return SHV_OK;
-    SHV_TRY(shv_study_scene(study, setting, &judge->scene, error));
-    return shv_way_open(&judge->way, shv_scene_definition(judge->scene), shv_scene_folder(judge->scene),
-                        study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    judge->series = (ShvPool){.memory = judge->study->memory};
+    return shv_study_follow(judge->study, setting, &judge->scene, &judge->way, error);
 }
 
 /* What a run lacks of a measure of ours is no number; a formula of the study's own must be right. */

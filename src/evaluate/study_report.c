@@ -179,20 +179,16 @@ static ShvStatus write_file(const ShvStudy *study, const char *name, void (*put)
 {
     ShvExportOptions options = shv_export_default();
     ShvOutput output;
-    char *path;
+    char path[SHV_STUDY_PATH];
     options.force = true;
     options.memory = study->memory;
-    SHV_TRY(shv_study_path(study, -1, name, &path, error));
-    ShvStatus status = shv_output_open(&output, &options, path, "", error);
-    if (status == SHV_OK) {
-        if (put)
-            put(study, output.stream);
-        else
-            shv_study_put_error_plot(study, measure, output.stream, false);
-        status = shv_output_close(&output, &options, SHV_OK, error);
-    }
-    shv_release(path);
-    return status;
+    SHV_TRY(shv_study_path(study, -1, name, path, error));
+    SHV_TRY(shv_output_open(&output, &options, path, "", error));
+    if (put)
+        put(study, output.stream);
+    else
+        shv_study_put_error_plot(study, measure, output.stream, false);
+    return shv_output_close(&output, &options, SHV_OK, error);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
