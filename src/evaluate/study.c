@@ -194,16 +194,14 @@ static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file
 }
 
 /* A reference that is one of the settings is not run besides. */
-static ShvStatus find_reference(ShvStudy *study, ShvError *error)
+static void find_reference(ShvStudy *study)
 {
     const int32_t members = study->plan.members, own = study->plan.setting_count;
     study->reference = -1;
-    if (study->plan.reference == SHV_STUDY_FINEST) return shv_study_finest(study, &study->reference, error);
-    if (study->plan.reference == SHV_STUDY_CLOSED) return SHV_OK;
+    if (study->plan.reference == SHV_STUDY_CLOSED) return;
     study->reference = 0;
     while (study->keys[study->reference * members] != study->keys[own * members]) study->reference++;
     if (study->reference < own) study->setting_count = own;
-    return SHV_OK;
 }
 
 ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error)
@@ -238,7 +236,7 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->options = *options;
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
-    if (status == SHV_OK) status = find_reference(made, error);
+    if (status == SHV_OK) find_reference(made);
     if (status == SHV_OK) status = check_way(made, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)

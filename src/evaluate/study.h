@@ -56,8 +56,7 @@ ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, c
 /* What follows the bodies of a setting, where a measure does. The caller destroys both in every case. */
 ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error);
 
-/* study_rank.c: the finest setting; whether a row has an error and a run time to be compared; marks rows for one measure. */
-ShvStatus shv_study_finest(const ShvStudy *study, int32_t *finest, ShvError *error);
+/* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 

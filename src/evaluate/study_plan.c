@@ -225,9 +225,8 @@ static void read_reference(Planner *planner, const ShvNode *node)
         read_reference_setting(planner, node);
     else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0)
         plan->reference = SHV_STUDY_CLOSED;
-    else if (node->kind != SHV_NODE_SCALAR || !node->text || strcmp(node->text, "finest") != 0)
-        shv_error(planner->diagnostics, node->place,
-                  "'reference' is 'finest', 'closed form' or the keys of a run of its own");
+    else
+        shv_error(planner->diagnostics, node->place, "'reference' is 'closed form' or the keys of a run of its own");
 }
 
 static void report_measure(Planner *planner, const ShvNode *node)
@@ -331,7 +330,7 @@ static const ShvKey study_keys[] = {
     {"name", SHV_KEY_TEXT, .offset = STUDY(name)},
     {"set", SHV_KEY_NODE, .offset = STUDY(set)},
     {"vary", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(vary)},
-    {"reference", SHV_KEY_NODE, .offset = STUDY(reference)},
+    {"reference", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(reference)},
     {"measures", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(measures)},
     {"repeats", SHV_KEY_INT32, .range = &repeats, .offset = STUDY(repeats)},
     {"ensemble", SHV_KEY_MAPPING, .table = &ensemble_table},
@@ -362,7 +361,7 @@ static void read_ensemble(Planner *planner, const StudyItem *item)
 static void check_together(Planner *planner, const ShvNode *reference)
 {
     const ShvStudyPlan *plan = planner->plan;
-    if (plan->reference != SHV_STUDY_CLOSED) return;
+    if (!reference || plan->reference != SHV_STUDY_CLOSED) return;
     if (plan->members > 1)
         shv_error(planner->diagnostics, reference->place,
                   "an ensemble has no closed form; take another reference or leave out 'ensemble'");

@@ -11,7 +11,6 @@
 enum { SHV_STUDY_MOST_SETTINGS = 10000, SHV_STUDY_MOST_KEYS = 16, SHV_STUDY_LEAST_MEMBERS = 5 };
 
 typedef enum ShvStudyReference {
-    SHV_STUDY_FINEST, /* the finest of the settings */
     SHV_STUDY_CLOSED, /* the scene's `reference` */
     SHV_STUDY_SETTING /* a setting of its own */
 } ShvStudyReference;

@@ -132,7 +132,9 @@ static void test_plan(void **state)
 static void test_bad_plans(void **state)
 {
     (void)state;
-#define REST "vary: {step: [1]}\nmeasures: [energy]\n"
+#define REFERENCE "reference: {step: 0.5}\n"
+#define VARY      "vary: {step: [1]}\nmeasures: [energy]\n"
+#define REST      VARY REFERENCE
     static const struct {
         const char *text, *part;
     } cases[] = {
@@ -141,30 +143,32 @@ static void test_bad_plans(void **state)
         {"shiver_study: 1\nmesures: [energy]\n" REST,
          "study.yaml:2:1: error: unknown key 'mesures' in the study; did you mean 'measures'?"},
         {REST, "lacks what it must have: shiver_study"},
+        {"shiver_study: 1\nvary: {step: [1]}\nmeasures: [fragments]\n", "lacks what it must have: reference"},
         {"shiver_study: 2\n" REST, "shiver_study is '2'; expected a whole number, exactly 1"},
-        {"shiver_study: 1\nmeasures: [energy]\n", "lacks what it must have: vary"},
-        {"shiver_study: 1\nvary: {}\nmeasures: [energy]\n", "study.yaml:2:7: error: a block of 'vary'"},
-        {"shiver_study: 1\nvary: []\nmeasures: [energy]\n", "'vary' is empty"},
-        {"shiver_study: 1\nvary: 3\nmeasures: [energy]\n", "a block of 'vary'"},
-        {"shiver_study: 1\nvary: {step: []}\nmeasures: [energy]\n", "list of values is empty"},
-        {"shiver_study: 1\nvary: {step: [0]}\nmeasures: [energy]\n", "number of stable steps above 0, not '0'"},
-        {"shiver_study: 1\nvary: {step: fast}\nmeasures: [energy]\n", "not 'fast'"},
-        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2}}}\nmeasures: [energy]\n",
+        {"shiver_study: 1\nmeasures: [energy]\n" REFERENCE, "lacks what it must have: vary"},
+        {"shiver_study: 1\nvary: {}\nmeasures: [energy]\n" REFERENCE, "study.yaml:2:7: error: a block of 'vary'"},
+        {"shiver_study: 1\nvary: []\nmeasures: [energy]\n" REFERENCE, "'vary' is empty"},
+        {"shiver_study: 1\nvary: 3\nmeasures: [energy]\n" REFERENCE, "a block of 'vary'"},
+        {"shiver_study: 1\nvary: {step: []}\nmeasures: [energy]\n" REFERENCE, "list of values is empty"},
+        {"shiver_study: 1\nvary: {step: [0]}\nmeasures: [energy]\n" REFERENCE,
+         "number of stable steps above 0, not '0'"},
+        {"shiver_study: 1\nvary: {step: fast}\nmeasures: [energy]\n" REFERENCE, "not 'fast'"},
+        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2}}}\nmeasures: [energy]\n" REFERENCE,
          "a range lacks what it must have: count"},
-        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2, count: 1}}}\nmeasures: [energy]\n",
+        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2, count: 1}}}\nmeasures: [energy]\n" REFERENCE,
          "count is '1'; expected a whole number, at least 2"},
-        {"shiver_study: 1\nvary: {seed: {geometric: {from: 0, to: 2, count: 3}}}\nmeasures: [energy]\n",
+        {"shiver_study: 1\nvary: {seed: {geometric: {from: 0, to: 2, count: 3}}}\nmeasures: [energy]\n" REFERENCE,
          "must be above 0"},
-        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2, count: 3, cout: 3}}}\nmeasures: [energy]\n",
+        {"shiver_study: 1\nvary: {seed: {linear: {from: 1, to: 2, count: 3, cout: 3}}}\nmeasures: [energy]\n" REFERENCE,
          "unknown key 'cout' in a range; did you mean 'count'?"},
         {"shiver_study: 1\nvary: {a: {linear: {from: 1, to: 2, count: 1000}}, b: {linear: {from: 1, to: 2, count: "
          "1000}}}\n"
-         "measures: [energy]\n",
+         "measures: [energy]\n" REFERENCE,
          "more than 10000 settings"},
-        {"shiver_study: 1\nvary: {step: 1}\n", "lacks what it must have: measures"},
-        {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energie]\n",
+        {"shiver_study: 1\nvary: {step: 1}\n" REFERENCE, "lacks what it must have: measures"},
+        {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energie]\n" REFERENCE,
          "study.yaml:3:12: error: there is no measure 'energie'; did you mean energy?"},
-        {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energy, energy]\n", "given twice"},
+        {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energy, energy]\n" REFERENCE, "given twice"},
         {"shiver_study: 1\nrepeats: 0\n" REST, "repeats is '0'; expected a whole number, at least 1 and at most 50"},
         {"shiver_study: 1\nrepeats: 99999999999\n" REST, "; expected a whole number, at least 1"},
         {"shiver_study: 1\nrepeats: 1.5\n" REST, "; expected a whole number, at least 1"},
@@ -173,9 +177,9 @@ static void test_bad_plans(void **state)
         {"shiver_study: 1\nensemble: {seeds: 4}\n" REST, "seeds is '4'; expected a whole number, at least 5"},
         {"shiver_study: 1\nensemble: {shifts: 5}\n" REST, "'ensemble' is {seeds: 5} or"},
         {"shiver_study: 1\nensemble: {seed: 5}\n" REST, "did you mean 'seeds'?"},
-        {"shiver_study: 1\nensemble: {seeds: 5}\nreference: closed form\n" REST, "an ensemble has no closed form"},
-        {"shiver_study: 1\nreference: best\n" REST, "'reference' is 'finest'"},
-        {"shiver_study: 1\nreference: {step: [1, 2]}\n" REST, "give one value of 'step'"},
+        {"shiver_study: 1\nensemble: {seeds: 5}\nreference: closed form\n" VARY, "an ensemble has no closed form"},
+        {"shiver_study: 1\nreference: best\n" VARY, "'reference' is 'closed form'"},
+        {"shiver_study: 1\nreference: {step: [1, 2]}\n" VARY, "give one value of 'step'"},
         {"shiver_study: 1\nreference: closed form\nvary: {step: 1}\nmeasures: [fragments]\n",
          "'fragments' has no closed form"},
     };
@@ -342,7 +346,7 @@ static void test_rows(void **state)
     ShvError error;
     const ShvStudyOptions options = options_for(at("rows"), &told);
     ShvStudy *study = open_study("ball.yaml",
-                                 "shiver_study: 1\nvary: {step: [0.5, 1, 1.5]}\n"
+                                 "shiver_study: 1\nvary: {step: [0.5, 1, 1.5]}\nreference: {step: 0.5}\n"
                                  "measures: [dissipated, fragments, failed_overlap]\n",
                                  &options);
     check_ok(shv_study_run(study, &error), error);
@@ -425,8 +429,8 @@ static void test_refusals(void **state)
     ShvStudy *study;
     ShvError error;
     ShvStudyOptions options = options_for(at("refused"), &told);
-    write_text(at("study.yaml"),
-               "shiver_study: 1\nvary:\n  - {seed: 1}\n  - {rigid.time_stop: [1]}\nmeasures: [energy]\n");
+    write_text(at("study.yaml"), "shiver_study: 1\nvary:\n  - {seed: 1}\n  - {rigid.time_stop: [1]}\nmeasures: "
+                                 "[energy]\nreference: {seed: 1}\n");
     check_fails(shv_study_open(&study, at("bounce.yaml"), at("study.yaml"), &options, &error), SHV_BAD_INPUT, error,
                 "study.yaml:4: --set rigid.time_stop: error: unknown key 'time_stop'");
     assert_null(study);
@@ -474,6 +478,7 @@ static void test_shadow(void **state)
     const ShvStudyOptions options = options_for(at("shadow"), &told);
     ShvStudy *study = open_study("ball.yaml",
                                  "shiver_study: 1\nvary: {rigid.wake_fraction: [0.5, 1e9]}\naudit_wakes: 1\n"
+                                 "reference: {rigid.wake_fraction: 0.5}\n"
                                  "measures: [missed_fracture]\n",
                                  &options);
     check_ok(shv_study_run(study, &error), error);

@@ -1,48 +1,4 @@
-#include <string.h>
-
 #include "evaluate/study.h"
-
-/* ---- the finest setting ---- */
-
-enum { FINENESSES = 6 };
-
-/* What makes a run fine, in the order in which it counts; smaller is finer: edges of the objects, triangles that their surfaces are
-   refined to, step of fracture mode (in stable steps, or s, or the share of the stable step), rigid step, no bars before bars,
-   analytic before bullet before the others. */
-static void measure_fineness(const ShvSceneDefinition *scene, const ShvStudySetting *setting, double fine[FINENESSES])
-{
-    const ShvRigidEngine engine = scene->rigid.engine;
-    fine[0] = fine[1] = 0.0;
-    for (int32_t i = 0; i < scene->object_count; i++) {
-        fine[0] += scene->objects[i].mesh.edge + scene->objects[i].mesh.notch_edge;
-        fine[1] -= (double)scene->objects[i].mesh.refine_to;
-    }
-    fine[2] = isnan(scene->fracture.time_step) ? scene->fracture.safety : scene->fracture.time_step;
-    if (!isnan(setting->multiple)) fine[2] = setting->multiple;
-    fine[3] = scene->rigid.time_step;
-    fine[4] = scene->fracture.stabiliser;
-    fine[5] = engine == SHV_RIGID_ANALYTIC ? 0.0 : engine == SHV_RIGID_BULLET ? 1.0 : 2.0;
-}
-
-ShvStatus shv_study_finest(const ShvStudy *study, int32_t *finest, ShvError *error)
-{
-    double best[FINENESSES], own[FINENESSES];
-    *finest = -1;
-    for (int32_t i = 0; i < study->plan.setting_count; i++) {
-        ShvScene *scene;
-        int k = 0;
-        SHV_TRY(shv_study_scene(study, i, &scene, error));
-        measure_fineness(shv_scene_definition(scene), shv_study_setting(study, i), own);
-        shv_scene_destroy(scene);
-        while (*finest >= 0 && k < FINENESSES && own[k] == best[k]) k++;
-        if (*finest >= 0 && (k == FINENESSES || own[k] > best[k])) continue;
-        memcpy(best, own, sizeof best);
-        *finest = i;
-    }
-    return SHV_OK;
-}
-
-/* ---- the front ---- */
 
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
 {
