@@ -122,7 +122,8 @@ static double distance_to_surface(ShvVec3 point, const ShvCrackSurface *surface)
     for (int32_t i = 0; i < surface->count; i++) {
         const ShvCrackFacet *facet = &surface->facets[i];
         if (shv_norm(shv_sub(point, centroid(facet))) - reach(facet) >= nearest) continue;
-        nearest = fmin(nearest, shv_norm(shv_sub(point, shv_triangle_closest(point, facet->corners).point)));
+        const ShvVec3 corners[3] = {facet->corners[0], facet->corners[1], facet->corners[2]};
+        nearest = fmin(nearest, shv_norm(shv_sub(point, shv_triangle_closest(point, corners).point)));
     }
     return nearest;
 }
