@@ -263,8 +263,9 @@ static void join_faults(const ShvDiagnostics *diagnostics, ShvError *error)
 
 static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
 {
-    const char *overrides[MOST_OVERRIDES], *at = run ? run->set : NULL;
-    char *path = verifier->scene_path;
+    const char *overrides[MOST_OVERRIDES], *at = run->set;
+    ShvMemory *memory = verifier->options->memory;
+    char *path;
     int32_t count = 0;
     for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
         if (count == MOST_OVERRIDES)
@@ -272,13 +273,13 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
         overrides[count++] = line;
     }
     if (verifier->work.failed) return shv_fail_memory(error, "overrides", 0);
-    ShvMemory *memory = verifier->options->memory;
-    if (run && run->scene) SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene, &path, error));
+    SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene ? run->scene : verifier->item->scene,
+                          &path, error));
     ShvDiagnostics *diagnostics = NULL;
     const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, &diagnostics, error);
-    if (status == SHV_BAD_INPUT && run && run->expect) join_faults(diagnostics, error);
+    if (status == SHV_BAD_INPUT && run->expect) join_faults(diagnostics, error);
     shv_diagnostics_destroy(diagnostics);
-    if (path != verifier->scene_path) shv_release(path);
+    shv_release(path);
     return status;
 }
 
@@ -286,11 +287,11 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
 static ShvStatus evaluate(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
     ShvError why;
-    ShvStatus status = define_all(verifier, run ? run->let : NULL, &why);
+    ShvStatus status = define_all(verifier, run->let, &why);
     if (status == SHV_OK) status = define_all(verifier, verifier->item->let, &why);
     if (status == SHV_NO_MEMORY || verifier->series.failed) return shv_fail_memory(error, "variables", 0);
     if (status != SHV_OK) return shv_verify_fail(verifier, "variables", &why, error);
-    if (run && run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
+    if (run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
     return measure_all(verifier, last, error);
 }
 
@@ -298,7 +299,7 @@ static ShvStatus judge_run(Verifier *verifier, const ShvCaseRun *run, bool last,
 {
     const ShvOutcome *outcome = &verifier->now->outcome;
     if (outcome->status == SHV_OK) return evaluate(verifier, run, last, error);
-    if (run && run->expect) return shv_verify_expect(verifier, run, error);
+    if (run->expect) return shv_verify_expect(verifier, run, error);
     ShvError why;
     shv_fail(&why, outcome->status, "%s", outcome->message);
     return shv_verify_fail(verifier, "the run", &why, error);
@@ -323,8 +324,8 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
 static void start_run(Verifier *verifier, const ShvCaseRun *run)
 {
     KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
-    now->named.name = now->title = run ? run->head.name : "";
-    if (run && run->title) now->title = run->title;
+    now->named.name = now->title = run->head.name;
+    if (run->title) now->title = run->title;
     now->outcome = (ShvOutcome){.memory = verifier->options->memory};
     now->named.outcome = &now->outcome;
     if (verifier->run_count > 1) now->named.before = &now[-1].named;
@@ -336,7 +337,7 @@ static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, 
     ShvScene *scene = NULL;
     start_run(verifier, run);
     ShvStatus status = load_scene(verifier, run, &scene, error);
-    if (status == SHV_BAD_INPUT && run && run->expect) {
+    if (status == SHV_BAD_INPUT && run->expect) {
         verifier->now->outcome.status = status;
         memcpy(verifier->now->outcome.message, error->message, sizeof error->message);
         status = SHV_OK;
@@ -351,14 +352,15 @@ static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, 
 
 static ShvStatus make_runs(Verifier *verifier, ShvError *error)
 {
-    const ShvCaseRun *runs = verifier->item->runs.data;
-    const int32_t count = verifier->item->runs.count;
+    static const ShvCaseRun as_it_is = {.head = {.name = ""}};
+    const bool any = verifier->item->runs.count > 0;
+    const ShvCaseRun *runs = any ? verifier->item->runs.data : &as_it_is;
+    const int32_t count = any ? verifier->item->runs.count : 1;
     int32_t last = -1, made = 0;
     for (int32_t i = 0; i < count; i++)
         if (verifier->options->full || !runs[i].full) last = i;
-    verifier->runs = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->runs);
+    verifier->runs = shv_pool_take(&verifier->work, (size_t)count, sizeof *verifier->runs);
     if (!verifier->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
-    if (count == 0) return make_run(verifier, NULL, true, error);
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++) {
         if (!verifier->options->full && runs[i].full) continue;
@@ -379,14 +381,14 @@ static const char *case_name(ShvPool *pool, const char *path)
     return shv_pool_text(pool, name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
 }
 
-static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, ShvPool *texts,
-                           ShvDiagnostics **diagnostics, ShvError *error)
+static ShvStatus read_case(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
     char *text = NULL;
     size_t length = 0;
+    ShvPool *work = &verifier->work, *texts = &verifier->made->texts;
     SHV_TRY(shv_read_file(work->memory, SHV_PART_SCENE, path, LARGEST_CASE, &text, &length, error));
     *diagnostics = shv_diagnostics_create(work->memory, path, NULL, 0);
-    if (*diagnostics) *item = shv_case_read(text, length, work, texts, *diagnostics);
+    if (*diagnostics) verifier->item = shv_case_read(text, length, work, texts, *diagnostics);
     shv_release(text);
     if (!*diagnostics) return shv_fail_memory(error, "a verification case", length);
     return shv_diagnostics_end(*diagnostics, work->failed || texts->failed, "the case", length, error);
@@ -395,7 +397,7 @@ static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, 
 static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
     ShvVerification *made = verifier->made;
-    SHV_TRY(read_case(&verifier->item, path, &verifier->work, &made->texts, diagnostics, error));
+    SHV_TRY(read_case(verifier, path, diagnostics, error));
     if (verifier->options->short_set && !verifier->item->in_short) return SHV_OK;
     made->view.name = case_name(&made->texts, path);
     made->view.title = verifier->item->title;
@@ -404,8 +406,6 @@ static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **d
     made->view.remark = verifier->item->remark ? verifier->item->remark : "";
     if (!made->view.name) return shv_fail_memory(error, "a name", strlen(path));
     SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &verifier->folder, error));
-    SHV_TRY(shv_path_join(made->memory, SHV_PART_SCENE, verifier->folder, verifier->item->scene, &verifier->scene_path,
-                          error));
     const ShvStatus status = make_runs(verifier, error);
     return status == SHV_OK ? SHV_OK : shv_fail_within(error, status, "case %s", made->view.name);
 }
@@ -430,7 +430,6 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
     shv_pool_release(&verifier.series);
     shv_pool_release(&verifier.work);
     shv_release(verifier.folder);
-    shv_release(verifier.scene_path);
     if (diagnostics)
         *diagnostics = list;
     else

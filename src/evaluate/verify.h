@@ -26,7 +26,7 @@ typedef struct Verifier {
     const ShvVerifyOptions *options;
     ShvCaseItem *item;
     ShvPool work, series; /* of the whole case */
-    char *folder, *scene_path;
+    char *folder;
     KeptRun *runs, *now;
     int32_t run_count;
     ShvNames names;
