@@ -1,10 +1,8 @@
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "evaluate/study_plan.h"
-#include "scene/read.h"
 
 /* ---- a node as text ---- */
 
@@ -58,64 +56,8 @@ const char *shv_study_text_of(ShvPool *pool, const ShvNode *node)
 
 /* ---- values ---- */
 
-/* The ends are exact. */
-static double between(double from, double to, int32_t count, int32_t index, bool geometric)
-{
-    if (index == 0) return from;
-    if (index == count - 1) return to;
-    const double part = (double)index / (count - 1);
-    return geometric ? from * pow(to / from, part) : from + part * (to - from);
-}
-
-typedef struct RangeItem {
-    ShvItemHead head;
-    double from, to;
-    int32_t count;
-    const char *unit;
-} RangeItem;
-
-static const ShvRange counts = {2.0, 1000.0, false, false};
-static const ShvKey range_keys[] = {
-    {"from", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .offset = offsetof(RangeItem, from)},
-    {"to", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .offset = offsetof(RangeItem, to)},
-    {"count", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &counts, .offset = offsetof(RangeItem, count)},
-    {"unit", SHV_KEY_TEXT, .offset = offsetof(RangeItem, unit)}};
-static void start_range(void *item)
-{
-    *(RangeItem *)item = (RangeItem){.unit = ""};
-}
-static const ShvTable range_table = {.name = "a range",
-                                     .keys = range_keys,
-                                     .key_count = sizeof range_keys / sizeof *range_keys,
-                                     .size = sizeof(RangeItem),
-                                     .start = start_range};
-
-static int32_t range(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvEntry *entry, const char ***values)
-{
-    const bool geometric = strcmp(entry->key->text, "geometric") == 0;
-    ShvReader reader = {pool, pool, diagnostics, NULL};
-    RangeItem item;
-    shv_read_document(&reader, &range_table, entry->value, &item);
-    if (!item.head.good) return 0;
-    if (geometric && !(item.from > 0.0 && item.to > 0.0)) {
-        shv_error(diagnostics, entry->key->place, "'from' and 'to' of a geometric range must be above 0");
-        return 0;
-    }
-    *values = shv_pool_take(pool, (size_t)item.count, sizeof **values);
-    for (int32_t i = 0; i < item.count && *values; i++) {
-        char text[96];
-        shv_format(text, sizeof text, "%.9g%s%.30s", between(item.from, item.to, item.count, i, geometric),
-                   item.unit[0] ? " " : "", item.unit);
-        (*values)[i] = shv_pool_text(pool, text, strlen(text));
-    }
-    return *values ? item.count : 0;
-}
-
 int32_t shv_study_values(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvNode *node, const char ***values)
 {
-    if (node->kind == SHV_NODE_MAPPING && node->count == 1 &&
-        (strcmp(node->first->key->text, "linear") == 0 || strcmp(node->first->key->text, "geometric") == 0))
-        return range(pool, diagnostics, node->first, values);
     const bool list = node->kind == SHV_NODE_LIST;
     const int32_t count = list ? node->count : 1;
     if (count == 0) {

@@ -16,7 +16,7 @@ static const char ball_scene[] =
     "obstacles: {floor: {plane: {normal: [0, 0, 1]}, friction: 0.5}}\n"
     "rigid: {engine: analytic}\nduration: 0.8 ms\noutput: {rate: 5000}\nthreads: 1\n";
 static const char ball_study[] =
-    "shiver_study: 1\nvary: {step: {linear: {from: 0.05, to: 0.4, count: 8}}}\nreference: {step: 0.05}\n"
+    "shiver_study: 1\nvary: {step: [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]}\nreference: {step: 0.05}\n"
     "measures: [dissipated, failed_overlap, crack_distance, fragments, masses, impulse]\n";
 
 static int enter(void **state)
