@@ -38,8 +38,9 @@ static void put_numbers(FILE *stream, Form form, const void *item, const Field *
         double value;
         char text[32];
         memcpy(&value, (const char *)item + fields[i].offset, sizeof value);
-        shv_format(text, sizeof text, "%s", form == JSON ? "null" : isnan(value) ? "-" : "inf");
-        if (isfinite(value)) shv_format(text, sizeof text, form == JSON ? "%.17g" : fields[i].format, value);
+        const char *odd = form == JSON ? "null" : isnan(value) ? "-" : "inf";
+        const char *format = !isfinite(value) ? odd : form == TEXT ? fields[i].format : "%.17g";
+        shv_format(text, sizeof text, format, value);
         if (form == CSV)
             shv_output_number(stream, value);
         else if (form == TEXT)
