@@ -329,9 +329,9 @@ static const ShvKey study_keys[] = {
     {"shiver_study", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = STUDY(version)},
     {"name", SHV_KEY_TEXT, .offset = STUDY(name)},
     {"set", SHV_KEY_NODE, .offset = STUDY(set)},
-    {"vary", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(vary)},
-    {"reference", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(reference)},
-    {"measures", SHV_KEY_NODE, .flags = SHV_KEY_REQUIRED, .offset = STUDY(measures)},
+    {"vary", SHV_KEY_NODE, .offset = STUDY(vary)},
+    {"reference", SHV_KEY_NODE, .offset = STUDY(reference)},
+    {"measures", SHV_KEY_NODE, .offset = STUDY(measures)},
     {"repeats", SHV_KEY_INT32, .range = &repeats, .offset = STUDY(repeats)},
     {"ensemble", SHV_KEY_MAPPING, .table = &ensemble_table},
     {"audit_wakes", SHV_KEY_INT32, .range = &wakes, .offset = STUDY(audit_wakes)},
@@ -377,6 +377,8 @@ static void read_plan(Planner *planner, const ShvNode *root, const char *const *
     ShvStudyPlan *plan = planner->plan;
     ShvReader reader = {planner->pool, planner->pool, planner->diagnostics, NULL};
     shv_read_document(&reader, &study_table, root, &item);
+    if (item.head.good && !(item.vary && item.measures && item.reference)) /* a misspelt one has been told */
+        shv_error(planner->diagnostics, root->place, "the study must have 'vary', 'measures' and 'reference'");
     plan->name = item.name;
     plan->repeats = item.repeats;
     plan->audit_wakes = item.audit_wakes;
