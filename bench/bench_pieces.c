@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "base/timer.h"
 #include "broken_ball.h"
-#include "rigid/convex_pieces.h"
+#include "convex/convex_pieces.h"
 
 enum { ROUNDS = 5 };
 

@@ -2,7 +2,7 @@
 #ifndef BENCH_BROKEN_BALL_H
 #define BENCH_BROKEN_BALL_H
 
-#include "rigid/fragment.h"
+#include "fragment/fragment.h"
 
 #define BROKEN_BALL_RADIUS 0.1
 

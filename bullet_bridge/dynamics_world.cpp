@@ -329,13 +329,13 @@ void ShvDynamicsWorld::set_law(btPersistentManifold *manifold)
 {
     btScalar friction, restitution;
     pair_law(of(manifold->getBody0()), of(manifold->getBody1()), settings, &friction, &restitution);
-    const auto allowance = allowances.find(pair_of(manifold));
+    const auto allowed_penetration = allowances.find(pair_of(manifold));
     bool rebounds = false;
     for (int k = 0; k < manifold->getNumContacts(); k++) {
         btManifoldPoint &point = manifold->getContactPoint(k);
         point.m_combinedFriction = friction;
         point.m_combinedRestitution = restitution;
-        if (allowance != allowances.end()) point.setDistance(point.getDistance() + allowance->second);
+        if (allowed_penetration != allowances.end()) point.setDistance(point.getDistance() + allowed_penetration->second);
         if (settings.sharp_impacts) rebounds = sharpen(manifold, point, restitution) || rebounds;
     }
     const btScalar reach = rebounds ? 0 : BT_LARGE_FLOAT;

@@ -137,7 +137,7 @@ class Approach
   private:
     // Contact is a gap of at most threshold + ¼ slop.
     struct Watch {
-        double slop, allowance, threshold;
+        double slop, allowed_penetration, threshold;
         double start;  // gap then
         bool touching; // since the start
         bool lowered;  // the threshold is below ½ slop
@@ -377,7 +377,7 @@ Approach::Watch Approach::start(const ImpactPiece &first, const ImpactPiece *sec
     gap_ = measure(0.0);
     Watch watch = {};
     watch.slop = settings_.tolerance * std::max(pair_.small, 1e-3 * pair_.large);
-    watch.allowance = watch.slop;
+    watch.allowed_penetration = watch.slop;
     watch.start = gap_.gap;
     watch.touching = watch.lowered = gap_.gap <= watch.slop;
     watch.threshold = watch.touching ? std::min(gap_.gap, 0.0) - 0.5 * watch.slop : 0.5 * watch.slop;
@@ -387,17 +387,17 @@ Approach::Watch Approach::start(const ImpactPiece &first, const ImpactPiece *sec
 // Whether the present gap is an impact; if not, what will be one is adapted to it.
 bool Approach::judge(Watch &watch) const
 {
-    if (watch.lowered && gap_.gap > 2.0 * watch.allowance) { // clear again
+    if (watch.lowered && gap_.gap > 2.0 * watch.allowed_penetration) { // clear again
         watch.touching = watch.lowered = false;
         watch.threshold = 0.5 * watch.slop;
     }
     const double clearance = gap_.gap - watch.threshold;
     const bool contact = clearance <= 0.25 * watch.slop;
     if (contact && closing() > settings_.slowest) return true;
-    watch.grazing = clearance <= watch.allowance ? watch.grazing + 1 : 0;
+    watch.grazing = clearance <= watch.allowed_penetration ? watch.grazing + 1 : 0;
     if (contact || watch.grazing == PATIENCE) {
-        watch.allowance *= 2.0;
-        watch.threshold = gap_.gap - watch.allowance;
+        watch.allowed_penetration *= 2.0;
+        watch.threshold = gap_.gap - watch.allowed_penetration;
         watch.lowered = true;
         watch.grazing = 0;
     }

@@ -55,7 +55,7 @@ typedef struct ShvImpact {
     double time;                /* s; 0 when bodies that touch at the start close at once */
     double normal[3];           /* unit, from the first body to the second */
     double first[3], second[3]; /* closest (or deepest) points of the two, world */
-    double gap;     /* m at that moment; negative: overlap there was at the start, or a slow approach before */
+    double gap;     /* m at that time; negative: overlap there was at the start, or a slow approach before */
     double closing; /* m/s along the normal, > slowest */
     int32_t first_piece, second_piece; /* hull or triangle; 0 of others */
     int32_t evaluations;               /* gaps measured for all pairs of pieces: the cost */

@@ -23,7 +23,7 @@ struct ShvBulletBody {
     btScalar mass = 0;
     btVector3 inverse_moment{0, 0, 0};
     btVector3 box_low{0, 0, 0}, box_high{0, 0, 0}; // box in the world on its way, scaled
-    btVector3 way{0, 0, 0};                        // scaled
+    btVector3 displacement{0, 0, 0};                        // scaled
     btScalar ball = 0;                             // radius with its drift, scaled
 };
 

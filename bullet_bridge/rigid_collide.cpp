@@ -1,6 +1,6 @@
 // Contacts of two bodies in the poses they have. The direction comes from the distance of the parts' cores (GJK) or, where
 // those overlap, from the faces' normals; gaps are measured along it on the exact hulls, and where faces lie on each other
-// their overlap is clipped out, so that a contact has its whole area from the first moment on.
+// their overlap is clipped out, so that a contact has its whole area from the first time on.
 #include <algorithm>
 
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>

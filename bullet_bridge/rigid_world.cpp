@@ -150,14 +150,14 @@ static void make_mass(ShvBulletBody *body, double inverse_mass, const double inv
     body->body->setActivationState(DISABLE_DEACTIVATION);
 }
 
-static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &way, double drift, double turn)
+static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 &displacement, double drift, double turn)
 {
-    body->way = way;
+    body->displacement = displacement;
     body->ball = body->radius + drift * world->scale;
     btTransformAabb(body->low, body->high, (drift + turn) * world->scale,
                     btTransform(body->axes, body->position * world->scale), body->box_low, body->box_high);
     const btVector3 none(0, 0, 0);
-    btVector3 back = way, ahead = way;
+    btVector3 back = displacement, ahead = displacement;
     back.setMin(none);
     ahead.setMax(none);
     body->box_low += back;
@@ -209,13 +209,13 @@ double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t number)
     return body->kind == SHV_BULLET_PLANE ? double(INFINITY) : body->radius / world->scale;
 }
 
-ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const double way[3], double drift, double turn,
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t number, const double displacement[3], double drift, double turn,
                                  ShvError *error)
 {
     return guarded(error, [&] {
         ShvBulletBody *body = body_of(world, number);
         if (body->kind == SHV_BULLET_PLANE) return SHV_OK;
-        set_box(world, body, scaled(world, way), drift, turn);
+        set_box(world, body, scaled(world, displacement), drift, turn);
         return SHV_OK;
     });
 }
@@ -227,10 +227,10 @@ static bool before(const ShvBulletPair &a, const ShvBulletPair &b)
 
 static bool balls_meet(const ShvBulletBody &a, const ShvBulletBody &b, btScalar scale)
 {
-    const btVector3 apart = (a.position - b.position) * scale, way = a.way - b.way;
-    const btScalar length = way.length2(), reach = a.ball + b.ball;
-    const btScalar share = length > 0 ? btMin(btScalar(1), btMax(btScalar(0), -apart.dot(way) / length)) : 0;
-    return (apart + share * way).length2() <= reach * reach;
+    const btVector3 apart = (a.position - b.position) * scale, displacement = a.displacement - b.displacement;
+    const btScalar length = displacement.length2(), reach = a.ball + b.ball;
+    const btScalar share = length > 0 ? btMin(btScalar(1), btMax(btScalar(0), -apart.dot(displacement) / length)) : 0;
+    return (apart + share * displacement).length2() <= reach * reach;
 }
 
 static bool reaches(const ShvBulletBody &body, const ShvBulletBody &plane)

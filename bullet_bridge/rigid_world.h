@@ -89,7 +89,7 @@ typedef struct ShvBulletTask {
 } ShvBulletTask;
 
 /* Between Bullet's broadphase and its islands. The pairs may touch on their ways (by their boxes, and by the balls around them at
-   each moment, as all go evenly), in increasing order. */
+   each time, as all go evenly), in increasing order. */
 typedef ShvStatus (*ShvBulletDetect)(void *data, const ShvBulletPair *pairs, int32_t count, ShvBulletTask *task,
                                      ShvError *error);
 
@@ -116,8 +116,8 @@ void shv_bullet_world_place(ShvBulletWorld *world, int32_t body, const double po
 double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t body);
 /* What the pairs of a step are to reckon with, m: the body's origin goes a straight `way`, is off it by at most
    `drift`, and turning carries no point farther than `turn`. */
-ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, const double way[3], double drift, double turn,
-                                 ShvError *error);
+ShvStatus shv_bullet_world_reach(ShvBulletWorld *world, int32_t body, const double displacement[3], double drift,
+                                 double turn, ShvError *error);
 /* What a body that has been told a new way since the last step may meet on it, by boxes alone, in increasing order;
    valid until the next call. */
 ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t body, const int32_t **others, int32_t *count,

@@ -12,17 +12,21 @@ allowed()
     solid) echo base mesh model solid ;;
     cohesive) echo base mesh model cohesive ;;
     shape) echo base mesh model shape ;;
-    pbd) echo base mesh model solid cohesive shape rigid pbd ;;
+    fragment) echo base mesh model cohesive fragment ;;
+    convex) echo base mesh model fragment convex ;;
+    conditions) echo base mesh model conditions ;;
     contact) echo base mesh model solid cohesive shape bullet_bridge contact ;;
-    rigid) echo base mesh model solid cohesive shape bullet_bridge rigid ;;
-    hybrid) echo base mesh model solid cohesive shape pbd contact rigid hybrid ;;
-    sim) echo base mesh model solid cohesive shape bullet_bridge pbd contact rigid hybrid sim ;;
+    rigid) echo base mesh model cohesive shape bullet_bridge fragment convex rigid ;;
+    pbd) echo base mesh model solid cohesive shape fragment rigid pbd ;;
+    probes) echo base mesh model solid cohesive shape fragment conditions contact pbd probes ;;
+    coupling) echo base mesh model solid cohesive shape fragment conditions contact rigid pbd probes coupling ;;
+    sim) echo base mesh model solid cohesive shape bullet_bridge fragment convex conditions contact rigid pbd probes coupling sim ;;
     scene) echo base scene ;;
     record) echo base record ;;
     export) echo base record export ;;
-    view) echo base rigid export view ;;
+    view) echo base convex export view ;;
     evaluate) echo base shape scene record export evaluate ;;
-    stability) echo base mesh model solid hybrid export evaluate stability ;;
+    stability) echo base mesh model solid coupling export evaluate stability ;;
     survive) echo base scene export evaluate survive ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;
@@ -41,6 +45,6 @@ for folder in src/*/; do
     done
 done
 for file in include/shiver/*.h; do
-    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|pbd|contact|rigid|hybrid|sim|scene|record|export|view|evaluate|stability|survive|cli)/' "$file" && bad=1
+    grep -nE '#include "(base|mesh|model|solid|cohesive|shape|fragment|convex|conditions|contact|rigid|pbd|probes|coupling|sim|scene|record|export|view|evaluate|stability|survive|cli)/' "$file" && bad=1
 done
 exit $bad

@@ -77,7 +77,7 @@ ShvStatus shv_oracle_overlap(const ShvConvex *first, const ShvConvex *second, bo
     });
 }
 
-ShvStatus shv_oracle_way_out(const ShvConvex *first, const ShvConvex *second, bool *overlap, double way[3],
+ShvStatus shv_oracle_separation(const ShvConvex *first, const ShvConvex *second, bool *overlap, double way[3],
                              ShvError *error)
 {
     if (!shiver::is_hull(first) || !shiver::is_hull(second)) return shiver::refuse(error);

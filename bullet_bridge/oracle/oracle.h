@@ -25,8 +25,8 @@ ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, con
 ShvStatus shv_oracle_overlap(const ShvConvex *first, const ShvConvex *second, bool *overlap, ShvError *error);
 /* libccd's MPR: a way (m) by which the second gets clear of the first so that they just touch, not always the shortest.
    *overlap is false when there is none. */
-ShvStatus shv_oracle_way_out(const ShvConvex *first, const ShvConvex *second, bool *overlap, double way[3],
-                             ShvError *error);
+ShvStatus shv_oracle_separation(const ShvConvex *first, const ShvConvex *second, bool *overlap, double way[3],
+                                ShvError *error);
 
 #ifdef __cplusplus
 }

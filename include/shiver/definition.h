@@ -282,7 +282,7 @@ typedef struct ShvPbdDefinition {
 /* What departs from Bullet's own ways with rigid.engine bullet: all true unless changed. */
 typedef struct ShvBulletDefinition {
     bool exact_flight;     /* parabola and free rotation in closed form between contacts */
-    bool times_of_impact;  /* what closes fast meets at its own moment within a step, and rebounds there */
+    bool times_of_impact;  /* what closes fast meets at its own time within a step, and rebounds there */
     bool exact_contacts;   /* on the hulls themselves, whole faces at once */
     bool settled_impulses; /* sweeps to a tolerance, mixed; friction on the cone */
     bool touching_islands; /* bodies that touch are solved together, not those whose boxes meet */

@@ -1,5 +1,5 @@
 /* A simulation driven live: to any time, with pushes, bodies that come and go, and events told as they happen. Time goes on past the
-   scene's duration. Every call brings the frame view (shv_simulation_frame) to the present moment. */
+   scene's duration. Every call brings the frame view (shv_simulation_frame) to the present time. */
 #ifndef SHIVER_LIVE_H
 #define SHIVER_LIVE_H
 
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* Goes on to `until`, s; not before the present moment. After SHV_DIVERGED or SHV_INTERRUPTED the frame shows the last consistent
+/* Goes on to `until`, s; not before the present time. After SHV_DIVERGED or SHV_INTERRUPTED the frame shows the last consistent
    state. */
 ShvStatus shv_simulation_step(ShvSimulation *simulation, double until, ShvError *error);
 

@@ -91,7 +91,7 @@ typedef struct ShvPlanPart {
    the run time on a machine that has nothing else to do. */
 typedef struct ShvTrial {
     double seconds, processor;      /* s: run time that the trial took, and of it processor time; 0: none was made */
-    double time;                    /* s: the simulated moment that it reached */
+    double time;                    /* s: the simulated time that it reached */
     bool finished;                  /* that is the scene's end */
     double first_wake, first_crack; /* s: simulated; NaN: not reached */
     double awake;                   /* s: simulated with a fragment in fracture mode */
@@ -124,7 +124,7 @@ typedef struct ShvPlan {
 /* From the simulation as it was made, which stays as it is. Bytes are those held now and those of bars to come. */
 ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError *error);
 /* Runs a planned simulation, in memory, for about so many seconds of processor time (at most four times that of run time) or to
-   its end, and fills the plan's `trial`. Its bytes become those held at the last moment before the first crack; while that is
+   its end, and fills the plan's `trial`. Its bytes become those held at the last time before the first crack; while that is
    not reached, bars to come are counted too. The simulation has left its start then: it can go on,
    but not with the bits of a run that nothing looked at in between. Its own `stop` is asked as ever. */
 ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error);
@@ -134,7 +134,7 @@ typedef struct ShvAwakeView {
     double
         load; /* tets awake, and a tenth of all tets on top: a step has costs that few tets have, too; 0: nothing is awake */
     double ahead; /* s: of `load`, summed from now to the end of the scene or until all may rest */
-    double rest;  /* s: the moment at which the last of it may rest, or the scene's end */
+    double rest;  /* s: the time at which the last of it may rest, or the scene's end */
 } ShvAwakeView;
 /* Cheap, and may be asked from `stop`. */
 ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation);

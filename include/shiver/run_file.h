@@ -33,12 +33,12 @@ ShvRecordDefinition shv_record_default(void);
 
 /* Opens a new file beside `path` ("path.PID-N.part") and writes head and reference mesh. An existing file at `path` stays as
    it is until the first frame has been written and the new file takes its name; without `force` it is SHV_BAD_INPUT. The
-   simulation may be at any moment before its first frame. On failure *record is NULL and nothing is left behind. */
+   simulation may be at any time before its first frame. On failure *record is NULL and nothing is left behind. */
 ShvStatus shv_record_create(ShvRecord **record, const ShvRecordDefinition *definition, const ShvSimulation *simulation,
                             ShvError *error);
 /* Appends the simulation's present frame: reserves its space first, then writes and flushes. On failure (SHV_FILE_ERROR: the
    disk is full, or a limit of file size) the file holds all earlier frames and is readable; later frames are refused with
-   the same message. A process that is killed at any moment leaves all frames of which this has returned; a machine that stops
+   the same message. A process that is killed at any time leaves all frames of which this has returned; a machine that stops
    leaves those that had been brought to the disk. The first reader puts such a file right from its journal, "FILE.journal". */
 ShvStatus shv_record_frame(ShvRecord *record, const ShvSimulation *simulation, ShvError *error);
 /* Writes "finished" (SHV_OK), "interrupted" (SHV_INTERRUPTED) or "failed" with the message (may be NULL); closes and releases
@@ -66,7 +66,7 @@ typedef struct ShvRunFileInfo {
     const char *code_version, *status, *message, *scene_text, *scene_name, *processor, *rigid_engine;
     const char *overrides; /* one a line */
     bool nodes;            /* corners and damage were recorded */
-    bool live;             /* another process was writing the file: it has the frames of that moment */
+    bool live;             /* another process was writing the file: it has the frames of that time */
     uint64_t scene_hash;
     int32_t threads;
     int32_t node_count, element_count, object_count, obstacle_count, fragment_count, probe_count;
@@ -85,7 +85,7 @@ typedef struct ShvProgressView {
 } ShvProgressView;
 
 /* Opens for reading; a file that is truncated, damaged or not of this kind is refused with a message saying so. A file that
-   another process is writing (it holds a lock) is read as it is at this moment, whatever is added later, and without holding
+   another process is writing (it holds a lock) is read as it is at this time, whatever is added later, and without holding
    up the writer. A file whose writer was killed has the status "running" and no lock, and is put right first. */
 ShvStatus shv_run_file_open(ShvRunFile **file, const char *path, struct ShvMemory *memory, ShvError *error);
 void shv_run_file_close(ShvRunFile *file);

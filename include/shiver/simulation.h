@@ -42,7 +42,7 @@ typedef struct ShvObstacleView {
     double position[3], orientation[4], velocity[3], angular_velocity[3];
 } ShvObstacleView;
 
-/* The ledger at one moment, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
+/* The ledger at one time, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
    is positive, and each is booked as the force or impulse acts.
      residual = kinetic + strain + gravity_potential − (the same at the start)
                 − (cohesive + contact + friction + closure + constraint + traction + bars + damping + handover + event):
@@ -118,9 +118,9 @@ typedef struct ShvBytesView {
     size_t bytes, peak;
 } ShvBytesView;
 
-/* One probe at one moment. NaN is what is not known: a whole sample while the probe's body is not looked at, stress and forces
+/* One probe at one time. NaN is what is not known: a whole sample while the probe's body is not looked at, stress and forces
    of what flies, stress and reaction of obstacles, forces on points.
-   In fracture mode all values are those of one time step n: the velocity is that of the moment, not of the half step. */
+   In fracture mode all values are those of one time step n: the velocity is that of the time, not of the half step. */
 typedef struct ShvProbeSample {
     double displacement[3]; /* m, since the start; of a set of nodes the mean weighted by mass */
     double velocity[3];     /* m/s, likewise */
@@ -135,7 +135,7 @@ typedef struct ShvProbeView {
     ShvProbeKind kind;
 } ShvProbeView;
 
-/* Everything about the present moment. Arrays belong to the simulation and are valid until its next advance. */
+/* Everything about the present time. Arrays belong to the simulation and are valid until its next advance. */
 typedef struct ShvFrameView {
     double time;
     bool
@@ -251,13 +251,13 @@ void shv_simulation_element_state(const ShvSimulation *simulation, int32_t *frag
    bond has failed and on the boundary. */
 void shv_simulation_bonds(const ShvSimulation *simulation, uint8_t *bonds);
 /* Where it stands between frames; may be asked from `stop`. */
-typedef struct ShvMomentView {
+typedef struct ShvSimulationSummary {
     double time;
     int64_t steps;
     int32_t alive_count;
     bool fracture;
-} ShvMomentView;
-ShvMomentView shv_simulation_moment(const ShvSimulation *simulation);
+} ShvSimulationSummary;
+ShvSimulationSummary shv_simulation_summary(const ShvSimulation *simulation);
 
 /* Checkpoints. The whole state, as numbers lie in memory: for the same program, scene and meshes. Saving changes nothing; a
    simulation that goes on from there gives the same bits as one that never stopped. To be asked between frames or from `stop`. */

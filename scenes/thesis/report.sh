@@ -202,7 +202,7 @@ Made by `./bootstrap thesis` from runs of the scenes in `scenes/thesis`, each of
 does not, and what was chosen. Everything but the column on the chapter comes from the runs.
 
 - Edge strain: largest |length / rest length − 1| of any edge in any frame; in flight until the first contact; since then, with
-  the moments of impact, when corners are pushed in by up to velocity × time step; and in the last frame.
+  the times of impact, when corners are pushed in by up to velocity × time step; and in the last frame.
 - Crack: where the first facet opened, in coordinates of the scene at the start, and the angle between the vertical and the
   plane that fits the crack best, its facets weighted by area and damage. Branches of one crack count together.
 - Courant number: largest step of fracture mode, at the ends of frames, over the stable step. Where it lies far below 1, bars and not the material

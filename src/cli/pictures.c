@@ -186,7 +186,7 @@ static ShvStatus draw_frames(Studio *studio, int64_t count, ShvError *error)
 }
 
 /* The camera stands for what there is at the times asked for, not for a whole fall. */
-static ShvStatus look_at_frames(Studio *studio, int64_t count, ShvError *error)
+static ShvStatus show_frames(Studio *studio, int64_t count, ShvError *error)
 {
     const double *times = shv_run_file_times(studio->file);
     double from = times[frame_of(studio, 0)], to = from;
@@ -212,7 +212,7 @@ ShvStatus shv_write_png(ShvRunFile *file, const ShvPictures *pictures, ShvError 
         SHV_TRY(shv_publish_check(path, pictures->force, error));
     }
     ShvStatus status = open_studio(&studio, error);
-    if (status == SHV_OK) status = look_at_frames(&studio, count, error);
+    if (status == SHV_OK) status = show_frames(&studio, count, error);
     if (status == SHV_OK) status = draw_frames(&studio, count, error);
     close_studio(&studio);
     return status;

@@ -15,40 +15,40 @@ ShvProgress shv_progress_start(double duration, bool quiet)
                          .terminal = isatty(STDERR_FILENO) == 1,
                          .start = now,
                          .shown = now,
-                         .looked = now};
+                         .sampled_at = now};
 }
 
 /* ---- time to go ---- */
 
 /* Work of the last stretch to the pace of the mode that it was in. What cost so much a while ago says less: it counts by the
    share of the run that has passed since. */
-static void measure(ShvProgress *progress, const ShvMomentView *view, double load, double now)
+static void measure(ShvProgress *progress, const ShvSimulationSummary *view, double load, double now)
 {
     const double memory = 0.25; /* of the run so far */
-    const double stretch = now - progress->looked, run = now - progress->start,
-                 time = view->time - progress->looked_time;
-    const bool awake = view->fracture && progress->looked_load > 0.0;
-    ShvPace *pace = &progress->pace[awake];
+    const double stretch = now - progress->sampled_at, run = now - progress->start,
+                 time = view->time - progress->sampled_time;
+    const bool awake = view->fracture && progress->sampled_load > 0.0;
+    ShvCostRate *rate_of = &progress->rate_of[awake];
     const double kept = exp(-stretch / (memory * run + 1e-9));
-    pace->wall = kept * pace->wall + stretch;
-    pace->work = kept * pace->work + time * (awake ? 0.5 * (load + progress->looked_load) : 1.0);
-    progress->looked = now;
-    progress->looked_time = view->time;
-    progress->looked_load = load;
+    rate_of->wall = kept * rate_of->wall + stretch;
+    rate_of->work = kept * rate_of->work + time * (awake ? 0.5 * (load + progress->sampled_load) : 1.0);
+    progress->sampled_at = now;
+    progress->sampled_time = view->time;
+    progress->sampled_load = load;
     progress->woken |= view->fracture;
 }
 
 /* Run time of a second of flight or of load; in flight, before that has been seen, nothing. */
-static double rate(const ShvPace *pace)
+static double rate(const ShvCostRate *rate_of)
 {
-    return pace->work > 0.0 ? pace->wall / pace->work : 0.0;
+    return rate_of->work > 0.0 ? rate_of->wall / rate_of->work : 0.0;
 }
 
 /* Steps of what is awake until it may rest, and flight from there. */
 static double time_to_go(const ShvProgress *progress, const ShvAwakeView *awake)
 {
-    return awake->ahead * rate(&progress->pace[1]) +
-           fmax(0.0, progress->duration - awake->rest) * rate(&progress->pace[0]);
+    return awake->ahead * rate(&progress->rate_of[1]) +
+           fmax(0.0, progress->duration - awake->rest) * rate(&progress->rate_of[0]);
 }
 
 /* Where there is no more room every second guess goes. */
@@ -82,7 +82,7 @@ static bool is_told(const ShvProgress *progress, double wall, double to_go)
 
 /* ---- the line ---- */
 
-static void show(ShvProgress *progress, const ShvMomentView *view, double to_go, double now)
+static void show(ShvProgress *progress, const ShvSimulationSummary *view, double to_go, double now)
 {
     const double wall = now - progress->start;
     const double steps = (double)(view->steps - progress->shown_steps) / (now - progress->shown);
@@ -102,11 +102,11 @@ static void show(ShvProgress *progress, const ShvMomentView *view, double to_go,
 
 void shv_progress_tick(ShvProgress *progress)
 {
-    const double look_every = 0.05, line_every = progress->terminal ? 0.2 : 5.0; /* s */
+    const double sample_every = 0.05, line_every = progress->terminal ? 0.2 : 5.0; /* s */
     if (progress->quiet || !progress->simulation) return;
     const double now = shv_now();
-    if (now - progress->looked < look_every) return;
-    const ShvMomentView view = shv_simulation_moment(progress->simulation);
+    if (now - progress->sampled_at < sample_every) return;
+    const ShvSimulationSummary view = shv_simulation_summary(progress->simulation);
     const ShvAwakeView awake = shv_simulation_awake(progress->simulation);
     measure(progress, &view, awake.load, now);
     const double to_go = time_to_go(progress, &awake);

@@ -5,9 +5,9 @@
 #include "shiver/simulation.h"
 
 /* What work costs in one mode: run time, and seconds of flight or of load (ShvAwakeView), of which what is long past counts less. */
-typedef struct ShvPace {
+typedef struct ShvCostRate {
     double wall, work;
-} ShvPace;
+} ShvCostRate;
 
 enum { SHV_PROGRESS_GUESSES = 64 };
 
@@ -23,8 +23,8 @@ typedef struct ShvProgress {
     double start, shown; /* wall clock, s */
     int64_t shown_steps;
     /* for the time to go */
-    ShvPace pace[2]; /* in flight; in fracture mode */
-    double looked, looked_time, looked_load;
+    ShvCostRate rate_of[2]; /* in flight; in fracture mode */
+    double sampled_at, sampled_time, sampled_load;
     ShvGuess guesses[SHV_PROGRESS_GUESSES]; /* about evenly over the run so far */
     int32_t guess_count;
     double guess_spacing; /* s */

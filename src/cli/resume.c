@@ -57,7 +57,7 @@ static uint64_t hash_of_file(const ShvRunFileInfo *info, char *overrides)
     return hash;
 }
 
-ShvLeftover shv_resume_look(const char *path, const ShvScene *scene, double *time)
+ShvLeftover shv_resume_inspect(const char *path, const ShvScene *scene, double *time)
 {
     ShvRunFile *file;
     ShvError ignored;

@@ -19,6 +19,6 @@ typedef enum ShvLeftover {
     SHV_LEFTOVER_WHOLE
 } ShvLeftover;
 /* `time`: of its last frame, s. */
-ShvLeftover shv_resume_look(const char *path, const ShvScene *scene, double *time);
+ShvLeftover shv_resume_inspect(const char *path, const ShvScene *scene, double *time);
 
 #endif

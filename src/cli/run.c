@@ -352,7 +352,7 @@ static ShvStatus resume(const ShvArguments *arguments, const ShvScene *scene, Sh
                                    error);
     if (status != SHV_OK) return status;
     if (watch->record) {
-        const double time = shv_simulation_moment(watch->simulation).time;
+        const double time = shv_simulation_summary(watch->simulation).time;
         watch->saved = true;
         if (!arguments->quiet) fprintf(stderr, "shiver: goes on from %.9g s\n", time);
         if (time <= shv_scene_definition(scene)->duration) return SHV_OK;
@@ -360,7 +360,7 @@ static ShvStatus resume(const ShvArguments *arguments, const ShvScene *scene, Sh
     }
     /* A run that was killed before its first checkpoint begins anew, and gives the same bits. */
     double time;
-    if (shv_resume_look(recording->path, scene, &time) == SHV_LEFTOVER_PARTIAL) recording->force = true;
+    if (shv_resume_inspect(recording->path, scene, &time) == SHV_LEFTOVER_PARTIAL) recording->force = true;
     if (!arguments->quiet) fprintf(stderr, "shiver: there is no checkpoint; the run begins at 0 s\n");
     return SHV_OK;
 }
@@ -447,7 +447,7 @@ static int refuse(const char *option, const char *what, const char *text)
 static bool is_done(const ShvArguments *arguments, const ShvScene *scene, const char *path)
 {
     double time;
-    if (!arguments->values[RESUME] || shv_resume_look(path, scene, &time) != SHV_LEFTOVER_WHOLE) return false;
+    if (!arguments->values[RESUME] || shv_resume_inspect(path, scene, &time) != SHV_LEFTOVER_WHOLE) return false;
     if (arguments->values[JSON]) {
         printf("{\"file\": ");
         shv_cli_print_json_text(path);

@@ -1,13 +1,13 @@
 #include <math.h>
 
+#include "cohesive/facet_rotation.h"
 #include "cohesive/solve.h"
-#include "cohesive/turn.h"
 
 enum { MOST_PASSES = 4 };
 
 /* One pair, and the facet whose corner it is. */
 typedef struct Closing {
-    ShvFacetTurn *turn; /* its rate is that of the present velocities as long as `known` */
+    ShvFacetRotation *rotation; /* its rate is that of the present velocities as long as `known` */
     ShvFacetGaps *gaps;
     int corner;
     bool known;
@@ -18,19 +18,19 @@ typedef struct Closing {
 /* Of opening, seen by one who turns with the facet. */
 static ShvVec3 rate_of(Closing *closing, const ShvState *state)
 {
-    ShvFacetTurn *turn = closing->turn;
+    ShvFacetRotation *rotation = closing->rotation;
     const int i = closing->corner;
-    if (!closing->known) turn->rate = shv_turn_rate(turn, state);
+    if (!closing->known) rotation->rate = shv_facet_rotation_rate(rotation, state);
     closing->known = true;
-    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)turn->second[i]),
-                                 shv_load3(state->velocity + 3 * (int64_t)turn->first[i]));
-    return shv_sub(rate, shv_cross(turn->rate, closing->gaps->opening[i]));
+    const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)rotation->second[i]),
+                                 shv_load3(state->velocity + 3 * (int64_t)rotation->first[i]));
+    return shv_sub(rate, shv_cross(rotation->rate, closing->gaps->opening[i]));
 }
 
 static double response(const Closing *closing, const ShvState *state, ShvVec3 direction)
 {
     const int i = closing->corner;
-    return shv_turn_response(closing->turn, state, i, closing->gaps->opening[i], direction);
+    return shv_turn_response(closing->rotation, state, i, closing->gaps->opening[i], direction);
 }
 
 /* Impulse on a pair, taken by the whole masses of its nodes: pairs are served one after another, each impulse for itself
@@ -38,11 +38,11 @@ static double response(const Closing *closing, const ShvState *state, ShvVec3 di
 static void strike(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
 {
     const int i = closing->corner;
-    const int32_t first = closing->turn->first[i], second = closing->turn->second[i];
+    const int32_t first = closing->rotation->first[i], second = closing->rotation->second[i];
     const ShvVec3 force = shv_scale(impulse, -1.0 / kick); /* on the first node */
     shv_add_to3(state->velocity + 3 * (int64_t)first, shv_scale(impulse, -1.0 / state->mass[first]));
     shv_add_to3(state->velocity + 3 * (int64_t)second, shv_scale(impulse, 1.0 / state->mass[second]));
-    shv_turn_strike(closing->turn, state, shv_cross(closing->gaps->opening[i], force), kick);
+    shv_facet_rotation_strike(closing->rotation, state, shv_cross(closing->gaps->opening[i], force), kick);
     shv_add_to3(state->force + 3 * (int64_t)first, force);
     shv_add_to3(state->force + 3 * (int64_t)second, shv_scale(force, -1.0));
     closing->gaps->push[i] = shv_add(closing->gaps->push[i], force);
@@ -52,7 +52,7 @@ static void strike(Closing *closing, ShvState *state, ShvVec3 impulse, double ki
 /* Coulomb: at most `limit`, and at most what stops the slip. */
 static void rub(Closing *closing, ShvState *state, double kick, double limit)
 {
-    const ShvVec3 rate = rate_of(closing, state), normal = closing->turn->normal;
+    const ShvVec3 rate = rate_of(closing, state), normal = closing->rotation->normal;
     const ShvVec3 slip = shv_madd(rate, -shv_dot(rate, normal), normal);
     const double speed = shv_norm(slip);
     if (!(speed > 0.0)) return;
@@ -72,7 +72,7 @@ static void change_push(Closing *closing, ShvState *state, double kick, double i
                         double inverse_mass)
 {
     closing->gaps->freed[closing->corner] += impulse * (speed + 0.5 * impulse * inverse_mass);
-    strike(closing, state, shv_scale(closing->turn->normal, impulse), kick);
+    strike(closing, state, shv_scale(closing->rotation->normal, impulse), kick);
 }
 
 /* Of a pair that nothing has pressed in this step all that is held comes back over the way from n − 1/2 to n + 1/2:
@@ -80,14 +80,14 @@ static void change_push(Closing *closing, ShvState *state, double kick, double i
    so that impulses of neighbours, each counting on the others as they are, together never give more than is held. */
 static bool rebound(Closing *closing, ShvState *state, double kick, double step, double speed)
 {
-    const ShvVec3 normal = closing->turn->normal;
+    const ShvVec3 normal = closing->rotation->normal;
     const ShvFacetGaps *gaps = closing->gaps;
     const double inverse_mass = response(closing, state, normal), yield = 0.5 * step * kick * inverse_mass;
     if (!(speed * speed > parting_share * parting_share * 2.0 * closing->held * inverse_mass)) return false;
     const double push = -shv_dot(gaps->push[closing->corner], normal);
-    const double way = shv_dot(gaps->before[closing->corner], normal) + 0.5 * step * speed - yield * push;
-    const double root = sqrt(way * way + 4.0 * yield * closing->held);
-    const double whole = way > 0.0 ? 2.0 * closing->held / (way + root) : 0.5 * (root - way) / yield;
+    const double approach = shv_dot(gaps->before[closing->corner], normal) + 0.5 * step * speed - yield * push;
+    const double root = sqrt(approach * approach + 4.0 * yield * closing->held);
+    const double whole = approach > 0.0 ? 2.0 * closing->held / (approach + root) : 0.5 * (root - approach) / yield;
     if (!(fabs(whole - push) > settled_share * whole)) return false;
     const double left = shv_larger(closing->held - gaps->freed[closing->corner], 0.0);
     const double most = 2.0 * left / (speed + sqrt(speed * speed + 2.0 * left * inverse_mass));
@@ -100,7 +100,7 @@ static bool rebound(Closing *closing, ShvState *state, double kick, double step,
 /* A pair that others have moved on since does not push its faces apart. */
 static bool yield_back(Closing *closing, ShvState *state, double kick, double speed)
 {
-    const ShvVec3 normal = closing->turn->normal;
+    const ShvVec3 normal = closing->rotation->normal;
     const double inverse_mass = response(closing, state, normal);
     const double push = -shv_dot(closing->gaps->push[closing->corner], normal);
     const double less = shv_smaller(push, speed / (kick * inverse_mass));
@@ -111,7 +111,7 @@ static bool yield_back(Closing *closing, ShvState *state, double kick, double sp
 
 static bool close_pair(Closing *closing, ShvState *state, double kick, double step, double friction, bool failed)
 {
-    const ShvVec3 normal = closing->turn->normal;
+    const ShvVec3 normal = closing->rotation->normal;
     bool *pressed = &closing->gaps->pressed[closing->corner];
     const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
     const double speed = shv_dot(rate_of(closing, state), normal);
@@ -128,14 +128,14 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
 
 static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step, double friction)
 {
-    Closing closing = {.turn = &cohesive->turns[k], .gaps = &cohesive->gaps[k]};
-    closing.elastic = cohesive->sides[closing.turn->index].returned > 0.0;
-    const uint8_t phase = cohesive->phase[closing.turn->index];
+    Closing closing = {.rotation = &cohesive->rotations[k], .gaps = &cohesive->gaps[k]};
+    closing.elastic = cohesive->sides[closing.rotation->index].returned > 0.0;
+    const uint8_t phase = cohesive->phase[closing.rotation->index];
     bool any = false;
     if (phase == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
-        if (closing.turn->first[closing.corner] == closing.turn->second[closing.corner]) continue;
-        closing.held = shv_cohesive_free_to_give(cohesive, state, closing.turn, closing.corner);
+        if (closing.rotation->first[closing.corner] == closing.rotation->second[closing.corner]) continue;
+        closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
         any = close_pair(&closing, state, kick, step, friction, phase == SHV_COHESIVE_FAILED) || any;
     }
     return any;
@@ -147,7 +147,7 @@ void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, dou
     bool again = true;
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
         again = false;
-        for (int32_t k = 0; k < cohesive->turn_count; k++)
+        for (int32_t k = 0; k < cohesive->rotation_count; k++)
             again = close_facet(cohesive, state, k, kick, step, friction) || again;
         cohesive->pushed = cohesive->pushed || again;
     }

@@ -11,7 +11,7 @@
        contact, supports
        shv_cohesive_book     with the velocities that the drift will use
        drift
-   `begin` moves the histories to where the last step really led and may be called again at the same moment. A cluster of
+   `begin` moves the histories to where the last step really led and may be called again at the same time. A cluster of
    pairs never gives more energy than it stores, and never stores more than it had and was given, however far its
    impulses are from having settled: the first by scaling them, the second by softening it. The last four may be tried and thrown away by putting the velocities back. Insertion comes before `begin`. */
 #ifndef SHV_COHESIVE_COHESIVE_H
@@ -33,7 +33,7 @@ typedef enum ShvCohesivePhase {
 typedef struct ShvCohesivePoint {
     int32_t first, second; /* nodes */
     int32_t point;         /* 3 × cohesive facet + corner */
-    int32_t turn;          /* of its facet */
+    int32_t rotation;      /* of its facet */
     int32_t block;         /* points of the same pair of nodes from this one on */
     double weight;         /* area/3, m² */
     double start_energy;   /* of the rigid start of its law: strength × normal opening, J */
@@ -45,7 +45,7 @@ typedef struct ShvCohesivePoint {
     ShvOpening reached;    /* at n + 1/2, as booked */
     ShvLawSprings springs; /* of its history (force.c) */
     ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
-    ShvVec3 turning;       /* rate of opening that is the facet's turn alone, in the present pull, m/s */
+    ShvVec3 rotation_rate; /* rate of opening that is the facet's turn alone, in the present pull, m/s */
     ShvVec3 pull;          /* cohesive force on the first node, N */
     ShvVec3 last;          /* the same in the last step that was taken */
     ShvVec3 change;        /* of pull, in the present sweep, N */
@@ -58,12 +58,12 @@ typedef struct ShvCohesiveCorner {
     int32_t slot;          /* 3 × turn + corner */
 } ShvCohesiveCorner;
 
-/* How a facet stands and turns in the present step, by the middles of its three pairs (turn.h). */
-typedef struct ShvFacetTurn {
+/* How a facet stands and turns in the present step, by the middles of its three pairs (facet_rotation.h). */
+typedef struct ShvFacetRotation {
     int32_t index; /* cohesive facet */
     int32_t first[3], second[3];
     bool carries;   /* its points are listed */
-    bool turns;     /* couples are answered */
+    bool rotates;   /* couples are answered */
     bool news;      /* nodes of it have other velocities since the last pull */
     bool answers;   /* `answer` is not zero */
     ShvVec3 normal; /* of the mean of both faces, from the first to the second */
@@ -73,7 +73,7 @@ typedef struct ShvFacetTurn {
     double tilt;    /* 3/(twice the area)², 1/m⁴ */
     ShvVec3 couple; /* N m: of the pulls, answered so far */
     ShvVec3 answer; /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
-} ShvFacetTurn;
+} ShvFacetRotation;
 
 /* Of the three pairs of a facet; zero where they are not split. */
 typedef struct ShvFacetGaps {
@@ -144,7 +144,7 @@ typedef struct ShvCohesive {
     ShvHistory *history; /* 3 per facet */
     ShvOpening *opening; /* 3 per facet: at the last half step */
     double *peak;        /* 3 per facet: largest traction still to come, Pa */
-    double *owed;        /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
+    double *energy_debt; /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
     double *held;        /* 3 per facet: taken by closing faces, to be given back when they part, J */
     ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
     uint8_t *phase;      /* ShvCohesivePhase */
@@ -159,12 +159,12 @@ typedef struct ShvCohesive {
     /* The present step: live facets with a split corner that do not rest, listed anew when others come or many fail. */
     bool unlisted;             /* the lists do not fit any more */
     const uint8_t *list_awake; /* what they were made with */
-    int32_t turn_count;
-    ShvFacetTurn *turns;
+    int32_t rotation_count;
+    ShvFacetRotation *rotations;
     ShvVec3 *couple;     /* 3 per turn: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps;  /* as `turns` */
     bool pushed;         /* some closing forces are not zero */
-    double booked_time;  /* s: of the moment whose step was booked last */
+    double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;
     ShvPair *pairs;     /* as `points`: what the pull of the step asks again and again */
@@ -310,7 +310,7 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
 void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger);
 /* Whether some cohesive facet of these elements still bonds. */
 bool shv_cohesive_holds_cracks(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
-/* Whether some bond inside these elements fails by the present moment, half a step after the last look. */
+/* Whether some bond inside these elements fails by the present time, half a step after the last look. */
 bool shv_cohesive_is_failing(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements,
                              int32_t count);
 /* Largest residual normal strength of a cohesive facet's points as a share of that at the start, 0…1; 0 once torn. */
@@ -334,7 +334,7 @@ static inline bool shv_cohesive_joins(const ShvCohesive *cohesive, int32_t facet
     return index < 0 || cohesive->bonded[index];
 }
 
-/* History and opening of a point at the present moment, reached from the last half step. */
+/* History and opening of a point at the present time, reached from the last half step. */
 ShvHistory shv_cohesive_present(const ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet, int corner,
                                 ShvOpening *now);
 /* Mean damage of its three points. */

@@ -1,13 +1,13 @@
 #include <math.h>
 
+#include "cohesive/facet_rotation.h"
 #include "cohesive/frame.h"
 #include "cohesive/solve.h"
-#include "cohesive/turn.h"
 
-/* ---- wear ---- */
+/* ---- softening ---- */
 
 /* What a cluster's points may keep, and where the last step led them. */
-static double worn_recoverable(const ShvCohesive *cohesive, int32_t cluster, double share, bool keep)
+static double softened_recoverable(const ShvCohesive *cohesive, int32_t cluster, double share, bool keep)
 {
     double sum = 0.0;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
@@ -47,7 +47,7 @@ static double growing_share(const ShvCohesive *cohesive, int32_t cluster, double
    falls faster than the inverse of the largest opening: that gives the first guess; the inverse of what is stored is then
    nearly a line (Illinois steps), unless points are softened by very different degrees (geometric steps). Besides,
    a thousandth may go of the excess or of what may stay, whichever is less: neither is to be seen in the energies. */
-static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed, double kept)
+static void soften(const ShvCohesive *cohesive, int32_t cluster, double allowed, double kept)
 {
     const double spare = 1e-3 * shv_smaller(kept - allowed, allowed) + 1e-12 * allowed;
     const double aim = 1.0 / (allowed - 0.5 * spare);
@@ -56,7 +56,7 @@ static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed, d
     int side = 0; /* end that moved last */
     for (int i = 0; i < 100 && allowed - least > spare && high - low > 1e-15 * high; i++) {
         if (!(share > low && share < high) || i % 4 == 3) share = low > 0.0 ? sqrt(low * high) : 1e-3 * high;
-        const double stored = worn_recoverable(cohesive, cluster, share, false);
+        const double stored = softened_recoverable(cohesive, cluster, share, false);
         if (stored <= allowed) {
             if (side > 0) at_low *= 0.5;
             side = 1;
@@ -71,7 +71,7 @@ static void wear(const ShvCohesive *cohesive, int32_t cluster, double allowed, d
         }
         share = low - (high - low) * (at_low / (at_high - at_low));
     }
-    worn_recoverable(cohesive, cluster, high, true);
+    softened_recoverable(cohesive, cluster, high, true);
 }
 
 /* A cluster that was limited (limit_given) has given all it stored, but for round-off: to keep nothing it would have to let go
@@ -86,7 +86,7 @@ static const double start_share = 1e-3;
    their work is uncertain by as much as what is stored, now one way and now the other. To soften the cluster by each such excess
    wore bonds to nothing in bodies that only trembled; what is owed is paid back by the next error the other way, and nothing is
    gained beyond this share, however long it trembles. */
-static const double owed_share = 1e-3;
+static const double debt_share = 1e-3;
 
 static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
 {
@@ -94,26 +94,26 @@ static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoin
     return energy < 1e50 ? point->weight * energy : 0.0; /* one that never softens owes nothing */
 }
 
-static bool owes(const ShvCohesive *cohesive, int32_t start, int32_t end)
+static bool is_indebted(const ShvCohesive *cohesive, int32_t start, int32_t end)
 {
     bool any = false;
-    for (int32_t i = start; i < end; i++) any = any || cohesive->owed[cohesive->points[i].point] > 0.0;
+    for (int32_t i = start; i < end; i++) any = any || cohesive->energy_debt[cohesive->points[i].point] > 0.0;
     return any;
 }
 
 /* Returns by how much more than it may owe a cluster has kept, J. */
-static double owe(const ShvCohesive *cohesive, int32_t cluster, double excess)
+static double carry_debt(const ShvCohesive *cohesive, int32_t cluster, double excess)
 {
     const int32_t start = cohesive->cluster[cluster], end = cohesive->cluster[cluster + 1];
-    double owed = excess, most = 0.0;
-    if (excess <= 0.0 && !owes(cohesive, start, end)) return 0.0;
+    double energy_debt = excess, most = 0.0;
+    if (excess <= 0.0 && !is_indebted(cohesive, start, end)) return 0.0;
     for (int32_t i = start; i < end; i++) {
-        owed += cohesive->owed[cohesive->points[i].point];
-        most += owed_share * separation_work(cohesive, &cohesive->points[i]);
+        energy_debt += cohesive->energy_debt[cohesive->points[i].point];
+        most += debt_share * separation_work(cohesive, &cohesive->points[i]);
     }
-    const double left = shv_smaller(shv_larger(owed, 0.0), most);
-    for (int32_t i = start; i < end; i++) cohesive->owed[cohesive->points[i].point] = left / (end - start);
-    return shv_larger(owed - most, 0.0);
+    const double left = shv_smaller(shv_larger(energy_debt, 0.0), most);
+    for (int32_t i = start; i < end; i++) cohesive->energy_debt[cohesive->points[i].point] = left / (end - start);
+    return shv_larger(energy_debt - most, 0.0);
 }
 
 /* Moves the histories of a cluster along the step that was booked. Sweeps that have not settled leave a difference between
@@ -138,55 +138,56 @@ static void end_step(const ShvCohesive *cohesive, int32_t cluster)
         started += point->start_energy;
     }
     allowed = shv_larger(allowed, shv_larger(spared_share * exchanged, start_share * started));
-    const double excess = owe(cohesive, cluster, kept - allowed);
-    if (excess > 0.0) wear(cohesive, cluster, kept - excess, kept);
+    const double excess = carry_debt(cohesive, cluster, kept - allowed);
+    if (excess > 0.0) soften(cohesive, cluster, kept - excess, kept);
 }
 
 /* ---- begin ---- */
 
 /* Failed when no point can carry any more; separated when, besides, a pair is farther apart than half the edge of an
    equilateral triangle of the facet's area: the pairs no longer say where the faces meet. */
-static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetTurn *turn, const ShvFacetGaps *gaps)
+static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetRotation *rotation,
+                                   const ShvFacetGaps *gaps)
 {
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
-        if (turn->first[i] == turn->second[i]) return SHV_COHESIVE_CARRYING;
-        if (cohesive->peak[3 * (int64_t)turn->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
+        if (rotation->first[i] == rotation->second[i]) return SHV_COHESIVE_CARRYING;
+        if (cohesive->peak[3 * (int64_t)rotation->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
         farthest = shv_larger(farthest, shv_dot(gaps->opening[i], gaps->opening[i]));
     }
-    const double edge_squared = cohesive->area[turn->index] * (4.0 / sqrt(3.0));
+    const double edge_squared = cohesive->area[rotation->index] * (4.0 / sqrt(3.0));
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
 }
 
 static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
 {
-    ShvFacetTurn *turn = &cohesive->turns[k];
+    ShvFacetRotation *rotation = &cohesive->rotations[k];
     ShvFacetGaps *gaps = &cohesive->gaps[k];
-    const int32_t index = turn->index;
-    shv_turn_begin(turn, &cohesive->sides[index], cohesive->area[index], state);
+    const int32_t index = rotation->index;
+    shv_facet_rotation_begin(rotation, &cohesive->sides[index], cohesive->area[index], state);
     for (int i = 0; i < 3; i++) {
-        const int64_t first = 3 * (int64_t)turn->first[i], second = 3 * (int64_t)turn->second[i];
+        const int64_t first = 3 * (int64_t)rotation->first[i], second = 3 * (int64_t)rotation->second[i];
         gaps->push[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
         gaps->taken[i] = gaps->freed[i] = 0.0;
         gaps->pressed[i] = false;
         if (first == second) continue;
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + second), shv_load3(state->velocity + first));
-        gaps->opening[i] = shv_cohesive_opening(state, turn->first[i], turn->second[i]);
-        gaps->before[i] = shv_scale(shv_sub(rate, shv_cross(turn->rate, gaps->opening[i])), 0.5 * state->last_step);
+        gaps->opening[i] = shv_cohesive_opening(state, rotation->first[i], rotation->second[i]);
+        gaps->before[i] = shv_scale(shv_sub(rate, shv_cross(rotation->rate, gaps->opening[i])), 0.5 * state->last_step);
     }
-    cohesive->phase[index] = (uint8_t)next_phase(cohesive, turn, gaps);
+    cohesive->phase[index] = (uint8_t)next_phase(cohesive, rotation, gaps);
 }
 
 static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
 {
     const ShvLaw *law = &cohesive->law[point->point / 3];
-    const ShvFacetGaps *gaps = &cohesive->gaps[point->turn];
+    const ShvFacetGaps *gaps = &cohesive->gaps[point->rotation];
     const int corner = point->point % 3;
     point->opening = gaps->opening[corner];
     point->from = shv_sub(point->opening, gaps->before[corner]);
     point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     point->pull = shv_vec3(0.0, 0.0, 0.0);
-    const ShvOpening now = shv_cohesive_components(point->from, cohesive->turns[point->turn].normal);
+    const ShvOpening now = shv_cohesive_components(point->from, cohesive->rotations[point->rotation].normal);
     const ShvHistory before = cohesive->history[point->point];
     const ShvHistory history = shv_law_advance(law, before, cohesive->opening[point->point], now);
     if (history.normal > before.normal || history.shear > before.shear)
@@ -201,10 +202,10 @@ static bool has_moved(const ShvCohesive *cohesive, const ShvState *state, int32_
 {
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         const ShvCohesivePoint *point = &cohesive->points[i];
-        const ShvVec3 way = shv_sub(shv_cohesive_opening(state, point->first, point->second), point->opening);
-        if (way.x != 0.0 || way.y != 0.0 || way.z != 0.0) return true;
+        const ShvVec3 displacement = shv_sub(shv_cohesive_opening(state, point->first, point->second), point->opening);
+        if (displacement.x != 0.0 || displacement.y != 0.0 || displacement.z != 0.0) return true;
     }
-    return false; /* the same moment again */
+    return false; /* the same time again */
 }
 
 static void pass_clusters(ShvCohesive *cohesive, const ShvState *state, bool end, bool begin)
@@ -223,16 +224,16 @@ static const double idle_share = 0.05;
 
 static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
 {
-    const int32_t count = cohesive->turn_count, threads = cohesive->model->threads;
+    const int32_t count = cohesive->rotation_count, threads = cohesive->model->threads;
     int32_t separated = 0, idle = 0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(+ : separated, idle)
     for (int32_t k = 0; k < count; k++) {
-        const ShvFacetTurn *turn = &cohesive->turns[k];
-        if (cohesive->phase[turn->index] == SHV_COHESIVE_SEPARATED) continue;
+        const ShvFacetRotation *rotation = &cohesive->rotations[k];
+        if (cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED) continue;
         begin_facet(cohesive, state, k);
-        separated += cohesive->phase[turn->index] == SHV_COHESIVE_SEPARATED;
-        idle += turn->carries && cohesive->phase[turn->index] != SHV_COHESIVE_CARRYING;
+        separated += cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED;
+        idle += rotation->carries && cohesive->phase[rotation->index] != SHV_COHESIVE_CARRYING;
     }
     cohesive->pushed = false;
     if (separated > 0) shv_cohesive_drop_separated(cohesive);
@@ -259,25 +260,25 @@ static void hold(double *held, double *overdrawn, double taken, double returned)
     *overdrawn = shv_larger(*overdrawn, 0.0);
 }
 
-double shv_cohesive_free_to_give(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetTurn *turn,
-                                 int corner)
+double shv_cohesive_releasable(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetRotation *rotation,
+                               int corner)
 {
-    const double held = cohesive->held[3 * (int64_t)turn->index + corner];
-    return held > 0.0 ? shv_larger(held - cohesive->overdrawn[state->origin[turn->first[corner]]], 0.0) : 0.0;
+    const double held = cohesive->held[3 * (int64_t)rotation->index + corner];
+    return held > 0.0 ? shv_larger(held - cohesive->overdrawn[state->origin[rotation->first[corner]]], 0.0) : 0.0;
 }
 
 /* Closing faces of the step that was booked, if it was taken. */
 static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
 {
     if (!cohesive->pushed || state->time == cohesive->booked_time) return;
-    for (int32_t k = 0; k < cohesive->turn_count; k++) {
-        const int32_t index = cohesive->turns[k].index;
+    for (int32_t k = 0; k < cohesive->rotation_count; k++) {
+        const int32_t index = cohesive->rotations[k].index;
         for (int i = 0; i < 3; i++) {
             const int64_t point = 3 * (int64_t)index + i;
             const double taken = cohesive->gaps[k].taken[i];
             if (taken == 0.0) continue;
             const double returned = has_opened(cohesive, point) ? cohesive->sides[index].returned : 0.0;
-            hold(&cohesive->held[point], &cohesive->overdrawn[state->origin[cohesive->turns[k].first[i]]], taken,
+            hold(&cohesive->held[point], &cohesive->overdrawn[state->origin[cohesive->rotations[k].first[i]]], taken,
                  returned);
         }
     }
@@ -309,7 +310,8 @@ static PointWork book_point(const ShvCohesive *cohesive, const ShvState *state, 
     const ShvVec3 before = shv_sub(point->opening, point->from);
     const ShvVec3 after = shv_scale(shv_cohesive_rate(cohesive, state, point), 0.5 * step);
     const PointWork work = {shv_dot(point->pull, before), shv_dot(point->pull, after)};
-    point->reached = shv_cohesive_components(shv_add(point->opening, after), cohesive->turns[point->turn].normal);
+    point->reached =
+        shv_cohesive_components(shv_add(point->opening, after), cohesive->rotations[point->rotation].normal);
     point->work = work.before + work.after;
     return work;
 }
@@ -317,15 +319,15 @@ static PointWork book_point(const ShvCohesive *cohesive, const ShvState *state, 
 static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
     double before = 0.0, after = 0.0;
-    for (int32_t k = 0; cohesive->pushed && k < cohesive->turn_count; k++) {
-        const ShvFacetTurn *turn = &cohesive->turns[k];
+    for (int32_t k = 0; cohesive->pushed && k < cohesive->rotation_count; k++) {
+        const ShvFacetRotation *rotation = &cohesive->rotations[k];
         ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
             const ShvVec3 push = gaps->push[i];
             if (push.x == 0.0 && push.y == 0.0 && push.z == 0.0) continue;
-            const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)turn->second[i]),
-                                             shv_load3(state->velocity + 3 * (int64_t)turn->first[i]));
-            const ShvVec3 rate = shv_sub(velocity, shv_cross(turn->rate, gaps->opening[i]));
+            const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)rotation->second[i]),
+                                             shv_load3(state->velocity + 3 * (int64_t)rotation->first[i]));
+            const ShvVec3 rate = shv_sub(velocity, shv_cross(rotation->rate, gaps->opening[i]));
             const double work[2] = {shv_dot(push, gaps->before[i]), shv_dot(push, shv_scale(rate, 0.5 * step))};
             gaps->taken[i] = work[0] + work[1];
             before -= work[0];
@@ -342,10 +344,12 @@ enum { BOOK_BLOCK = 1024, MOST_BOOK_BLOCKS = 256 };
 void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
     PointWork sums[MOST_BOOK_BLOCKS] = {0}, sum = {0};
-    const int32_t count = cohesive->point_count, turns = cohesive->turn_count, threads = cohesive->model->threads;
+    const int32_t count = cohesive->point_count, rotations = cohesive->rotation_count,
+                  threads = cohesive->model->threads;
     const int32_t least = count / MOST_BOOK_BLOCKS + 1, size = least > BOOK_BLOCK ? least : BOOK_BLOCK;
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))
-    for (int32_t k = 0; k < turns; k++) cohesive->turns[k].rate = shv_turn_rate(&cohesive->turns[k], state);
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))
+    for (int32_t k = 0; k < rotations; k++)
+        cohesive->rotations[k].rate = shv_facet_rotation_rate(&cohesive->rotations[k], state);
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
     for (int32_t b = 0; b < (count + size - 1) / size; b++)
         for (int32_t i = b * size; i < count && i < (b + 1) * size; i++) {
@@ -377,7 +381,7 @@ double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState 
         const ShvHistory history = cohesive->history[point->point];
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
                                      shv_load3(state->velocity + 3 * (int64_t)point->first));
-        const ShvVec3 normal = cohesive->turns[point->turn].normal;
+        const ShvVec3 normal = cohesive->rotations[point->rotation].normal;
         const double opening = shv_dot(rate, normal), slipping = shv_norm(shv_madd(rate, -opening, normal));
         const double slipped = law->kind == SHV_PPR ? history.shear : cohesive->opening[point->point].shear;
         least = shv_smaller(least, time_to(law->final_opening[SHV_NORMAL], history.normal, opening));

@@ -162,7 +162,7 @@ ShvVec3 shv_front_slit_normal(const ShvCohesive *cohesive, const ShvState *state
     return is_slit(cohesive, state, node) ? cohesive->front.slit[node].normal : shv_vec3(0.0, 0.0, 0.0);
 }
 
-void shv_front_look(ShvCohesive *cohesive, const ShvState *state, int32_t node)
+void shv_front_update(ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
     Behind behind = {0};
     visit_star(cohesive, state, node, add_opened, &behind);
@@ -174,28 +174,28 @@ void shv_front_look(ShvCohesive *cohesive, const ShvState *state, int32_t node)
     cohesive->search.held[node] = 0.0;
 }
 
-static double pace(const ShvCohesive *cohesive, int32_t facet)
+static double crossing_time(const ShvCohesive *cohesive, int32_t facet)
 {
     const double speed = limit_speed * shv_cohesive_material(cohesive->model, facet)->shear_speed;
     return mean_edge(cohesive->model, facet) / speed;
 }
 
-static void find_pace(ShvCohesive *cohesive)
+static void find_speed_class(ShvCohesive *cohesive)
 {
     double sum = 0.0;
     int64_t count = 0;
     for (int32_t facet = 0; facet < cohesive->model->adjacency.interior_count; facet++) {
         if (isinf(tip_strength(cohesive->model, facet))) continue;
-        sum += pace(cohesive, facet);
+        sum += crossing_time(cohesive, facet);
         count++;
     }
-    cohesive->front.pace = count > 0 ? sum / (double)count : 0.0;
+    cohesive->front.crossing_time = count > 0 ? sum / (double)count : 0.0;
 }
 
 int32_t shv_front_steps(const ShvCohesive *cohesive, double step)
 {
     if (!cohesive->front.any) return 1;
-    return (int32_t)fmax(1.0, fmin(check_share * cohesive->front.pace / step, INT16_MAX));
+    return (int32_t)fmax(1.0, fmin(check_share * cohesive->front.crossing_time / step, INT16_MAX));
 }
 
 void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
@@ -203,13 +203,13 @@ void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
     const ShvCohesiveSides *sides = &cohesive->sides[index];
     const int32_t facet = cohesive->facet[index];
     double least = 1.0;
-    if (state->time - cohesive->born[index] < pace(cohesive, facet)) return;
+    if (state->time - cohesive->born[index] < crossing_time(cohesive, facet)) return;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
         least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
     if (least > opened_share) return;
     cohesive->opened[index] = true;
     for (int i = 0; i < 3; i++)
-        if (sides->first[i] == sides->second[i]) shv_front_look(cohesive, state, sides->first[i]);
+        if (sides->first[i] == sides->second[i]) shv_front_update(cohesive, state, sides->first[i]);
 }
 
 /* ---- slits ---- */
@@ -297,7 +297,7 @@ ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
     if (!front->ahead || !front->slit)
         return shv_fail_memory(error, "fronts of cracks", facets + nodes * sizeof *front->slit);
     find_slits(cohesive);
-    find_pace(cohesive);
+    find_speed_class(cohesive);
     return SHV_OK;
 }
 
@@ -311,5 +311,5 @@ void shv_front_release(ShvFront *front)
 void shv_front_start(ShvCohesive *cohesive, const ShvState *state)
 {
     for (int32_t node = 0; cohesive->front.any && node < cohesive->model->mesh.node_count; node++)
-        if (is_slit(cohesive, state, node)) shv_front_look(cohesive, state, node);
+        if (is_slit(cohesive, state, node)) shv_front_update(cohesive, state, node);
 }

@@ -24,8 +24,8 @@ typedef struct ShvSlit {
 enum { SHV_FRONT_LOWERED = 8 };
 
 typedef struct ShvFront {
-    bool any;       /* some material asks for it; without one the rest is not there */
-    double pace;    /* s in which a front crosses a facet, their mean */
+    bool any;             /* some material asks for it; without one the rest is not there */
+    double crossing_time; /* s in which a front crosses a facet, their mean */
     uint8_t *ahead; /* per interior facet, intact: bit k where it is ahead of a front at corner k of its first element's
                        face; inserted: SHV_FRONT_LOWERED where its law started so */
     ShvSlit *slit;  /* per node of the mesh */
@@ -45,7 +45,7 @@ void shv_front_start(struct ShvCohesive *cohesive, const ShvState *state);
 /* Looks whether a facet has opened by now; then at its nodes that are not split. */
 void shv_front_open(struct ShvCohesive *cohesive, const ShvState *state, int32_t cohesive_facet);
 /* Which facets at a node are ahead of a front, after a change there. */
-void shv_front_look(struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
+void shv_front_update(struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
 /* Steps between checks, once something may part, that no front outruns: 1 without any. */
 int32_t shv_front_steps(const struct ShvCohesive *cohesive, double step);
 /* Of an intact facet, at whichever corner it is weakest, Pa. */

@@ -139,7 +139,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
         cohesive->opening[point + i] = (ShvOpening){0};
         cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
         cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
-        cohesive->owed[point + i] = cohesive->held[point + i] = 0.0;
+        cohesive->energy_debt[point + i] = cohesive->held[point + i] = 0.0;
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;
@@ -188,9 +188,9 @@ static ShvStatus insert(ShvCohesive *cohesive, ShvState *state, const double *st
     for (int32_t i = 0; i < touched; i++) shv_topology_split(cohesive, state, nodes[i]);
     for (int32_t i = 0; i < touched; i++) find_sides_at(cohesive, state, nodes[i]);
     for (int32_t node = before; node < state->node_count; node++) find_sides_at(cohesive, state, node);
-    for (int32_t i = 0; cohesive->front.any && i < touched; i++) shv_front_look(cohesive, state, nodes[i]);
+    for (int32_t i = 0; cohesive->front.any && i < touched; i++) shv_front_update(cohesive, state, nodes[i]);
     for (int32_t node = before; cohesive->front.any && node < state->node_count; node++)
-        shv_front_look(cohesive, state, node);
+        shv_front_update(cohesive, state, node);
     for (int32_t i = 0; i < count; i++) shv_cohesive_weigh(cohesive, sorted[i]);
     cohesive->unlisted = true;
     return SHV_OK;

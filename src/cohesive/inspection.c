@@ -42,7 +42,7 @@ static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *
     search->value[node] = shv_larger(search->value[node], value);
 }
 
-static bool worth_a_look(const ShvStarSearch *search, int32_t node)
+static bool needs_evaluation(const ShvStarSearch *search, int32_t node)
 {
     const double value = search->value[node], held = search->held[node];
     return value > grown * held || value < fallen * held;
@@ -66,7 +66,7 @@ static int32_t list_nodes(ShvInspection *inspection)
     }
     for (int32_t i = 0; i < count; i++) {
         const int32_t node = search->nodes[i];
-        const bool looked_at = worth_a_look(search, node);
+        const bool looked_at = needs_evaluation(search, node);
         if (looked_at) search->held[node] = search->value[node];
         search->value[node] = 0.0;
         if (!looked_at) continue;
@@ -96,8 +96,8 @@ static void look(const ShvInspection *inspection, int32_t node)
     ShvCohesive *cohesive = inspection->cohesive;
     const double least = cohesive->settings->threshold;
     const double margin = is_cracked(cohesive, inspection->state, node) ? 0.0 : nucleation_margin;
-    shv_star_look(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node,
-                  least * (1.0 + margin));
+    shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node,
+                      least * (1.0 + margin));
 }
 
 /* What it shares tets with has other forces from now on. */

@@ -11,7 +11,7 @@ void shv_cohesive_keep_pulls(ShvCohesive *cohesive)
 
 void shv_cohesive_drop_lists(ShvCohesive *cohesive)
 {
-    cohesive->turn_count = cohesive->point_count = cohesive->pair_count = cohesive->cluster_count = 0;
+    cohesive->rotation_count = cohesive->point_count = cohesive->pair_count = cohesive->cluster_count = 0;
     cohesive->unlisted = true;
 }
 
@@ -50,35 +50,35 @@ static bool carries(const ShvCohesive *cohesive, int32_t index)
     return peak[0] > 0.0 || peak[1] > 0.0 || peak[2] > 0.0;
 }
 
-static void place_turn(ShvCohesive *cohesive, int32_t index, ShvFacetTurn *turn)
+static void place_rotation(ShvCohesive *cohesive, int32_t index, ShvFacetRotation *rotation)
 {
     const ShvCohesiveSides *sides = &cohesive->sides[index];
-    turn->index = index;
-    turn->answers = turn->news = false;
-    turn->carries = carries(cohesive, index);
+    rotation->index = index;
+    rotation->answers = rotation->news = false;
+    rotation->carries = carries(cohesive, index);
     for (int i = 0; i < 3; i++) {
-        turn->first[i] = sides->first[i];
-        turn->second[i] = sides->second[i];
+        rotation->first[i] = sides->first[i];
+        rotation->second[i] = sides->second[i];
         cohesive->pair_count += sides->first[i] != sides->second[i];
     }
 }
 
 /* In order of the nodes that their first corners stem from, as positions and velocities stand. */
-static void list_turns(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     int32_t *fill = cohesive->origin_fill;
     const int32_t nodes = cohesive->model->mesh.node_count;
-    cohesive->turn_count = cohesive->pair_count = 0;
+    cohesive->rotation_count = cohesive->pair_count = 0;
     for (int32_t k = 0; k < cohesive->live_count; k++)
         if (is_wanted(cohesive, state, cohesive->live[k], awake)) {
             fill[origin_of(cohesive, state, cohesive->live[k])]++;
-            cohesive->turn_count++;
+            cohesive->rotation_count++;
         }
     sum_up(fill, nodes);
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
         if (!is_wanted(cohesive, state, index, awake)) continue;
-        place_turn(cohesive, index, &cohesive->turns[fill[origin_of(cohesive, state, index)]++]);
+        place_rotation(cohesive, index, &cohesive->rotations[fill[origin_of(cohesive, state, index)]++]);
     }
     memset(fill, 0, (size_t)nodes * sizeof *fill);
 }
@@ -88,8 +88,9 @@ static void list_corners(ShvCohesive *cohesive, const ShvState *state)
 {
     int32_t *fill = cohesive->origin_fill;
     const int32_t nodes = cohesive->model->mesh.node_count;
-    for (int32_t k = 0; k < cohesive->turn_count; k++)
-        for (int i = 0; cohesive->turns[k].carries && i < 3; i++) fill[state->origin[cohesive->turns[k].first[i]]]++;
+    for (int32_t k = 0; k < cohesive->rotation_count; k++)
+        for (int i = 0; cohesive->rotations[k].carries && i < 3; i++)
+            fill[state->origin[cohesive->rotations[k].first[i]]]++;
     cohesive->cluster_count = 0;
     int32_t start = 0;
     for (int32_t node = 0; node < nodes; node++) {
@@ -99,11 +100,11 @@ static void list_corners(ShvCohesive *cohesive, const ShvState *state)
         fill[node] = start - fill[node];
     }
     cohesive->cluster_corner[cohesive->cluster_count] = start;
-    for (int32_t k = 0; k < cohesive->turn_count; k++)
-        for (int i = 0; cohesive->turns[k].carries && i < 3; i++) {
-            const ShvFacetTurn *turn = &cohesive->turns[k];
-            cohesive->corners[fill[state->origin[turn->first[i]]]++] =
-                (ShvCohesiveCorner){turn->first[i], turn->second[i], 3 * k + i};
+    for (int32_t k = 0; k < cohesive->rotation_count; k++)
+        for (int i = 0; cohesive->rotations[k].carries && i < 3; i++) {
+            const ShvFacetRotation *rotation = &cohesive->rotations[k];
+            cohesive->corners[fill[state->origin[rotation->first[i]]]++] =
+                (ShvCohesiveCorner){rotation->first[i], rotation->second[i], 3 * k + i};
         }
     memset(fill, 0, (size_t)nodes * sizeof *fill);
 }
@@ -129,14 +130,14 @@ static void sort_pairs(ShvCohesiveCorner *corners, int32_t count)
 
 static void place_point(ShvCohesive *cohesive, const ShvCohesiveCorner *corner)
 {
-    const int32_t turn = corner->slot / 3, index = cohesive->turns[turn].index;
+    const int32_t rotation = corner->slot / 3, index = cohesive->rotations[rotation].index;
     const int32_t point = 3 * index + corner->slot % 3;
     const double weight = cohesive->area[index] / 3.0;
     cohesive->points[cohesive->point_count++] = (ShvCohesivePoint){
         .first = corner->first,
         .second = corner->second,
         .point = point,
-        .turn = turn,
+        .rotation = rotation,
         .weight = weight,
         .start_energy = weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start,
         .springs.history.normal = (double)NAN,
@@ -175,10 +176,10 @@ static void list_points(ShvCohesive *cohesive)
 void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     shv_cohesive_drop_separated(cohesive);
-    list_turns(cohesive, state, awake);
+    list_rotations(cohesive, state, awake);
     list_corners(cohesive, state);
     list_points(cohesive);
-    for (int64_t i = 0; i < 3 * (int64_t)cohesive->turn_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
+    for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }

@@ -1,9 +1,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "cohesive/facet_rotation.h"
 #include "cohesive/solve.h"
 #include "cohesive/spring.h"
-#include "cohesive/turn.h"
 
 /* Sweeps over a cluster end when no point's force changes by more than this share of its peak, or after so many; what is
    then left is made up for by `limit_given` and `wear`. */
@@ -55,7 +55,7 @@ static void prepare(const Pull *pull, int32_t start, int32_t end)
         const ShvLaw *law = &cohesive->law[point->point / 3];
         const ShvLawSprings *springs = shv_law_follow(law, cohesive->history[point->point], &point->springs);
         cohesive->pairs[i] =
-            shv_pair_make(law, springs, cohesive->turns[point->turn].normal, point->from, point->opening,
+            shv_pair_make(law, springs, cohesive->rotations[point->rotation].normal, point->from, point->opening,
                           0.5 * pull->step * pull->kick * point->response * point->weight);
     }
 }
@@ -72,11 +72,11 @@ static void repeat_last(const Pull *pull, int32_t start, int32_t end)
 }
 
 /* Turns of facets stand still while clusters settle. */
-static void note_turning(const ShvCohesive *cohesive, int32_t cluster)
+static void note_rotation(const ShvCohesive *cohesive, int32_t cluster)
 {
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         ShvCohesivePoint *point = &cohesive->points[i];
-        point->turning = shv_cross(cohesive->turns[point->turn].rate, point->opening);
+        point->rotation_rate = shv_cross(cohesive->rotations[point->rotation].rate, point->opening);
     }
 }
 
@@ -86,7 +86,7 @@ static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
     const double *velocity = pull->state->velocity;
     const ShvVec3 rate =
         shv_sub(shv_load3(velocity + 3 * (int64_t)point->second), shv_load3(velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, point->turning);
+    return shv_sub(rate, point->rotation_rate);
 }
 
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
@@ -156,8 +156,8 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
     for (int32_t i = start; i < end; i++) {
         const ShvCohesivePoint *point = &pull->cohesive->points[i];
         const ShvVec3 rate = rate_of(pull, point);
-        const ShvVec3 way = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
-        const double own = shv_dot(point->pull, way), force = shv_norm(point->pull);
+        const ShvVec3 displacement = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
+        const double own = shv_dot(point->pull, displacement), force = shv_norm(point->pull);
         *stored += point->stored;
         work += own;
         size += point->stored + fabs(own);
@@ -212,7 +212,7 @@ static void leave_couples(const Pull *pull, int32_t cluster)
     const ShvCohesive *cohesive = pull->cohesive;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         const ShvCohesivePoint *point = &cohesive->points[i];
-        cohesive->couple[3 * (int64_t)point->turn + point->point % 3] = shv_cross(point->opening, point->pull);
+        cohesive->couple[3 * (int64_t)point->rotation + point->point % 3] = shv_cross(point->opening, point->pull);
     }
 }
 
@@ -223,7 +223,7 @@ static int32_t pull_cluster(const Pull *pull, int32_t cluster)
     const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     double stored;
-    note_turning(pull->cohesive, cluster);
+    note_rotation(pull->cohesive, cluster);
     int32_t sweeps = settle(pull, start, end);
     find_budget(pull, start, end, budget, &stored);
     if (budget->left < 0.0) {
@@ -251,9 +251,9 @@ static void push_cluster(const Pull *pull, int32_t cluster)
     double shift = 0.0;
     for (int32_t i = cohesive->cluster_corner[cluster]; i < cohesive->cluster_corner[cluster + 1]; i++) {
         const ShvCohesiveCorner *corner = &cohesive->corners[i];
-        const ShvFacetTurn *turn = &cohesive->turns[corner->slot / 3];
-        if (!turn->answers) continue;
-        const ShvVec3 half = shv_cross(turn->answer, turn->arm[corner->slot % 3]);
+        const ShvFacetRotation *rotation = &cohesive->rotations[corner->slot / 3];
+        if (!rotation->answers) continue;
+        const ShvVec3 half = shv_cross(rotation->answer, rotation->arm[corner->slot % 3]);
         shift += push(pull, corner->first, half);
         shift += push(pull, corner->second, half);
     }
@@ -270,27 +270,29 @@ static double change_of(ShvVec3 rate, ShvVec3 before)
 static double answer_couples(const Pull *pull)
 {
     ShvCohesive *cohesive = pull->cohesive;
-    const int32_t turns = cohesive->turn_count, count = cohesive->cluster_count, threads = cohesive->model->threads;
+    const int32_t rotations = cohesive->rotation_count, count = cohesive->cluster_count,
+                  threads = cohesive->model->threads;
     bool any = false;
     double spin = 0.0;
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))          \
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))      \
     reduction(||                                                                                                       \
               : any)
-    for (int32_t k = 0; k < turns; k++) {
-        if (cohesive->turns[k].carries) shv_turn_answer(&cohesive->turns[k], cohesive->couple + 3 * (int64_t)k);
-        any = any || cohesive->turns[k].answers;
+    for (int32_t k = 0; k < rotations; k++) {
+        if (cohesive->rotations[k].carries)
+            shv_facet_rotation_answer(&cohesive->rotations[k], cohesive->couple + 3 * (int64_t)k);
+        any = any || cohesive->rotations[k].answers;
     }
     if (!any) return -1.0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
     for (int32_t c = 0; c < count; c++) push_cluster(pull, c);
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))          \
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))      \
     reduction(max                                                                                                      \
               : spin)
-    for (int32_t k = 0; k < turns; k++) {
-        if (!cohesive->turns[k].carries) continue;
-        const ShvVec3 rate = shv_turn_rate(&cohesive->turns[k], pull->state);
-        spin = shv_larger(spin, change_of(rate, cohesive->turns[k].rate));
-        cohesive->turns[k].rate = rate;
+    for (int32_t k = 0; k < rotations; k++) {
+        if (!cohesive->rotations[k].carries) continue;
+        const ShvVec3 rate = shv_facet_rotation_rate(&cohesive->rotations[k], pull->state);
+        spin = shv_larger(spin, change_of(rate, cohesive->rotations[k].rate));
+        cohesive->rotations[k].rate = rate;
     }
     return spin;
 }
@@ -301,7 +303,7 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
     if (budget->left >= 0.0) return false;
-    note_turning(pull->cohesive, cluster);
+    note_rotation(pull->cohesive, cluster);
     if (!limit_given(pull, cluster)) return false;
     leave_couples(pull, cluster);
     return true;
@@ -329,7 +331,7 @@ static void answer_within_limits(const Pull *pull)
 static bool has_news(const ShvCohesive *cohesive, int32_t cluster)
 {
     for (int32_t i = cohesive->cluster_corner[cluster]; i < cohesive->cluster_corner[cluster + 1]; i++)
-        if (cohesive->turns[cohesive->corners[i].slot / 3].news) return true;
+        if (cohesive->rotations[cohesive->corners[i].slot / 3].news) return true;
     return false;
 }
 
@@ -342,23 +344,25 @@ static bool compare_node(const ShvCohesive *cohesive, const ShvState *state, int
 }
 
 /* Of velocities, since the last pull. Returns whether there are any. */
-static bool look_for_news(const Pull *pull)
+static bool find_changed_velocities(const Pull *pull)
 {
     ShvCohesive *cohesive = pull->cohesive;
-    const int32_t nodes = pull->state->node_count, turns = cohesive->turn_count, threads = cohesive->model->threads;
+    const int32_t nodes = pull->state->node_count, rotations = cohesive->rotation_count,
+                  threads = cohesive->model->threads;
     bool any = false;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, nodes))          \
     reduction(||                                                                                                       \
               : any)
     for (int32_t i = 0; i < nodes; i++) any = compare_node(cohesive, pull->state, i) || any;
     if (!any) return false;
-#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, turns))
-    for (int32_t k = 0; k < turns; k++) {
-        ShvFacetTurn *turn = &cohesive->turns[k];
-        turn->news = false;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))
+    for (int32_t k = 0; k < rotations; k++) {
+        ShvFacetRotation *rotation = &cohesive->rotations[k];
+        rotation->news = false;
         for (int i = 0; i < 3; i++)
-            turn->news = turn->news || cohesive->node_news[turn->first[i]] || cohesive->node_news[turn->second[i]];
-        if (turn->news) turn->rate = shv_turn_rate(turn, pull->state);
+            rotation->news =
+                rotation->news || cohesive->node_news[rotation->first[i]] || cohesive->node_news[rotation->second[i]];
+        if (rotation->news) rotation->rate = shv_facet_rotation_rate(rotation, pull->state);
     }
     return true;
 }
@@ -373,7 +377,7 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
     const bool first = cohesive->pull_kick == 0.0, again = cohesive->pull_kick == kick && cohesive->pull_step == step;
     int64_t sweeps = 0;
-    if (!first && !look_for_news(&pull) && again) return;
+    if (!first && !find_changed_velocities(&pull) && again) return;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(+ : sweeps)
     for (int32_t c = 0; c < count; c++) {

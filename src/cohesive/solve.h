@@ -23,8 +23,8 @@ void shv_cohesive_drop_lists(ShvCohesive *cohesive);
 void shv_cohesive_drop_separated(ShvCohesive *cohesive);
 
 /* What the faces of a pair may give when they part, J. */
-double shv_cohesive_free_to_give(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetTurn *turn,
-                                 int corner);
+double shv_cohesive_releasable(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetRotation *rotation,
+                               int corner);
 
 /* Of opening, seen by one who turns with the facet. */
 static inline ShvVec3 shv_cohesive_rate(const ShvCohesive *cohesive, const ShvState *state,
@@ -32,7 +32,7 @@ static inline ShvVec3 shv_cohesive_rate(const ShvCohesive *cohesive, const ShvSt
 {
     const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
                                  shv_load3(state->velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, shv_cross(cohesive->turns[point->turn].rate, point->opening));
+    return shv_sub(rate, shv_cross(cohesive->rotations[point->rotation].rate, point->opening));
 }
 
 #endif

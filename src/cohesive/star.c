@@ -231,11 +231,11 @@ static ShvVec3 weakest_direction(const ShvStar *star)
         const ShvVec3 normal = shv_scale(facet->area, 1.0 / facet->size), traction = apply(star->stress, normal);
         const double tension = shv_dot(traction, normal);
         const ShvVec3 shear = shv_scale(shv_madd(traction, -tension, normal), soft);
-        const ShvVec3 way = shv_madd(shear, shv_larger(tension, 0.0), normal);
-        const double value = shv_dot(traction, way) / (facet->strength * facet->strength);
+        const ShvVec3 opening = shv_madd(shear, shv_larger(tension, 0.0), normal);
+        const double value = shv_dot(traction, opening) / (facet->strength * facet->strength);
         if (!(value > largest)) continue;
         largest = value;
-        direction = shv_unit(way);
+        direction = shv_unit(opening);
     }
     return direction;
 }
@@ -249,8 +249,8 @@ static bool is_across_crack(const ShvStar *star, const ShvCohesive *cohesive, co
 }
 
 /* Directions come with either sign: what moves is a group or all the others. */
-void shv_star_look(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                   int32_t node, double least)
+void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                       int32_t node, double least)
 {
     double values[3];
     ShvMat3 axes;

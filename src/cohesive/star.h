@@ -45,7 +45,7 @@ typedef struct ShvStar {
 ShvStatus shv_star_create(ShvStar *star, ShvMemory *memory, int32_t most_corners, ShvError *error);
 void shv_star_release(ShvStar *star);
 /* Looks for the disk of a node with the largest ratio, `least` or more. The stress of all its tets must be there. */
-void shv_star_look(ShvStar *star, const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                   int32_t node, double least);
+void shv_star_evaluate(ShvStar *star, const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                       int32_t node, double least);
 
 #endif

@@ -13,7 +13,7 @@
     X(ShvOpening, opening, 3)                                                                                          \
     X(double, peak, 3)                                                                                                 \
     X(double, held, 3)                                                                                                 \
-    X(double, owed, 3)                                                                                                 \
+    X(double, energy_debt, 3)                                                                                          \
     X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
     X(uint8_t, bonded, 1)                                                                                              \
@@ -21,7 +21,7 @@
     X(uint8_t, opened, 1)                                                                                              \
     X(int32_t, failed, 1)                                                                                              \
     X(int32_t, live, 1)                                                                                                \
-    X(ShvFacetTurn, turns, 1)                                                                                          \
+    X(ShvFacetRotation, rotations, 1)                                                                                  \
     X(ShvFacetGaps, gaps, 1)                                                                                           \
     X(ShvVec3, couple, 3)                                                                                              \
     X(ShvCohesivePoint, points, 3)                                                                                     \

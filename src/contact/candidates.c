@@ -2,7 +2,7 @@
 
 #include "mesh/facets.h"
 
-enum { STEPS_BETWEEN_LOOKS = 16, STEPS_TO_LAST = 64 };
+enum { STEPS_BETWEEN_CHECKS = 16, STEPS_TO_LAST = 64 };
 
 double shv_candidates_obstacle_speed(const ShvObstacle *obstacle)
 {
@@ -181,9 +181,9 @@ static void look(ShvNodeContact *contact, const ShvState *state, const int32_t *
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, double gravity, ShvError *error)
 {
-    const double others = largest_obstacle_speed(obstacles) + (STEPS_BETWEEN_LOOKS + 1) * step * gravity;
+    const double others = largest_obstacle_speed(obstacles) + (STEPS_BETWEEN_CHECKS + 1) * step * gravity;
     const bool forced = contact->stale || contact->listed != count;
-    if (!forced && ++contact->since >= STEPS_BETWEEN_LOOKS) look(contact, state, nodes, count);
+    if (!forced && ++contact->since >= STEPS_BETWEEN_CHECKS) look(contact, state, nodes, count);
     contact->moved += step * (2.0 * contact->node_speed + others);
     if (!forced && contact->moved <= 0.5 * contact->skin) return SHV_OK;
     look(contact, state, nodes, count);

@@ -3,7 +3,7 @@
 #define SHV_CONTACT_CONTACT_ARCHIVE_H
 
 #include "base/archive.h"
-#include "contact/imposed.h"
+#include "conditions/imposed.h"
 #include "contact/surface_contact.h"
 
 bool shv_node_contact_archive(ShvNodeContact *contact, ShvArchive *archive);

@@ -10,9 +10,9 @@ static const double edge_margin = 1e-9;
 
 static ShvVec3 node_velocity(const ShvSurfaceBodies *bodies, int32_t node, int32_t fragment, ShvVec3 point)
 {
-    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
-    return companion ? shv_companion_velocity(companion, point)
-                     : shv_load3(bodies->state->velocity + 3 * (int64_t)node);
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, fragment);
+    return coupled_body ? shv_coupled_body_velocity(coupled_body, point)
+                        : shv_load3(bodies->state->velocity + 3 * (int64_t)node);
 }
 
 /* ---- geometry ---- */
@@ -52,10 +52,10 @@ static bool over(const Place *place)
 
 static double squared_distance(ShvVec3 x, ShvVec3 from, ShvVec3 to)
 {
-    const ShvVec3 way = shv_sub(to, from), r = shv_sub(x, from);
-    const double length = shv_dot(way, way), along = length > 0.0 ? shv_dot(r, way) / length : 0.0;
+    const ShvVec3 path = shv_sub(to, from), r = shv_sub(x, from);
+    const double length = shv_dot(path, path), along = length > 0.0 ? shv_dot(r, path) / length : 0.0;
     const double share = along > 1.0 ? 1.0 : along > 0.0 ? along : 0.0;
-    const ShvVec3 rest = shv_madd(r, -share, way);
+    const ShvVec3 rest = shv_madd(r, -share, path);
     return shv_dot(rest, rest);
 }
 
@@ -146,13 +146,13 @@ static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], 
 /* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
 static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
 {
-    const ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[0]);
-    double sum = companion ? shv_companion_inverse_mass(companion, pair->point, direction)
-                           : 1.0 / bodies->state->mass[pair->node];
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
+    double sum = coupled_body ? shv_coupled_body_inverse_mass(coupled_body, pair->point, direction)
+                              : 1.0 / bodies->state->mass[pair->node];
     if (pair->element < 0)
         return sum + shv_obstacle_inverse_mass(obstacle_of(bodies, pair->element), pair->point, direction);
-    companion = shv_bodies_companion(bodies, pair->fragments[1]);
-    if (companion) return sum + shv_companion_inverse_mass(companion, pair->point, direction);
+    coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
+    if (coupled_body) return sum + shv_coupled_body_inverse_mass(coupled_body, pair->point, direction);
     for (int k = 0; k < 3; k++) {
         const ShvVec3 share = shv_facet_pair_share(pair, k, direction);
         sum += shv_dot(share, share) / bodies->state->mass[pair->corners[k]];
@@ -211,8 +211,8 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
 
 /* The nearest of the points at which the facet may meet the feature: its neighbours stand for the others. False where it does
    not: then *distance is how far apart they are, where that is beyond the reach. */
-static bool look_at_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
-                            ShvSurfacePoint *at, double *distance)
+static bool detect_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
+                           ShvSurfacePoint *at, double *distance)
 {
     const ShvObstacle *obstacle = obstacle_of(bodies, candidate->element);
     const ShvFeature *feature = &obstacle->features[candidate->feature - 1];
@@ -232,14 +232,14 @@ static bool look_at_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCand
     return true;
 }
 
-static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
-                             ShvFacetPair *pair, double *distance)
+static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
+                            ShvFacetPair *pair, double *distance)
 {
     ShvSurfacePoint at;
     ShvVec3 x;
     *distance = 0.0;
     if (candidate->feature > 0) {
-        if (!look_at_feature(bodies, candidate, reach, &at, distance)) return false;
+        if (!detect_feature(bodies, candidate, reach, &at, distance)) return false;
         x = shv_madd(at.point, at.gap, at.normal);
     } else {
         x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
@@ -260,11 +260,11 @@ static bool look_at_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCan
     return true;
 }
 
-bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                         double step, double reach, ShvFacetPair *pair, double *distance)
+bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
+                           double step, double reach, ShvFacetPair *pair, double *distance)
 {
     pair->step = step;
-    if (candidate->element < 0) return look_at_obstacle(bodies, candidate, reach, pair, distance);
+    if (candidate->element < 0) return detect_obstacle(bodies, candidate, reach, pair, distance);
     ShvVec3 corners[3], velocities[3];
     Place place;
     const int32_t fragment = candidate->fragments[1];
@@ -303,8 +303,8 @@ ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies
 {
     const ShvVec3 own = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
     if (pair->element < 0) return shv_sub(own, shv_obstacle_velocity(obstacle_of(bodies, pair->element), pair->point));
-    const ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[1]);
-    if (companion) return shv_sub(own, shv_companion_velocity(companion, pair->point));
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
+    if (coupled_body) return shv_sub(own, shv_coupled_body_velocity(coupled_body, pair->point));
     ShvVec3 velocities[3];
     for (int k = 0; k < 3; k++) velocities[k] = shv_load3(bodies->state->velocity + 3 * (int64_t)pair->corners[k]);
     return shv_sub(own, mean_velocity(pair, velocities));
@@ -322,18 +322,18 @@ static void strike_obstacle(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, 
 void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
 {
     ShvState *state = bodies->state;
-    ShvCompanion *companion = shv_bodies_companion(bodies, pair->fragments[0]);
-    if (companion)
-        shv_companion_impulse(companion, pair->point, impulse);
+    ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
+    if (coupled_body)
+        shv_coupled_body_impulse(coupled_body, pair->point, impulse);
     else
         shv_add_to3(state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / state->mass[pair->node]));
     if (pair->element < 0) {
         strike_obstacle(pair, bodies, impulse);
         return;
     }
-    companion = shv_bodies_companion(bodies, pair->fragments[1]);
-    if (companion) {
-        shv_companion_impulse(companion, pair->point, shv_scale(impulse, -1.0));
+    coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
+    if (coupled_body) {
+        shv_coupled_body_impulse(coupled_body, pair->point, shv_scale(impulse, -1.0));
         return;
     }
     for (int k = 0; k < 3; k++)

@@ -18,7 +18,7 @@ typedef struct ShvFacetPlane {
     ShvVec3 gradients[3]; /* of the weights, 1/m */
 } ShvFacetPlane;
 
-/* A node and a facet close enough to meet within a step; or a companion's node, or point of a facet, and an obstacle's
+/* A node and a facet close enough to meet within a step; or a coupled body's node, or point of a facet, and an obstacle's
    nearest point. */
 typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
@@ -40,8 +40,8 @@ typedef struct ShvFacetPair {
     ShvVec3 friction;         /* N·s on the node, across the normal */
     double friction_bound;    /* N·s */
     double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
-    int32_t slots[4]; /* of the node and the facet's nodes in ShvSurfaceList, −1: of a companion or obstacle */
-    int32_t turn;     /* of its last look in the sweeps */
+    int32_t slots[4]; /* of the node and the facet's nodes in ShvSurfaceList, −1: of a coupled body or obstacle */
+    int32_t visit;    /* of its last look in the sweeps */
     bool excluded;    /* another facet stands for it */
     bool deforming;   /* both sides are */
 } ShvFacetPair;
@@ -49,7 +49,7 @@ typedef struct ShvFacetPair {
 /* A pair worth looking at. */
 typedef struct ShvSurfaceCandidate {
     int32_t node, element, face;
-    int32_t feature; /* of an obstacle (shape/feature.h), + 1, that a companion's facet may meet: then `face` is that
+    int32_t feature; /* of an obstacle (shape/feature.h), + 1, that a coupled body's facet may meet: then `face` is that
                              facet, element × 4 + face, and `node` a corner of it; 0: none */
     int32_t fragments[2]; /* of the node, of the facet */
     int32_t slot;         /* of the node in ShvSurfaceList */
@@ -68,8 +68,8 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far
    any two can come closer in the step. */
-bool shv_facet_pair_look(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                         double step, double reach, ShvFacetPair *pair, double *distance);
+bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
+                           double step, double reach, ShvFacetPair *pair, double *distance);
 /* Velocity of the node against the facet, that which does work with an impulse on the node. */
 ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies);
 /* The answer of a facet's node to an impulse on the pair's node, N·s. */

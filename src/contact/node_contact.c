@@ -309,14 +309,14 @@ static ShvStatus append_crossings(const ContactStep *now, bool *any, ShvError *e
         const ShvVec3 from =
             shv_madd(shv_state_position(now->state, pair.nodes[0]), fmax(0.0, -pair.gap) + rounding, pair.normal);
         ShvCrossing crossing;
-        const ShvVec3 way = shv_scale(relative_velocity(now, &pair), now->step);
-        if (!shv_obstacle_sweep(obstacle, from, shv_add(from, way), &crossing)) continue;
+        const ShvVec3 path = shv_scale(relative_velocity(now, &pair), now->step);
+        if (!shv_obstacle_sweep(obstacle, from, shv_add(from, path), &crossing)) continue;
         pair.point = crossing.point;
         pair.normal = crossing.normal;
         pair.gap = shv_dot(shv_sub(from, crossing.point), crossing.normal);
         pair.normal_impulse = pair.friction_bound = 0.0;
         pair.friction = shv_vec3(0.0, 0.0, 0.0);
-        if (pair.gap + shv_dot(way, pair.normal) > -2.0 * rounding) continue;
+        if (pair.gap + shv_dot(path, pair.normal) > -2.0 * rounding) continue;
         SHV_TRY(append_pair(now, &pair, error));
         *any = true;
     }

@@ -2,7 +2,7 @@
 
 #include "contact/candidates.h"
 
-/* A key has 18 bits an axis, 5 for the level and 5 for the pace. */
+/* A key has 18 bits an axis, 5 for the level and 5 for the speed class. */
 enum { AXIS_BITS = 18, LEVEL_BITS = 5, TOP_LEVEL = 31 };
 static const double most_cubes = 131072.0;
 
@@ -52,13 +52,13 @@ static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_start(ShvNodeGrid *grid, const uint32_t levels[SHV_GRID_PACES],
-                              const int32_t nodes[SHV_GRID_PACES], ShvError *error)
+ShvStatus shv_node_grid_start(ShvNodeGrid *grid, const uint32_t levels[SHV_GRID_SPEED_CLASSES],
+                              const int32_t nodes[SHV_GRID_SPEED_CLASSES], ShvError *error)
 {
     int64_t entries = 0;
-    for (int pace = 0; pace < SHV_GRID_PACES; pace++) {
-        for (uint32_t bits = levels[pace]; bits; bits &= bits - 1) entries += nodes[pace];
-        grid->levels[pace] = nodes[pace] > 0 ? levels[pace] : 0;
+    for (int speed_class = 0; speed_class < SHV_GRID_SPEED_CLASSES; speed_class++) {
+        for (uint32_t bits = levels[speed_class]; bits; bits &= bits - 1) entries += nodes[speed_class];
+        grid->levels[speed_class] = nodes[speed_class] > 0 ? levels[speed_class] : 0;
     }
     grid->count = 0;
     return reserve(grid, entries, error);
@@ -71,9 +71,9 @@ static uint64_t cell(double x, double origin, double size)
     return at > 0.0 ? (uint64_t)(at < last ? at : last) : 0;
 }
 
-static uint64_t key_of(int pace, int level, uint64_t x, uint64_t y, uint64_t z)
+static uint64_t key_of(int speed_class, int level, uint64_t x, uint64_t y, uint64_t z)
 {
-    const uint64_t grid = (uint64_t)pace << LEVEL_BITS | (uint64_t)level;
+    const uint64_t grid = (uint64_t)speed_class << LEVEL_BITS | (uint64_t)level;
     return (((grid << AXIS_BITS | x) << AXIS_BITS | y) << AXIS_BITS) | z;
 }
 
@@ -84,15 +84,17 @@ static uint64_t hash_of(const ShvNodeGrid *grid, uint64_t key)
     return mixed >> (64 - grid->start_bits);
 }
 
-void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int pace, ShvVec3 position)
+void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int speed_class, ShvVec3 position)
 {
     double size = grid->size;
-    for (int level = 0; grid->levels[pace] >> level; level++, size *= 2.0) {
-        if (grid->levels[pace] >> level & 1u) {
+    for (int level = 0; grid->levels[speed_class] >> level; level++, size *= 2.0) {
+        if (grid->levels[speed_class] >> level & 1u) {
             const ShvVec3 o = grid->origin;
             const uint64_t x = cell(position.x, o.x, size), y = cell(position.y, o.y, size);
-            grid->entries[grid->count++] = (ShvGridEntry){
-                .key = key_of(pace, level, x, y, cell(position.z, o.z, size)), .position = position, .item = item};
+            grid->entries[grid->count++] =
+                (ShvGridEntry){.key = key_of(speed_class, level, x, y, cell(position.z, o.z, size)),
+                               .position = position,
+                               .item = item};
         }
         if (level == TOP_LEVEL) break;
     }
@@ -110,12 +112,12 @@ void shv_node_grid_finish(ShvNodeGrid *grid)
 }
 
 /* The level in use that fits best: the lowest at or above its own, or the highest. */
-static int level_for(const ShvNodeGrid *grid, int pace, double size)
+static int level_for(const ShvNodeGrid *grid, int speed_class, double size)
 {
     int highest = 0;
     const int own = shv_node_grid_level(grid, size);
     for (int level = 0; level <= TOP_LEVEL; level++) {
-        if (!(grid->levels[pace] >> level & 1u)) continue;
+        if (!(grid->levels[speed_class] >> level & 1u)) continue;
         highest = level;
         if (level >= own) break;
     }
@@ -153,11 +155,11 @@ static ShvStatus take_from_all(ShvNodeGrid *grid, uint64_t cubes, const ShvBox *
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int pace, double size, ShvBox box, ShvError *error)
+ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int speed_class, double size, ShvBox box, ShvError *error)
 {
     grid->found_count = 0;
-    if (grid->levels[pace] == 0) return SHV_OK;
-    const int level = level_for(grid, pace, size);
+    if (grid->levels[speed_class] == 0) return SHV_OK;
+    const int level = level_for(grid, speed_class, size);
     size = grid->size;
     for (int k = 0; k < level; k++) size *= 2.0;
     const ShvVec3 o = grid->origin;
@@ -165,10 +167,11 @@ ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int pace, double size, ShvBox bo
     const uint64_t high[3] = {cell(box.high.x, o.x, size), cell(box.high.y, o.y, size), cell(box.high.z, o.z, size)};
     double cubes = 1.0;
     for (int k = 0; k < 3; k++) cubes *= (double)(high[k] - low[k]) + 1.0;
-    if (cubes > grid->count) return take_from_all(grid, key_of(pace, level, 0, 0, 0) >> (3 * AXIS_BITS), &box, error);
+    if (cubes > grid->count)
+        return take_from_all(grid, key_of(speed_class, level, 0, 0, 0) >> (3 * AXIS_BITS), &box, error);
     for (uint64_t x = low[0]; x <= high[0]; x++)
         for (uint64_t y = low[1]; y <= high[1]; y++)
             for (uint64_t z = low[2]; z <= high[2]; z++)
-                SHV_TRY(take_from_cube(grid, key_of(pace, level, x, y, z), &box, error));
+                SHV_TRY(take_from_cube(grid, key_of(speed_class, level, x, y, z), &box, error));
     return SHV_OK;
 }

@@ -10,7 +10,7 @@ static bool find_idle(const ShvSurfaceBodies *bodies)
     return active == 0 || (active == 1 && !parted);
 }
 
-/* Insertions, splits, companions that woke. */
+/* Insertions, splits, coupled bodies that woke. */
 static bool has_changed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
@@ -32,7 +32,7 @@ static void mark_fragments(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 {
     const ShvSurfaceList *list = &contact->list;
     for (int32_t i = 0; i < bodies->fragment_count; i++)
-        contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_companion(bodies, i)};
+        contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_coupled_body(bodies, i)};
     for (int32_t k = 0; k < list->crack_count; k++) {
         const int64_t facet = bodies->cohesive->facet[list->cracks[k].index];
         for (int side = 0; side < 2; side++) {
@@ -49,21 +49,21 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 {
     const ShvState *state = bodies->state;
     contact->candidates[0].count = contact->candidates[1].count = contact->watched_count = 0;
-    contact->strays.count = contact->stray_facets.count = 0;
+    contact->escapes.count = contact->escaped_facets.count = 0;
     SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         contact->list.nodes[k].watch = -1;
-        contact->list.nodes[k].stray = contact->list.nodes[k].anew = false;
+        contact->list.nodes[k].escaped = contact->list.nodes[k].anew = false;
     }
     contact->anew = false;
     if (changed)
-        SHV_TRY(shv_surface_list_gather(&contact->list, bodies, error));
+        SHV_TRY(shv_surface_list_build(&contact->list, bodies, error));
     else {
         SHV_TRY(shv_surface_list_part(&contact->list, bodies, error));
         shv_surface_list_measure(&contact->list, bodies);
     }
     mark_fragments(contact, bodies);
-    shv_surface_pace_choose(contact, bodies, state->last_step > 0.0 ? state->last_step : step);
+    shv_surface_speed_choose(contact, bodies, state->last_step > 0.0 ? state->last_step : step);
     shv_surface_find_regions(contact, bodies);
     SHV_TRY(shv_surface_fill_grid(contact, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
@@ -81,8 +81,8 @@ static ShvStatus add_late(ShvSurfaceContact *contact, const ShvSurfaceBodies *bo
     ShvSurfaceList *list = &contact->list;
     const int32_t facets = list->facet_count, nodes = list->node_count;
     SHV_TRY(shv_surface_list_part(list, bodies, error));
-    for (int32_t k = nodes; k < list->node_count; k++) shv_surface_pace_node(contact, bodies, &list->nodes[k], step);
-    for (int32_t k = facets; k < list->facet_count; k++) shv_surface_pace_facet(contact, bodies, &list->facets[k]);
+    for (int32_t k = nodes; k < list->node_count; k++) shv_surface_speed_node(contact, bodies, &list->nodes[k], step);
+    for (int32_t k = facets; k < list->facet_count; k++) shv_surface_speed_facet(contact, bodies, &list->facets[k]);
     for (int32_t k = nodes; k < list->node_count; k++)
         SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, facets, error));
     for (int32_t k = facets; k < list->facet_count; k++)
@@ -96,12 +96,12 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     bool lost = contact->stale;
     contact->stale = true; /* until it is done */
     if (!lost && has_changed(contact, bodies)) SHV_TRY(shv_surface_follow(contact, bodies, &lost, error));
-    const bool outdated = !lost && shv_surface_pace_count(contact, bodies, gravity);
+    const bool outdated = !lost && shv_surface_speed_count(contact, bodies, gravity);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     SHV_TRY(add_late(contact, bodies, step, error));
     if (contact->rest > 0 && !contact->anew) return SHV_OK;
     bool many;
-    SHV_TRY(shv_surface_follow_strays(contact, bodies, step, gravity, &many, error));
+    SHV_TRY(shv_surface_renew_escaped(contact, bodies, step, gravity, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 

@@ -6,32 +6,32 @@
 
 /* Makes lists and candidates anew when they may no longer hold, and adds those of cracks that have parted. What it decides
    depends on the state at time n and the velocities before it alone, so that it does not matter how often it is called for
-   one moment. */
+   one time. */
 ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                                          double gravity, ShvError *error);
 /* ---- parts of it ---- */
 
-/* surface_pace.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that stray apart:
-   contact->rest is 0); the frame, allowances
-   and paces of all that is listed; of a node or facet that has come later. */
-bool shv_surface_pace_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity);
-/* Steps, up to a number, that a node may be left to itself for; 0: it may leave its allowance in the next. */
-int32_t shv_surface_pace_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                               const ShvSurfaceNode *node, double step, double gravity, int32_t most);
-void shv_surface_pace_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step);
-void shv_surface_pace_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
-                           double step);
-void shv_surface_pace_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
-/* surface_region.c: room per fragment; where fragments may meet; nodes and facets into their grids; how near nodes of a pace must be to a
+/* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that leave their skin apart:
+   contact->rest is 0); the frame, skins
+   and speed classes of all that is listed; of a node or facet that has come later. */
+bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity);
+/* Steps, up to a number, that a node may be left to itself for; 0: it may leave its skin in the next. */
+int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                const ShvSurfaceNode *node, double step, double gravity, int32_t most);
+void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step);
+void shv_surface_speed_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
+                            double step);
+void shv_surface_speed_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
+/* surface_region.c: room per fragment; where fragments may meet; nodes and facets into their grids; how near nodes of a speed class must be to a
    facet to be its candidates, m; and the size of the grid's cubes to look for them in, m. */
 ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error);
 void shv_surface_find_regions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 bool shv_surface_in_region(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet);
 ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error);
-double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int pace);
+double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int speed_class);
 double shv_surface_cube(const ShvSurfaceFacet *facet, double reach);
 /* surface_pair.c: candidates of a facet, as all are chosen anew; of one that is new, or moved, since; of a node that is new, with
-   the first so many facets, but for those that stray just now; of an obstacle. */
+   the first so many facets, but for those that leave their skin just now; of an obstacle. */
 ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                  const ShvSurfaceFacet *facet, ShvError *error);
 ShvStatus shv_surface_pair_late_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
@@ -40,11 +40,11 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
                                      int32_t facets, ShvError *error);
 ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
                                     ShvError *error);
-/* surface_stray.c: nodes that are about to leave their allowance get a new one from where they are, and their candidates are
+/* surface_escape.c: nodes that are about to leave their skin get a new one from where they are, and their candidates are
    chosen anew. *many: so many that all should be. */
-ShvStatus shv_surface_follow_strays(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+ShvStatus shv_surface_renew_escaped(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                                     double gravity, bool *many, ShvError *error);
-/* surface_follow.c: candidates go on after insertions, splits and companions that woke. *lost: they cannot. */
+/* surface_follow.c: candidates go on after insertions, splits and coupled bodies that woke. *lost: they cannot. */
 ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool *lost, ShvError *error);
 /* One more candidate; the nodes of both sides that deform are watched. */
 ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list,
@@ -53,6 +53,6 @@ ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCan
 ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                       const ShvSurfaceCandidate *candidate, ShvError *error);
 /* Largest speeds against the frame of the nodes of candidates and of obstacles, m/s, into contact->speed. */
-void shv_surface_candidates_look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
+void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 
 #endif

@@ -15,7 +15,7 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
                                    .stale = true,
                                    .idle = true,
                                    .list = {.memory = memory, .model = model},
-                                   .beats = SHV_SURFACE_BEAT,
+                                   .detection_interval = SHV_SURFACE_DETECTION_INTERVAL,
                                    .grid = {.memory = memory},
                                    .facet_grid = {.memory = memory}};
     return SHV_OK;
@@ -26,8 +26,8 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_surface_list_release(&contact->list);
     shv_node_grid_release(&contact->grid);
     shv_node_grid_release(&contact->facet_grid);
-    shv_release(contact->strays.items);
-    shv_release(contact->stray_facets.items);
+    shv_release(contact->escapes.items);
+    shv_release(contact->escaped_facets.items);
     shv_release(contact->own);
     shv_release(contact->near);
     shv_release(contact->order);
@@ -37,12 +37,12 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].movers);
     }
     shv_release(contact->fragments);
-    shv_surface_draw_release(&contact->draw);
+    shv_narrow_phase_release(&contact->narrow);
     shv_release(contact->watched);
     shv_release(contact->before);
-    shv_release(contact->companion_before);
+    shv_release(contact->coupled_body_before);
     shv_release(contact->pairs);
-    shv_release(contact->turns);
+    shv_release(contact->visits);
     *contact = (ShvSurfaceContact){0};
 }
 
@@ -58,7 +58,7 @@ void shv_surface_contact_wake(ShvSurfaceContact *contact)
 
 void shv_surface_contact_recheck(ShvSurfaceContact *contact)
 {
-    contact->beat = -1; /* whether this moment has been counted or not */
+    contact->steps_since_detection = -1; /* whether this time has been counted or not */
 }
 
 /* ---- before the kick ---- */
@@ -78,19 +78,20 @@ static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *stat
     return SHV_OK;
 }
 
-static ShvStatus remember_companions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+static ShvStatus remember_coupled_bodies(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
-    if (!bodies->companions) return SHV_OK;
-    if (contact->companion_capacity < bodies->fragment_count) {
+    if (!bodies->coupled_bodies) return SHV_OK;
+    if (contact->coupled_body_capacity < bodies->fragment_count) {
         const size_t wanted = (size_t)bodies->fragment_count + (size_t)bodies->fragment_count / 2;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->companion_before, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->companion_before, error);
-        contact->companion_capacity = (int32_t)wanted;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->coupled_body_before, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->coupled_body_before, error);
+        contact->coupled_body_capacity = (int32_t)wanted;
     }
     for (int32_t i = 0; i < bodies->fragment_count; i++) {
-        const ShvCompanion *companion = bodies->companions[i];
-        if (companion)
-            contact->companion_before[i] = (ShvCompanionBefore){companion->velocity, companion->angular_velocity};
+        const ShvCoupledBody *coupled_body = bodies->coupled_bodies[i];
+        if (coupled_body)
+            contact->coupled_body_before[i] =
+                (ShvCoupledBodyBefore){coupled_body->velocity, coupled_body->angular_velocity};
     }
     return SHV_OK;
 }
@@ -115,23 +116,23 @@ ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurface
     SHV_TRY(shv_surface_candidates_refresh(contact, bodies, step, shv_norm(shv_load3(gravity)), error));
     if (is_quiet(contact)) return SHV_OK;
     SHV_TRY(remember_nodes(contact, bodies->state, error));
-    return remember_companions(contact, bodies, error);
+    return remember_coupled_bodies(contact, bodies, error);
 }
 
 /* ---- pairs ---- */
 
 static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
-    const ShvSurfaceDraw *draw = &contact->draw;
-    SHV_TRY(shv_surface_draw(contact, bodies, step, error));
-    if (contact->pair_capacity < draw->key_count) {
-        const size_t wanted = (size_t)draw->key_count + (size_t)draw->key_count / 2;
+    const ShvNarrowPhase *narrow = &contact->narrow;
+    SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
+    if (contact->pair_capacity < narrow->key_count) {
+        const size_t wanted = (size_t)narrow->key_count + (size_t)narrow->key_count / 2;
         SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, "contact of surfaces",
                    wanted * sizeof *contact->pairs, error);
         contact->pair_capacity = (int32_t)wanted;
     }
-    for (int32_t k = 0; k < draw->key_count; k++) contact->pairs[k] = draw->drafts[draw->keys[k].draft];
-    contact->pair_count = draw->key_count;
+    for (int32_t k = 0; k < narrow->key_count; k++) contact->pairs[k] = narrow->drafts[narrow->keys[k].draft];
+    contact->pair_count = narrow->key_count;
     return SHV_OK;
 }
 
@@ -144,8 +145,8 @@ static bool same_plane(const ShvFacetPair *a, const ShvFacetPair *b)
 /* Whether a facet rises above the plane of another, as the walls of a groove do: a node can be behind both. */
 static bool rises_above(const ShvFacetPair *facet, const ShvFacetPair *other)
 {
-    const ShvVec3 way = shv_sub(facet->centre, other->point);
-    return shv_dot(other->normal, way) + other->gap > 1e-3 * shv_norm(way);
+    const ShvVec3 path = shv_sub(facet->centre, other->point);
+    return shv_dot(other->normal, path) + other->gap > 1e-3 * shv_norm(path);
 }
 
 /* Of the facets round a ridge that a node is behind it came in through the one it is least deep behind, and through none
@@ -218,37 +219,37 @@ static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 
 /* ---- sweeps ---- */
 
-static ShvStatus reserve_turns(ShvSurfaceContact *contact, ShvError *error)
+static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
 {
-    if (contact->turn_capacity < contact->list.node_capacity) {
+    if (contact->visit_capacity < contact->list.node_capacity) {
         const size_t wanted = (size_t)contact->list.node_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->turns, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->turns, error);
-        contact->turn_capacity = contact->list.node_capacity;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->visits, wanted, "contact of surfaces",
+                   wanted * sizeof *contact->visits, error);
+        contact->visit_capacity = contact->list.node_capacity;
     }
     for (int32_t i = 0; i < contact->pair_count; i++)
         for (int k = 0; k < 4; k++)
-            if (contact->pairs[i].slots[k] >= 0) contact->turns[contact->pairs[i].slots[k]] = 0;
-    contact->turn = contact->rigid_turn = 0;
+            if (contact->pairs[i].slots[k] >= 0) contact->visits[contact->pairs[i].slots[k]] = 0;
+    contact->visit = contact->rigid_visit = 0;
     return SHV_OK;
 }
 
-/* Whether a velocity of the pair has changed since its last turn. */
+/* Whether a velocity of the pair has changed since its last visit. */
 static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
     for (int k = 0; k < 4; k++) {
         const int32_t slot = pair->slots[k];
-        if ((slot >= 0 ? contact->turns[slot] : contact->rigid_turn) > pair->turn) return true;
+        if ((slot >= 0 ? contact->visits[slot] : contact->rigid_visit) > pair->visit) return true;
     }
     return false;
 }
 
-/* Those who share a velocity that has changed by enough have another turn. */
+/* Those who share a velocity that has changed by enough are visited again. */
 static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
     for (int k = 0; k < 4; k++)
-        if (pair->slots[k] >= 0) contact->turns[pair->slots[k]] = contact->turn;
-    if (!pair->deforming) contact->rigid_turn = contact->turn;
+        if (pair->slots[k] >= 0) contact->visits[pair->slots[k]] = contact->visit;
+    if (!pair->deforming) contact->rigid_visit = contact->visit;
 }
 
 /* Sweeps until no velocity changes by more than a share of the largest that closes, or they are used up. Returns whether
@@ -263,7 +264,7 @@ static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, do
             ShvFacetPair *pair = &contact->pairs[k];
             if (!is_moved(contact, pair)) continue;
             const double pressed = press(bodies, pair), rubbed = rub(bodies, pair);
-            pair->turn = ++contact->turn;
+            pair->visit = ++contact->visit;
             if (!(pressed > good) && !(rubbed > good)) continue;
             pass_on(contact, pair);
             again = true;
@@ -287,18 +288,18 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 {
     double largest = 0.0;
     for (int32_t k = 0; k < contact->pair_count; k++) {
-        contact->pairs[k].turn = -1;
+        contact->pairs[k].visit = -1;
         largest = fmax(largest, excess(&contact->pairs[k], bodies));
     }
     if (!(largest > 0.0)) return SHV_OK;
-    SHV_TRY(reserve_turns(contact, error));
+    SHV_TRY(reserve_visits(contact, error));
     bool open = relax(contact, bodies, largest);
     bool rough = false;
     for (int32_t k = 0; k < contact->pair_count; k++) {
         ShvFacetPair *pair = &contact->pairs[k];
         pair->friction_bound = friction_of(contact, bodies, pair) * pair->normal_impulse;
         if (!(pair->friction_bound > 0.0)) continue;
-        pair->turn = -1;
+        pair->visit = -1;
         rough = true;
     }
     if (rough) open = relax(contact, bodies, largest);
@@ -333,14 +334,14 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
 static ShvVec3 velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t node,
                              int32_t fragment, ShvVec3 point, int half)
 {
-    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
-    if (companion) {
-        ShvCompanion moving = *companion;
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, fragment);
+    if (coupled_body) {
+        ShvCoupledBody moving = *coupled_body;
         if (half == 0) {
-            moving.velocity = contact->companion_before[fragment].velocity;
-            moving.angular_velocity = contact->companion_before[fragment].angular_velocity;
+            moving.velocity = contact->coupled_body_before[fragment].velocity;
+            moving.angular_velocity = contact->coupled_body_before[fragment].angular_velocity;
         }
-        return shv_companion_velocity(&moving, point);
+        return shv_coupled_body_velocity(&moving, point);
     }
     if (half == 1) return shv_load3(bodies->state->velocity + 3 * (int64_t)node);
     return shv_load3(contact->before + 3 * (int64_t)contact->list.nodes[contact->list.slot[node]].watch);
@@ -351,7 +352,7 @@ static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 {
     double work = shv_dot(impulse, velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half));
     if (pair->element < 0) return 0.5 * work;
-    if (shv_bodies_companion(bodies, pair->fragments[1]))
+    if (shv_bodies_coupled_body(bodies, pair->fragments[1]))
         return 0.5 *
                (work - shv_dot(impulse, velocity_then(contact, bodies, -1, pair->fragments[1], pair->point, half)));
     for (int k = 0; k < 3; k++)

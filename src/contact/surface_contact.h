@@ -1,4 +1,4 @@
-/* Deforming surfaces against one another in fracture mode, and against companions (fragments still rigid): nodes against
+/* Deforming surfaces against one another in fracture mode, and against coupled bodies (fragments still rigid): nodes against
    facets, both ways; pieces of one body and faces of its cracks included. Unilateral, Coulomb friction, restitution 0.
 
    A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
@@ -11,38 +11,38 @@
    Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
    out of place by a fiftieth of a facet's size.
 
-   Companions meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
+   Coupled bodies meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
    one go; awake nodes meet obstacles in node_contact.h.
 
    One step, for time n:
        forces …, shv_cohesive_begin
        shv_surface_contact_begin    velocities of n − 1/2
-       kick (companions too), shv_cohesive_pull, shv_cohesive_close
+       kick (coupled bodies too), shv_cohesive_pull, shv_cohesive_close
        shv_surface_contact_apply
        contact with obstacles, supports
        shv_surface_contact_book     with the velocities that the drift will use
-       drift (companions too)
-   A step may be thrown away by putting back the velocities of nodes and companions. Pairs are worked through in the order
+       drift (coupled bodies too)
+   A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
    of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
    one fragment alone is awake and none of its cracks have parted. */
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 
 #include "contact/facet_pair.h"
+#include "contact/narrow_phase.h"
 #include "contact/node_contact.h"
 #include "contact/node_grid.h"
-#include "contact/surface_draw.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
-/* Motion of a companion before the kick. */
-typedef struct ShvCompanionBefore {
+/* Motion of a coupled body before the kick. */
+typedef struct ShvCoupledBodyBefore {
     ShvVec3 velocity, angular_velocity;
-} ShvCompanionBefore;
+} ShvCoupledBodyBefore;
 
-/* Most steps from one look at companions among themselves to the next: they have no waves to resolve, and weight moves them by
+/* Most steps from one look at coupled bodies among themselves to the next: they have no waves to resolve, and weight moves them by
    g t²/2, nanometres, in so short a time. */
-enum { SHV_SURFACE_BEAT = 8 };
+enum { SHV_SURFACE_DETECTION_INTERVAL = 8 };
 
 /* What touches one fragment in a step. */
 typedef struct ShvFragmentTouch {
@@ -63,28 +63,28 @@ typedef struct ShvSurfaceCandidates {
 
 /* A fragment since candidates were chosen. */
 typedef struct ShvSurfaceFragment {
-    double path;  /* m: no node of a companion has gone farther in the frame */
-    uint8_t pace; /* of all a companion's nodes */
-    bool rigid;   /* it was a companion */
-    bool cracked; /* it was cracked, or comes from such: its own surfaces are candidates of one another */
-    bool opened;  /* they are to be from now on */
+    double path;         /* m: no node of a coupled body has gone farther in the frame */
+    uint8_t speed_class; /* of all a coupled body's nodes */
+    bool rigid;          /* it was a coupled body */
+    bool cracked;        /* it was cracked, or comes from such: its own surfaces are candidates of one another */
+    bool opened;         /* they are to be from now on */
 } ShvSurfaceFragment;
 
-/* Places, in a list, of those in its grid that have strayed since. */
-typedef struct ShvSurfaceStrays {
+/* Places, in a list, of those in its grid that have left their skin since. */
+typedef struct ShvSurfaceEscapes {
     int32_t *items;
     int32_t count, capacity;
-} ShvSurfaceStrays;
+} ShvSurfaceEscapes;
 
-/* What moves: nodes and facets of each pace, and obstacles. */
-enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_PACES, SHV_SURFACE_MOVERS };
+/* What moves: nodes and facets of each speed class, and obstacles. */
+enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
 
 struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
     bool stale; /* the lists must be made anew */
-    bool woken; /* companions woke */
+    bool woken; /* coupled bodies woke */
     bool idle;  /* nothing can meet */
     bool anew;  /* nodes are */
     /* what the lists were made from */
@@ -100,51 +100,53 @@ struct ShvSurfaceContact {
     int32_t grid_nodes;     /* of the list, so many are in the grid */
     ShvNodeGrid facet_grid; /* centres of the facets' boxes; their first grid_facets are in it */
     int32_t grid_facets;
-    double half[SHV_SURFACE_PACES]; /* m: no box of a facet of the pace in the grid reaches farther from its centre */
-    ShvSurfaceStrays strays, stray_facets;
-    ShvVec3 drift;                        /* velocity of the frame in which motion is measured, m/s */
-    double allowance[SHV_SURFACE_MOVERS]; /* m: how far each may go until candidates are chosen anew */
-    double speed[SHV_SURFACE_MOVERS];     /* m/s: largest of candidates' nodes, and of obstacles */
-    double path[SHV_SURFACE_MOVERS];      /* m: how far the fastest has gone since */
-    int32_t rest;                         /* steps until the next look at all nodes */
-    int32_t age;                          /* steps since candidates were chosen */
-    double seen_time;                     /* s: moment up to which motion has been counted */
-    ShvSurfaceCandidates candidates[2];   /* where something deforms or an obstacle is met; between companions */
-    int32_t beat, beats;                  /* steps since companions were looked at together; until they are again */
-    int32_t *watched;                     /* nodes of candidates that are not companions': places in list.nodes */
+    double half
+        [SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class in the grid reaches farther from its centre */
+    ShvSurfaceEscapes escapes, escaped_facets;
+    ShvVec3 drift;                      /* velocity of the frame in which motion is measured, m/s */
+    double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
+    double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
+    double path[SHV_SURFACE_MOVERS];    /* m: how far the fastest has gone since */
+    int32_t rest;                       /* steps until the next look at all nodes */
+    int32_t age;                        /* steps since candidates were chosen */
+    double seen_time;                   /* s: time up to which motion has been counted */
+    ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
+    int32_t steps_since_detection,
+        detection_interval; /* steps since coupled bodies were looked at together; until they are again */
+    int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */
     int32_t watched_count, watched_capacity;
     double *before; /* 3 per watched node: velocity before the kick, m/s */
     int32_t before_capacity;
-    ShvCompanionBefore *companion_before; /* per fragment */
-    int32_t companion_capacity;
+    ShvCoupledBodyBefore *coupled_body_before; /* per fragment */
+    int32_t coupled_body_capacity;
     /* this step */
     ShvFacetPair *pairs; /* by node, element, face; those without an impulse included */
     int32_t pair_count, pair_capacity;
-    ShvSurfaceDraw draw;
-    int32_t *turns; /* per place in list.nodes: last turn of the sweeps in which its velocity changed */
-    int32_t turn_capacity;
-    int32_t turn, rigid_turn; /* the present one; the last in which a companion's or obstacle's motion changed */
-    int32_t touching;         /* pairs with an impulse */
-    /* J on nodes and companions, impulse · velocity / 2: before the kick, and now */
+    ShvNarrowPhase narrow;
+    int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
+    int32_t visit_capacity;
+    int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
+    int32_t touching;           /* pairs with an impulse */
+    /* J on nodes and coupled bodies, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
-    double
-        obstacle_work[2]; /* J on free obstacles that companions met: with their velocity before and after impulses */
+    double obstacle_work
+        [2]; /* J on free obstacles that coupled bodies met: with their velocity before and after impulses */
     int32_t sweeps,
         unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
-    double deepest;          /* m: largest penetration of a pair */
-    int64_t looks, rebuilds; /* since the start */
+    double deepest;                    /* m: largest penetration of a pair */
+    int64_t distance_checks, rebuilds; /* since the start */
 };
 
 /* Allocates nothing. `friction`: Coulomb coefficient between any two surfaces, ≥ 0. */
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
                                      double friction, ShvError *error);
 void shv_surface_contact_release(ShvSurfaceContact *contact);
-/* Forces new lists: fragments woke or slept, companions came or were let go, poses or velocities were set. Insertions,
+/* Forces new lists: fragments woke or slept, coupled bodies came or were let go, poses or velocities were set. Insertions,
    splits and cracks that part are noticed without, and cost no new lists. */
 void shv_surface_contact_invalidate(ShvSurfaceContact *contact);
-/* Companions have become awake where they stood: the lists go on with them. */
+/* Coupled bodies have become awake where they stood: the lists go on with them. */
 void shv_surface_contact_wake(ShvSurfaceContact *contact);
-/* Companions have been given impulses from elsewhere: they are looked at together in the next step. */
+/* Coupled bodies have been given impulses from elsewhere: they are looked at together in the next step. */
 void shv_surface_contact_recheck(ShvSurfaceContact *contact);
 /* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs look at all listed nodes every few steps and
    at those of candidates each step. */

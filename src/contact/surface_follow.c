@@ -41,7 +41,7 @@ static void open_bodies(ShvSurfaceContact *contact)
     contact->anew |= any;
 }
 
-/* ---- companions that woke ---- */
+/* ---- coupled bodies that woke ---- */
 
 /* Both faces of an open crack belong to it: they may meet once it deforms. */
 static bool opens_inside(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet)
@@ -55,10 +55,10 @@ static bool opens_inside(const ShvSurfaceContact *contact, const ShvSurfaceBodie
 
 static bool has_woken(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t fragment)
 {
-    return contact->fragments[fragment].rigid && !shv_bodies_companion(bodies, fragment);
+    return contact->fragments[fragment].rigid && !shv_bodies_coupled_body(bodies, fragment);
 }
 
-/* Companions that have gone to sleep elsewhere. */
+/* Coupled bodies that have gone to sleep elsewhere. */
 static bool any_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     for (int32_t i = 0; i < contact->known_fragments; i++)

@@ -262,7 +262,7 @@ static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvE
     const int32_t own = list->node_count;
     SHV_TRY(add_node(list, node, list->nodes[slot].fragment, error));
     ShvSurfaceNode *copy = &list->nodes[own], *original = &list->nodes[slot];
-    copy->pace = original->pace;
+    copy->speed_class = original->speed_class;
     copy->from = original->from;
     copy->original = original->node;
     copy->anew = original->anew;
@@ -415,7 +415,7 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     return SHV_OK;
 }
 
-ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     forget(list);
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;

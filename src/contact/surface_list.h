@@ -1,4 +1,4 @@
-/* The surfaces that may meet one another: boundary facets of the awake fragments and of companions, faces of cracks that
+/* The surfaces that may meet one another: boundary facets of the awake fragments and of coupled bodies, faces of cracks that
    have parted, and the nodes of both and of cracks that have failed. Cracks that still carry are closed within a few
    micrometres, so that nothing gets at their nodes. Facets are named by element and face. */
 #ifndef SHV_CONTACT_SURFACE_LIST_H
@@ -8,33 +8,33 @@
 
 #include "cohesive/cohesive.h"
 #include "contact/box.h"
-#include "contact/companion.h"
+#include "contact/coupled_body.h"
 #include "model/state.h"
 #include "shape/obstacle.h"
 
 /* Whose surfaces meet. Fragments are numbered as in state->element_fragment. */
 typedef struct ShvSurfaceBodies {
     ShvState *state;
-    const ShvCohesive *cohesive;     /* NULL where nothing can break */
-    const uint8_t *awake;            /* per fragment */
-    ShvCompanion *const *companions; /* per fragment, NULL where it is none; or NULL: none at all */
+    const ShvCohesive *cohesive;           /* NULL where nothing can break */
+    const uint8_t *awake;                  /* per fragment */
+    ShvCoupledBody *const *coupled_bodies; /* per fragment, NULL where it is none; or NULL: none at all */
     int32_t fragment_count;
-    ShvObstacles *obstacles; /* met by companions, whose other contacts are thus solved together; NULL: none */
+    ShvObstacles *obstacles; /* met by coupled bodies, whose other contacts are thus solved together; NULL: none */
 } ShvSurfaceBodies;
 
-/* Nodes and facets are told apart by how far they may go until candidates are chosen anew: each pace is twice the one
+/* Nodes and facets are told apart by how far they may go until candidates are chosen anew: each speed class is twice the one
    below, so that a fast splinter does not make everything else a candidate of everything else. */
-enum { SHV_SURFACE_PACES = 8 };
+enum { SHV_SURFACE_SPEED_CLASSES = 8 };
 
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    int32_t slots[3];   /* of its nodes */
-    bool crack;         /* face of a crack that has parted */
-    bool changed;       /* nodes of it were split at the last look */
-    bool stray, strays; /* of a node that has strayed, or does just now */
-    int64_t seen;       /* turn of the last look at it */
-    uint8_t pace;       /* the largest of its nodes */
-    ShvBox box;         /* of the facet and what is below it to half the depth of its tet, when last measured */
+    int32_t slots[3];      /* of its nodes */
+    bool crack;            /* face of a crack that has parted */
+    bool changed;          /* nodes of it were split at the last look */
+    bool escaped, escapes; /* of a node that has left its skin, or does just now */
+    int64_t seen;          /* pass of the last look at it */
+    uint8_t speed_class;   /* the largest of its nodes */
+    ShvBox box;            /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
@@ -43,13 +43,13 @@ typedef struct ShvSurfaceNode {
     int32_t twins;    /* the last of the nodes that were split from it at the last look, −1: none */
     int32_t twin;     /* the one before this of the same node, −1: none */
     int32_t original; /* of a copy: the node that it was split from in the list */
-    uint8_t pace;
-    bool stray, strays; /* it has left the way that its place in the grid of all nodes allows for, or is about to */
-    bool anew;          /* its candidates are no longer all, wherever it is */
+    uint8_t speed_class;
+    bool escaped, escapes; /* it has left the way that its place in the grid of all nodes allows for, or is about to */
+    bool anew;             /* its candidates are no longer all, wherever it is */
     bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
-    ShvVec3 from;   /* where it was when its pace was chosen, m */
+    ShvVec3 from;   /* where it was when its speed class was chosen, m */
     ShvVec3 at;     /* where it was when last looked at, m */
-    int64_t seen;   /* turn of that */
+    int64_t seen;   /* pass of that */
     ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
@@ -82,24 +82,25 @@ typedef struct ShvSurfaceList {
     int32_t copies_begin, copies_end; /* in `nodes` */
 } ShvSurfaceList;
 
-static inline ShvCompanion *shv_bodies_companion(const ShvSurfaceBodies *bodies, int32_t fragment)
+static inline ShvCoupledBody *shv_bodies_coupled_body(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
-    return bodies->companions ? bodies->companions[fragment] : NULL;
+    return bodies->coupled_bodies ? bodies->coupled_bodies[fragment] : NULL;
 }
 static inline bool shv_bodies_active(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
-    return bodies->awake[fragment] || shv_bodies_companion(bodies, fragment);
+    return bodies->awake[fragment] || shv_bodies_coupled_body(bodies, fragment);
 }
 /* Such have nodes in the list, which obstacles are to meet, and no facets. */
 static inline bool shv_bodies_alone(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
-    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
-    return companion && companion->alone;
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, fragment);
+    return coupled_body && coupled_body->alone;
 }
 static inline ShvVec3 shv_bodies_position(const ShvSurfaceBodies *bodies, int32_t node, int32_t fragment)
 {
-    const ShvCompanion *companion = shv_bodies_companion(bodies, fragment);
-    if (companion) return shv_companion_point(companion, shv_load3(bodies->state->reference + 3 * (int64_t)node));
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, fragment);
+    if (coupled_body)
+        return shv_coupled_body_point(coupled_body, shv_load3(bodies->state->reference + 3 * (int64_t)node));
     return shv_state_position(bodies->state, node);
 }
 static inline void shv_surface_corners(const ShvState *state, int32_t element, int32_t face, int32_t nodes[3])
@@ -108,9 +109,9 @@ static inline void shv_surface_corners(const ShvState *state, int32_t element, i
 }
 
 void shv_surface_list_release(ShvSurfaceList *list);
-/* Lists the surfaces of what is awake or a companion. Costs work in proportion to the model's boundary and its cohesive
+/* Lists the surfaces of what is awake or a coupled body. Costs work in proportion to the model's boundary and its cohesive
    facets. */
-ShvStatus shv_surface_list_gather(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 /* Measures boxes and normals anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
 /* The box of one facet. */
@@ -120,7 +121,7 @@ typedef struct ShvSurfaceKnown {
     int32_t nodes, cohesive, fragments;
 } ShvSurfaceKnown;
 
-/* Goes on after insertions: copies of nodes are appended, with where their originals came from and the pace; fragments are
+/* Goes on after insertions: copies of nodes are appended, with where their originals came from and the speed class; fragments are
    named anew where there are new ones, and new cohesive facets are followed. */
 ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
                                   ShvError *error);

@@ -49,8 +49,8 @@ ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCan
 ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                       const ShvSurfaceCandidate *candidate, ShvError *error)
 {
-    if (!shv_bodies_companion(bodies, candidate->fragments[0])) SHV_TRY(watch(contact, candidate->slot, error));
-    if (candidate->element < 0 || shv_bodies_companion(bodies, candidate->fragments[1])) return SHV_OK;
+    if (!shv_bodies_coupled_body(bodies, candidate->fragments[0])) SHV_TRY(watch(contact, candidate->slot, error));
+    if (candidate->element < 0 || shv_bodies_coupled_body(bodies, candidate->fragments[1])) return SHV_OK;
     const int32_t *slots = contact->list.facets[candidate->facet].slots;
     for (int k = 0; k < 3; k++) SHV_TRY(watch(contact, slots[k], error));
     return SHV_OK;
@@ -59,9 +59,9 @@ ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfa
 static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                const ShvSurfaceCandidate *candidate, int other, double distance, ShvError *error)
 {
-    const int own = contact->list.nodes[candidate->slot].pace;
-    const bool rigid = candidate->element >= 0 && shv_bodies_companion(bodies, candidate->fragments[0]) &&
-                       shv_bodies_companion(bodies, candidate->fragments[1]);
+    const int own = contact->list.nodes[candidate->slot].speed_class;
+    const bool rigid = candidate->element >= 0 && shv_bodies_coupled_body(bodies, candidate->fragments[0]) &&
+                       shv_bodies_coupled_body(bodies, candidate->fragments[1]);
     SHV_TRY(shv_surface_candidate_append(contact, &contact->candidates[rigid], candidate,
                                          contact->path[own] + contact->path[other] + distance,
                                          (uint8_t)(own * SHV_SURFACE_MOVERS + other), error));
@@ -80,7 +80,7 @@ typedef struct Seeker {
     bool alone;                   /* it cannot meet its own fragment */
 } Seeker;
 
-static void look_across(const ShvSurfaceContact *contact, const ShvState *state, Seeker *seeker)
+static void list_opposite(const ShvSurfaceContact *contact, const ShvState *state, Seeker *seeker)
 {
     const ShvAdjacency *adjacency = &contact->model->adjacency;
     for (int k = 0; k < 4; k++) seeker->across[k] = -1;
@@ -105,7 +105,7 @@ static bool make_seeker(const ShvSurfaceContact *contact, const ShvSurfaceBodies
         seeker->places[k] = shv_bodies_position(bodies, seeker->nodes[k], facet->fragment);
     }
     for (int k = 0; k < 3; k++) corners[k] = seeker->places[shv_face_corners[facet->face][k]];
-    look_across(contact, bodies->state, seeker);
+    list_opposite(contact, bodies->state, seeker);
     return shv_facet_plane_make(corners, &seeker->plane);
 }
 
@@ -120,7 +120,7 @@ static bool concerns(const ShvSurfaceContact *contact, const ShvState *state, co
         if (seeker->nodes[k] == node) return false;
         if (seeker->origins[k] != state->origin[node]) continue;
         const ShvVec3 apart = shv_sub(x, seeker->places[k]);
-        bool in_place = shv_dot(apart, apart) < 0.25 * contact->allowance[0] * contact->allowance[0];
+        bool in_place = shv_dot(apart, apart) < 0.25 * contact->skin[0] * contact->skin[0];
         for (int i = 0; i < 4; i++) in_place = in_place && seeker->across[i] != node;
         if (in_place) return false;
         *mate = seeker->nodes[k];
@@ -148,21 +148,21 @@ static ShvStatus pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                            .slot = slot,
                                            .facet = (int32_t)(facet - contact->list.facets),
                                            .mate = mate};
-    return add_candidate(contact, bodies, &candidate, facet->pace, distance, error);
+    return add_candidate(contact, bodies, &candidate, facet->speed_class, distance, error);
 }
 
-/* Nodes of the grid that are so many times the reach of both sides away. Those that have strayed are not where it has them. */
+/* Nodes of the grid that are so many times the reach of both sides away. Those that have left their skin are not where it has them. */
 static ShvStatus pair_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
                             double times, ShvError *error)
 {
     const ShvSurfaceFacet *facet = seeker->facet;
     ShvNodeGrid *grid = &contact->grid;
-    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
-        const double reach = times * shv_surface_reach(contact, facet, pace);
-        SHV_TRY(
-            shv_node_grid_find(grid, pace, shv_surface_cube(facet, reach), shv_box_grown(facet->box, reach), error));
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
+        const double reach = times * shv_surface_reach(contact, facet, speed_class);
+        SHV_TRY(shv_node_grid_find(grid, speed_class, shv_surface_cube(facet, reach), shv_box_grown(facet->box, reach),
+                                   error));
         for (int32_t k = 0; k < grid->found_count; k++)
-            if (!contact->list.nodes[grid->found[k]].stray)
+            if (!contact->list.nodes[grid->found[k]].escaped)
                 SHV_TRY(pair_node(contact, bodies, seeker, grid->found[k], reach, error));
     }
     return SHV_OK;
@@ -176,13 +176,13 @@ ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBod
     return pair_nodes(contact, bodies, &seeker, 1.0, error);
 }
 
-/* Where nodes of each pace must be to be candidates of a facet that is not in the grid's order. */
+/* Where nodes of each speed class must be to be candidates of a facet that is not in the grid's order. */
 static void find_reaches(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet,
-                         double reaches[SHV_SURFACE_PACES], ShvBox boxes[SHV_SURFACE_PACES])
+                         double reaches[SHV_SURFACE_SPEED_CLASSES], ShvBox boxes[SHV_SURFACE_SPEED_CLASSES])
 {
-    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
-        reaches[pace] = 2.0 * shv_surface_reach(contact, facet, pace);
-        boxes[pace] = shv_box_grown(facet->box, reaches[pace]);
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
+        reaches[speed_class] = 2.0 * shv_surface_reach(contact, facet, speed_class);
+        boxes[speed_class] = shv_box_grown(facet->box, reaches[speed_class]);
     }
 }
 
@@ -192,18 +192,18 @@ ShvStatus shv_surface_pair_late_facet(ShvSurfaceContact *contact, const ShvSurfa
                                       const ShvSurfaceFacet *facet, ShvError *error)
 {
     Seeker seeker;
-    double reaches[SHV_SURFACE_PACES];
-    ShvBox boxes[SHV_SURFACE_PACES];
+    double reaches[SHV_SURFACE_SPEED_CLASSES];
+    ShvBox boxes[SHV_SURFACE_SPEED_CLASSES];
     if (!make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
     SHV_TRY(pair_nodes(contact, bodies, &seeker, 2.0, error));
     find_reaches(contact, facet, reaches, boxes);
     const int32_t late = contact->list.node_count - contact->grid_nodes;
-    for (int32_t k = 0; k < contact->strays.count + late; k++) {
+    for (int32_t k = 0; k < contact->escapes.count + late; k++) {
         const int32_t slot =
-            k < contact->strays.count ? contact->strays.items[k] : contact->grid_nodes + k - contact->strays.count;
+            k < contact->escapes.count ? contact->escapes.items[k] : contact->grid_nodes + k - contact->escapes.count;
         const ShvSurfaceNode *node = &contact->list.nodes[slot];
-        if (shv_box_holds(&boxes[node->pace], node->from))
-            SHV_TRY(pair_node(contact, bodies, &seeker, slot, reaches[node->pace], error));
+        if (shv_box_holds(&boxes[node->speed_class], node->from))
+            SHV_TRY(pair_node(contact, bodies, &seeker, slot, reaches[node->speed_class], error));
     }
     return SHV_OK;
 }
@@ -213,10 +213,10 @@ static ShvStatus pair_with(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 {
     const ShvSurfaceFacet *facet = &contact->list.facets[place];
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
-    const double reach = 2.0 * shv_surface_reach(contact, facet, node->pace);
+    const double reach = 2.0 * shv_surface_reach(contact, facet, node->speed_class);
     const ShvBox box = shv_box_grown(facet->box, reach);
     Seeker seeker;
-    if (facet->strays || !shv_box_holds(&box, node->from) || !make_seeker(contact, bodies, facet, &seeker))
+    if (facet->escapes || !shv_box_holds(&box, node->from) || !make_seeker(contact, bodies, facet, &seeker))
         return SHV_OK;
     return pair_node(contact, bodies, &seeker, slot, reach, error);
 }
@@ -226,27 +226,29 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
 {
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
     ShvNodeGrid *grid = &contact->facet_grid;
-    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) {
-        const double reach = contact->half[pace] + 2.0 * (contact->allowance[pace] + contact->allowance[node->pace]);
-        SHV_TRY(shv_node_grid_find(grid, pace, reach, shv_box_grown((ShvBox){node->from, node->from}, reach), error));
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
+        const double reach =
+            contact->half[speed_class] + 2.0 * (contact->skin[speed_class] + contact->skin[node->speed_class]);
+        SHV_TRY(shv_node_grid_find(grid, speed_class, reach, shv_box_grown((ShvBox){node->from, node->from}, reach),
+                                   error));
         for (int32_t k = 0; k < grid->found_count; k++)
-            if (!contact->list.facets[grid->found[k]].stray)
+            if (!contact->list.facets[grid->found[k]].escaped)
                 SHV_TRY(pair_with(contact, bodies, slot, grid->found[k], error));
     }
-    for (int32_t k = 0; k < contact->stray_facets.count; k++)
-        SHV_TRY(pair_with(contact, bodies, slot, contact->stray_facets.items[k], error));
+    for (int32_t k = 0; k < contact->escaped_facets.count; k++)
+        SHV_TRY(pair_with(contact, bodies, slot, contact->escaped_facets.items[k], error));
     for (int32_t place = contact->grid_facets; place < facets; place++)
         SHV_TRY(pair_with(contact, bodies, slot, place, error));
     return SHV_OK;
 }
 
-static ShvStatus pair_companion_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
-                                     int32_t slot, ShvError *error)
+static ShvStatus pair_coupled_body_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                        int32_t slot, ShvError *error)
 {
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
-    if (!shv_bodies_companion(bodies, node->fragment)) return SHV_OK;
+    if (!shv_bodies_coupled_body(bodies, node->fragment)) return SHV_OK;
     const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
-    const double reach = contact->allowance[node->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+    const double reach = contact->skin[node->speed_class] + contact->skin[SHV_SURFACE_OBSTACLES];
     const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, reach);
     if (at.gap >= reach) return SHV_OK;
     const ShvSurfaceCandidate candidate = {.node = node->node,
@@ -259,13 +261,13 @@ static ShvStatus pair_companion_node(ShvSurfaceContact *contact, const ShvSurfac
 }
 
 /* With each feature that is near. */
-static ShvStatus pair_companion_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
-                                      const ShvSurfaceFacet *facet, ShvError *error)
+static ShvStatus pair_coupled_body_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                         const ShvSurfaceFacet *facet, ShvError *error)
 {
     const ShvObstacle *other = &bodies->obstacles->items[obstacle];
-    if (!shv_bodies_companion(bodies, facet->fragment)) return SHV_OK;
+    if (!shv_bodies_coupled_body(bodies, facet->fragment)) return SHV_OK;
     const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
-    const double margin = contact->allowance[facet->pace] + contact->allowance[SHV_SURFACE_OBSTACLES];
+    const double margin = contact->skin[facet->speed_class] + contact->skin[SHV_SURFACE_OBSTACLES];
     ShvFeatureRange range;
     if (!shv_features_about(other, &shape, margin, &range)) return SHV_OK;
     ShvSurfaceCandidate candidate = {.node = contact->list.nodes[facet->slots[0]].node,
@@ -287,9 +289,9 @@ ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurface
                                     ShvError *error)
 {
     for (int32_t slot = 0; slot < contact->list.node_count; slot++)
-        SHV_TRY(pair_companion_node(contact, bodies, obstacle, slot, error));
+        SHV_TRY(pair_coupled_body_node(contact, bodies, obstacle, slot, error));
     if (bodies->obstacles->items[obstacle].feature_count == 0) return SHV_OK;
     for (int32_t k = 0; k < contact->list.facet_count; k++)
-        SHV_TRY(pair_companion_facet(contact, bodies, obstacle, &contact->list.facets[k], error));
+        SHV_TRY(pair_coupled_body_facet(contact, bodies, obstacle, &contact->list.facets[k], error));
     return SHV_OK;
 }

@@ -1,7 +1,7 @@
 /* Where surfaces may meet, and the grid that holds their nodes. */
 #include "contact/surface_candidates.h"
 
-_Static_assert((int)SHV_GRID_PACES == (int)SHV_SURFACE_PACES, "a grid for each pace");
+_Static_assert((int)SHV_GRID_SPEED_CLASSES == (int)SHV_SURFACE_SPEED_CLASSES, "a grid for each pace");
 
 enum { MOST_REGIONS = 64 };
 
@@ -60,10 +60,10 @@ static void find_boxes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodie
     for (int32_t i = 0; i < bodies->fragment_count; i++) contact->own[i] = contact->near[i] = shv_box_empty();
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         const ShvSurfaceNode *node = &contact->list.nodes[k];
-        const double way = contact->allowance[node->pace];
+        const double distance = contact->skin[node->speed_class];
         if (shv_bodies_alone(bodies, node->fragment)) continue;
-        shv_box_add(&contact->own[node->fragment], shv_sub(node->from, shv_vec3(way, way, way)));
-        shv_box_add(&contact->own[node->fragment], shv_add(node->from, shv_vec3(way, way, way)));
+        shv_box_add(&contact->own[node->fragment], shv_sub(node->from, shv_vec3(distance, distance, distance)));
+        shv_box_add(&contact->own[node->fragment], shv_add(node->from, shv_vec3(distance, distance, distance)));
     }
 }
 
@@ -92,13 +92,13 @@ void shv_surface_find_regions(ShvSurfaceContact *contact, const ShvSurfaceBodies
 
 static bool node_in_region(const ShvSurfaceContact *contact, const ShvSurfaceNode *node)
 {
-    const ShvBox near = shv_box_grown(contact->near[node->fragment], contact->allowance[node->pace]);
+    const ShvBox near = shv_box_grown(contact->near[node->fragment], contact->skin[node->speed_class]);
     return shv_box_holds(&near, node->from);
 }
 
 bool shv_surface_in_region(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet)
 {
-    const ShvBox box = shv_box_grown(facet->box, contact->allowance[facet->pace]);
+    const ShvBox box = shv_box_grown(facet->box, contact->skin[facet->speed_class]);
     return shv_box_meets(&box, &contact->near[facet->fragment]);
 }
 
@@ -113,9 +113,9 @@ static double smallest_facet(const ShvSurfaceContact *contact)
     return smallest;
 }
 
-double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int pace)
+double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int speed_class)
 {
-    return contact->allowance[facet->pace] + contact->allowance[pace];
+    return contact->skin[facet->speed_class] + contact->skin[speed_class];
 }
 
 double shv_surface_cube(const ShvSurfaceFacet *facet, double reach)
@@ -123,15 +123,16 @@ double shv_surface_cube(const ShvSurfaceFacet *facet, double reach)
     return 0.5 * shv_box_size(&facet->box) + reach;
 }
 
-/* For the facets that lie in regions, and nodes of each pace. */
-static void find_levels(const ShvSurfaceContact *contact, uint32_t levels[SHV_GRID_PACES])
+/* For the facets that lie in regions, and nodes of each speed class. */
+static void find_levels(const ShvSurfaceContact *contact, uint32_t levels[SHV_GRID_SPEED_CLASSES])
 {
     for (int32_t k = 0; k < contact->list.facet_count; k++) {
         const ShvSurfaceFacet *facet = &contact->list.facets[k];
         if (!shv_surface_in_region(contact, facet)) continue;
-        for (int pace = 0; pace < SHV_GRID_PACES; pace++)
-            levels[pace] |= (uint32_t)1 << shv_node_grid_level(
-                                &contact->grid, shv_surface_cube(facet, shv_surface_reach(contact, facet, pace)));
+        for (int speed_class = 0; speed_class < SHV_GRID_SPEED_CLASSES; speed_class++)
+            levels[speed_class] |=
+                (uint32_t)1 << shv_node_grid_level(
+                    &contact->grid, shv_surface_cube(facet, shv_surface_reach(contact, facet, speed_class)));
     }
 }
 
@@ -140,28 +141,29 @@ static ShvVec3 centre_of(const ShvBox *box)
     return shv_scale(shv_add(box->low, box->high), 0.5);
 }
 
-/* One level a pace, for nodes of a middling pace. */
+/* One level a speed class, for nodes of a middling speed class. */
 static ShvStatus fill_facet_grid(ShvSurfaceContact *contact, ShvBox region, double smallest, ShvError *error)
 {
     ShvNodeGrid *grid = &contact->facet_grid;
-    int32_t counts[SHV_GRID_PACES] = {0};
-    uint32_t levels[SHV_GRID_PACES] = {0};
+    int32_t counts[SHV_GRID_SPEED_CLASSES] = {0};
+    uint32_t levels[SHV_GRID_SPEED_CLASSES] = {0};
     contact->grid_facets = contact->list.facet_count;
-    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++) contact->half[pace] = 0.0;
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) contact->half[speed_class] = 0.0;
     for (int32_t k = 0; k < contact->list.facet_count; k++) {
         ShvSurfaceFacet *facet = &contact->list.facets[k];
-        facet->stray = false;
-        counts[facet->pace]++;
-        contact->half[facet->pace] = fmax(contact->half[facet->pace], 0.5 * shv_box_size(&facet->box));
+        facet->escaped = false;
+        counts[facet->speed_class]++;
+        contact->half[facet->speed_class] = fmax(contact->half[facet->speed_class], 0.5 * shv_box_size(&facet->box));
     }
     shv_node_grid_scale(grid, region, isfinite(smallest) ? 0.5 * smallest : 1.0);
-    for (int pace = 0; pace < SHV_SURFACE_PACES; pace++)
-        levels[pace] = (uint32_t)1 << shv_node_grid_level(
-                           grid, contact->half[pace] +
-                                     2.0 * (contact->allowance[pace] + contact->allowance[SHV_SURFACE_PACES / 2]));
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
+        levels[speed_class] =
+            (uint32_t)1 << shv_node_grid_level(
+                grid, contact->half[speed_class] +
+                          2.0 * (contact->skin[speed_class] + contact->skin[SHV_SURFACE_SPEED_CLASSES / 2]));
     SHV_TRY(shv_node_grid_start(grid, levels, counts, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
-        shv_node_grid_add(grid, k, contact->list.facets[k].pace, centre_of(&contact->list.facets[k].box));
+        shv_node_grid_add(grid, k, contact->list.facets[k].speed_class, centre_of(&contact->list.facets[k].box));
     shv_node_grid_finish(grid);
     return SHV_OK;
 }
@@ -169,13 +171,13 @@ static ShvStatus fill_facet_grid(ShvSurfaceContact *contact, ShvBox region, doub
 ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error)
 {
     ShvBox region = shv_box_empty();
-    int32_t counts[SHV_GRID_PACES] = {0};
-    uint32_t levels[SHV_GRID_PACES] = {0};
+    int32_t counts[SHV_GRID_SPEED_CLASSES] = {0};
+    uint32_t levels[SHV_GRID_SPEED_CLASSES] = {0};
     contact->grid_nodes = contact->list.node_count;
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         if (!node_in_region(contact, &contact->list.nodes[k])) continue;
         shv_box_add(&region, contact->list.nodes[k].from);
-        counts[contact->list.nodes[k].pace]++;
+        counts[contact->list.nodes[k].speed_class]++;
     }
     const double smallest = smallest_facet(contact);
     if (isfinite(smallest)) {
@@ -185,7 +187,7 @@ ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error)
     SHV_TRY(shv_node_grid_start(&contact->grid, levels, counts, error));
     for (int32_t k = 0; k < contact->list.node_count; k++)
         if (node_in_region(contact, &contact->list.nodes[k]))
-            shv_node_grid_add(&contact->grid, k, contact->list.nodes[k].pace, contact->list.nodes[k].from);
+            shv_node_grid_add(&contact->grid, k, contact->list.nodes[k].speed_class, contact->list.nodes[k].from);
     shv_node_grid_finish(&contact->grid);
     return fill_facet_grid(contact, region, smallest, error);
 }

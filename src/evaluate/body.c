@@ -97,7 +97,7 @@ double shv_body_kinetic(const ShvBody *body, const ShvBodyState *state)
            0.5 * shv_dot(state->angular_velocity, shv_body_spin_momentum(body, state));
 }
 
-double shv_turn_between(ShvQuat a, ShvQuat b)
+double shv_angle_between(ShvQuat a, ShvQuat b)
 {
     const ShvQuat turn = shv_quat_multiply(shv_quat_conjugate(a), b);
     return 2.0 * atan2(shv_norm(shv_vec3(turn.x, turn.y, turn.z)), fabs(turn.w));

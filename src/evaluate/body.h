@@ -40,6 +40,6 @@ double shv_body_kinetic(const ShvBody *body, const ShvBodyState *state);
 /* About its own centre, world axes. */
 ShvVec3 shv_body_spin_momentum(const ShvBody *body, const ShvBodyState *state);
 /* The angle between two orientations, rad. */
-double shv_turn_between(ShvQuat a, ShvQuat b);
+double shv_angle_between(ShvQuat a, ShvQuat b);
 
 #endif

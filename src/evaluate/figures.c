@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "evaluate/way.h"
+#include "evaluate/trajectory_error.h"
 
 #define COUNT(array)  ((int32_t)(sizeof(array) / sizeof *(array)))
 #define NORM(x, y, z) "sqrt((" x ")^2 + (" y ")^2 + (" z ")^2)"
@@ -45,7 +45,7 @@ static const struct {
     {"end.wall_seconds", "run.setup + run.seconds"},
 };
 
-/* Those that follow bodies come first, in the order of ShvWayError. */
+/* Those that follow bodies come first, in the order of ShvTrajectoryMeasure. */
 static const ShvMeasure measures[] = {
     {"position", NULL, "m", NULL, "position(reference)", "largest distance of a body's centre over the run"},
     {"orientation", NULL, "rad", NULL, "orientation(reference)", "largest angle of a body over the run"},
@@ -132,9 +132,9 @@ const ShvMeasure *shv_measure_named(const char *name)
     return NULL;
 }
 
-int shv_way_index(const char *name)
+int shv_trajectory_measure_index(const char *name)
 {
-    for (int i = 0; i < SHV_WAY_ERRORS; i++)
+    for (int i = 0; i < SHV_TRAJECTORY_MEASURES; i++)
         if (strcmp(measures[i].name, name) == 0) return i;
     return -1;
 }
@@ -144,7 +144,7 @@ bool shv_measure_tracks(const ShvMeasure *measure)
     const size_t length = strcspn(measure->error, "(");
     char name[64] = "";
     if (length < sizeof name) memcpy(name, measure->error, length);
-    return shv_way_index(name) >= 0;
+    return shv_trajectory_measure_index(name) >= 0;
 }
 
 bool shv_measure_is_own(const ShvMeasure *measure)

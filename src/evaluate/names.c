@@ -59,12 +59,13 @@ static bool crack_function(ShvNames *names, const char *function, const ShvOutco
     return true;
 }
 
-static double way_function(ShvNames *names, int index, const ShvOutcome *other)
+static double trajectory_function(ShvNames *names, int index, const ShvOutcome *other)
 {
     const ShvOutcome *run = names->run->outcome;
-    if (!names->way) return (double)NAN;
+    if (!names->trajectory) return (double)NAN;
     if (names->followed != run || names->beside != other) {
-        const ShvStatus status = shv_way_follow(names->way, run, other, names->errors, &names->error);
+        const ShvStatus status =
+            shv_trajectory_error_measure(names->trajectory, run, other, names->errors, &names->error);
         if (status != SHV_OK) names->status = status;
         names->followed = run;
         names->beside = other;
@@ -87,9 +88,9 @@ static bool call(void *data, const char *function, const char *name, ShvFormulaV
     if (!other && strcmp(name, closed_form.name) == 0) other = &closed_form;
     if (!other) return false;
     *value = (ShvFormulaValue){.number = (double)NAN};
-    const int index = shv_way_index(function);
+    const int index = shv_trajectory_measure_index(function);
     if (index >= 0) {
-        value->number = way_function(names, index, other->outcome);
+        value->number = trajectory_function(names, index, other->outcome);
         return true;
     }
     if (strcmp(function, "masses") == 0) {

@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "base/timer.h"
-#include "evaluate/gather.h"
+#include "evaluate/sampler.h"
 #include "record/checkpoint.h"
 #include "record/processor.h"
 
@@ -18,7 +18,7 @@ typedef struct Pull {
     const ShvRunOrder *order;
     ShvSceneDefinition scene;
     ShvOutcome *outcome;
-    ShvGather gather;
+    ShvSampler sampler;
     ShvSimulation *simulation; /* NULL: nothing to save yet */
     ShvError own;              /* the run's own failure */
     double seconds;            /* s of run time, of all frames so far */
@@ -80,7 +80,7 @@ static bool take_note(Pull *pull, const ShvCheckpoint *found)
                           &ignored) != SHV_OK)
         return false;
     const double bodies = shv_outcome_number(&before, "track.bodies");
-    const bool good = !pull->order->tracked || bodies == pull->gather.bodies.count;
+    const bool good = !pull->order->tracked || bodies == pull->sampler.bodies.count;
     if (good) {
         shv_outcome_release(pull->outcome);
         *pull->outcome = before;
@@ -156,18 +156,18 @@ static ShvStatus pull_frame(Pull *pull, ShvError *error)
     if (frame->steps > 0 || frame->time > 0.0) pull->seconds += shv_now() - pull->begun;
     if (status == SHV_INTERRUPTED || status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", pull->own.message);
     pull->own.status = status;
-    return shv_gather_frame(&pull->gather, pull->simulation, error);
+    return shv_sample_frame(&pull->sampler, pull->simulation, error);
 }
 
 /* Frame by frame, or from a checkpoint on, to the end or to a failure. */
 static ShvStatus pull_frames(Pull *pull, ShvError *error)
 {
     SHV_TRY(pull_frame(pull, error));
-    SHV_TRY(shv_gather_facts(&pull->gather, pull->simulation, error));
+    SHV_TRY(shv_sample_scene(&pull->sampler, pull->simulation, error));
     if (pull->own.status == SHV_OK) SHV_TRY(go_on(pull, error));
     while (pull->own.status == SHV_OK && !shv_simulation_finished(pull->simulation)) SHV_TRY(pull_frame(pull, error));
     shv_outcome_add(pull->outcome, "run.seconds", SHV_CLOCK_NONE, pull->seconds);
-    return shv_gather_end(&pull->gather, pull->simulation, error);
+    return shv_sample_end(&pull->sampler, pull->simulation, error);
 }
 
 static ShvStatus run_first(Pull *pull, ShvError *error)
@@ -183,7 +183,7 @@ static ShvStatus run_first(Pull *pull, ShvError *error)
     if (status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", pull->own.message);
     if (status != SHV_OK) return SHV_OK;
     status = pull_frames(pull, error);
-    shv_gather_release(&pull->gather);
+    shv_sampler_release(&pull->sampler);
     shv_simulation_destroy(simulation);
     return status;
 }
@@ -213,7 +213,7 @@ ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError 
 {
     *outcome = (ShvOutcome){.memory = order->memory};
     Pull pull = {.order = order, .scene = *order->scene, .outcome = outcome, .own = {SHV_OK, ""}};
-    pull.gather = (ShvGather){
+    pull.sampler = (ShvSampler){
         .outcome = outcome, .scene = order->scene, .tracked = order->tracked, .pool = {.memory = order->memory}};
     shv_processor_name(outcome->processor, sizeof outcome->processor);
     SHV_TRY(run_first(&pull, error));

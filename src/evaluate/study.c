@@ -204,23 +204,24 @@ static void find_reference(ShvStudy *study)
     if (study->reference < own) study->setting_count = own;
 }
 
-ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error)
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
+                           ShvError *error)
 {
     *scene = NULL;
-    *way = (ShvWay){.memory = study->memory};
+    *trajectory = (ShvTrajectoryError){.memory = study->memory};
     if (!shv_study_tracks(study)) return SHV_OK;
     SHV_TRY(shv_study_scene(study, setting, scene, error));
-    return shv_way_open(way, shv_scene_definition(*scene), shv_scene_folder(*scene),
-                        study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    return shv_trajectory_error_open(trajectory, shv_scene_definition(*scene), shv_scene_folder(*scene),
+                                     study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
 }
 
 /* What bodies are compared with must fit the scene before anything is run. */
-static ShvStatus check_way(const ShvStudy *study, ShvError *error)
+static ShvStatus check_trajectory(const ShvStudy *study, ShvError *error)
 {
     ShvScene *scene;
-    ShvWay way;
-    const ShvStatus status = shv_study_follow(study, 0, &scene, &way, error);
-    shv_way_close(&way);
+    ShvTrajectoryError trajectory;
+    const ShvStatus status = shv_study_follow(study, 0, &scene, &trajectory, error);
+    shv_trajectory_error_close(&trajectory);
     shv_scene_destroy(scene);
     return status;
 }
@@ -237,7 +238,7 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) find_reference(made);
-    if (status == SHV_OK) status = check_way(made, error);
+    if (status == SHV_OK) status = check_trajectory(made, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;

@@ -6,7 +6,7 @@
 #include "evaluate/outcome.h"
 #include "evaluate/plot.h"
 #include "evaluate/study_plan.h"
-#include "evaluate/way.h"
+#include "evaluate/trajectory_error.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
 
@@ -54,7 +54,8 @@ enum { SHV_STUDY_PATH = 4096 };
 ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
                          ShvError *error);
 /* What follows the bodies of a setting, where a measure does. The caller destroys both in every case. */
-ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvWay *way, ShvError *error);
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
+                           ShvError *error);
 
 /* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);

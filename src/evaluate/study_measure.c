@@ -2,8 +2,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/gather.h"
 #include "evaluate/names.h"
+#include "evaluate/sampler.h"
 #include "evaluate/study.h"
 
 _Static_assert((int)SHV_COST_COUNT <= (int)SHV_STUDY_MOST_COSTS, "a row has room for all costs");
@@ -14,13 +14,13 @@ typedef struct Judge {
     ShvOutcome *references; /* one a member; NULL with a closed form */
     double *samples;        /* measures × members: errors, then values, then run times */
     ShvScene *scene;        /* of the setting that is judged, where bodies are followed */
-    ShvWay way;
+    ShvTrajectoryError trajectory;
     ShvPool series;
 } Judge;
 
 static void close_setting(Judge *judge)
 {
-    shv_way_close(&judge->way);
+    shv_trajectory_error_close(&judge->trajectory);
     shv_scene_destroy(judge->scene);
     shv_pool_release(&judge->series);
     judge->scene = NULL;
@@ -29,7 +29,7 @@ static void close_setting(Judge *judge)
 static ShvStatus open_setting(Judge *judge, int32_t setting, ShvError *error)
 {
     judge->series = (ShvPool){.memory = judge->study->memory};
-    return shv_study_follow(judge->study, setting, &judge->scene, &judge->way, error);
+    return shv_study_follow(judge->study, setting, &judge->scene, &judge->trajectory, error);
 }
 
 /* What a run lacks of a measure of ours is no number; a formula of the study's own must be right. */
@@ -53,7 +53,7 @@ static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOut
     const ShvNamedRun other = {.name = "reference", .outcome = reference};
     const ShvNamedRun own = {.name = "", .outcome = outcome, .before = &other};
     ShvNames names = {.pool = &judge->series, .run = &own};
-    if (judge->scene) names.way = &judge->way;
+    if (judge->scene) names.trajectory = &judge->trajectory;
     for (int32_t i = 0; i < plan->measure_count; i++) {
         errors[i] = values[i] = (double)NAN;
         if (outcome->status != SHV_OK) continue;

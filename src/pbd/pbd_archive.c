@@ -25,7 +25,7 @@ bool shv_relax_archive(ShvRelax *relax, ShvArchive *archive)
         SHV_FIELD_OF(ShvRelax, first_touch, SHV_FIELD_BLOCK), SHV_FIELD_OF(ShvRelax, touched, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvRelax, touches, SHV_FIELD_BLOCK),     SHV_FIELD_OF(ShvRelax, force, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvRelax, slips.items, SHV_FIELD_BLOCK), SHV_FIELD_OF(ShvRelax, past.items, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvRelax, unmoved, SHV_FIELD_BLOCK),     SHV_FIELD_OF(ShvRelax, gave_way, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvRelax, unmoved, SHV_FIELD_BLOCK),     SHV_FIELD_OF(ShvRelax, yielded, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvRelax, works, SHV_FIELD_BLOCK),       SHV_FIELD_OF(ShvRelax, memory, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvRelax, threads, SHV_FIELD_KEPT),      SHV_FIELD_OF(ShvRelax, later, SHV_FIELD_KEPT),
     };
@@ -41,11 +41,11 @@ bool shv_ties_archive(ShvTies *ties, ShvArchive *archive)
     return SHV_ARCHIVE_STRUCT(archive, ties, fields);
 }
 
-bool shv_flyer_archive(ShvFlyer *flyer, ShvArchive *archive)
+bool shv_pbd_body_archive(ShvPbdBody *body, ShvArchive *archive)
 {
     static const ShvField fields[] = {
-        SHV_FIELD_OF(ShvFlyer, touched, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvFlyer, fastest, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvPbdBody, touched, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvPbdBody, fastest, SHV_FIELD_BLOCK),
     };
-    return SHV_ARCHIVE_STRUCT(archive, flyer, fields);
+    return SHV_ARCHIVE_STRUCT(archive, body, fields);
 }

@@ -3,11 +3,11 @@
 #define SHV_PBD_PBD_ARCHIVE_H
 
 #include "base/archive.h"
-#include "pbd/flyer.h"
+#include "pbd/pbd_body.h"
 
 bool shv_bars_archive(ShvBars *bars, ShvArchive *archive);
 bool shv_relax_archive(ShvRelax *relax, ShvArchive *archive);
 bool shv_ties_archive(ShvTies *ties, ShvArchive *archive);
-bool shv_flyer_archive(ShvFlyer *flyer, ShvArchive *archive);
+bool shv_pbd_body_archive(ShvPbdBody *body, ShvArchive *archive);
 
 #endif

@@ -1,7 +1,7 @@
 #include "pbd/pbd_backend.h"
 
-#include "pbd/flyer.h"
 #include "pbd/pbd_archive.h"
+#include "pbd/pbd_body.h"
 
 typedef struct Pbd {
     ShvRigidBackend backend; /* first: the interface's pointer is this one's */
@@ -9,14 +9,14 @@ typedef struct Pbd {
     ShvBars bars;
     ShvTies ties;
     ShvRelax relax;
-    ShvFlyer **flyers; /* by increasing fragment */
+    ShvPbdBody **bodies; /* by increasing fragment */
     int32_t count, capacity;
     bool stale;     /* those that move are not those of the lists below */
     uint8_t *flags; /* per fragment index: in flight and moving */
     int32_t flag_room;
     int32_t *nodes; /* of all that move, one after another */
     int32_t node_count, node_room;
-    int32_t *owner; /* per node of the state: index of its flyer, for nodes that move */
+    int32_t *owner; /* per node of the state: index of its body, for nodes that move */
     int32_t owner_room;
 } Pbd;
 
@@ -30,7 +30,7 @@ static int32_t place_of(const Pbd *pbd, int32_t fragment)
     int32_t low = 0, high = pbd->count;
     while (low < high) {
         const int32_t middle = low + (high - low) / 2;
-        if (pbd->flyers[middle]->fragment < fragment)
+        if (pbd->bodies[middle]->fragment < fragment)
             low = middle + 1;
         else
             high = middle;
@@ -48,12 +48,12 @@ static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error
 {
     Pbd *pbd = (Pbd *)backend;
     SHV_TRY(reserve_flags(pbd, error));
-    RESERVE(pbd, flyers, capacity, (int64_t)pbd->count + 1, error);
-    ShvFlyer *flyer;
-    SHV_TRY(shv_flyer_create(&flyer, &backend->world, fragment, error));
+    RESERVE(pbd, bodies, capacity, (int64_t)pbd->count + 1, error);
+    ShvPbdBody *body;
+    SHV_TRY(shv_pbd_body_create(&body, &backend->world, fragment, error));
     const int32_t place = place_of(pbd, fragment);
-    for (int32_t i = pbd->count; i > place; i--) pbd->flyers[i] = pbd->flyers[i - 1];
-    pbd->flyers[place] = flyer;
+    for (int32_t i = pbd->count; i > place; i--) pbd->bodies[i] = pbd->bodies[i - 1];
+    pbd->bodies[place] = body;
     pbd->count++;
     pbd->stale = true;
     return SHV_OK;
@@ -63,10 +63,10 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
 {
     Pbd *pbd = (Pbd *)backend;
     const int32_t place = place_of(pbd, fragment);
-    if (place == pbd->count || pbd->flyers[place]->fragment != fragment) return;
-    shv_flyer_destroy(pbd->flyers[place]);
+    if (place == pbd->count || pbd->bodies[place]->fragment != fragment) return;
+    shv_pbd_body_destroy(pbd->bodies[place]);
     pbd->count--;
-    for (int32_t i = place; i < pbd->count; i++) pbd->flyers[i] = pbd->flyers[i + 1];
+    for (int32_t i = place; i < pbd->count; i++) pbd->bodies[i] = pbd->bodies[i + 1];
     pbd->flags[fragment] = 0;
     pbd->stale = true;
 }
@@ -75,10 +75,10 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
 static void choose_moving(Pbd *pbd, double time, double step)
 {
     for (int32_t i = 0; i < pbd->count; i++) {
-        ShvFlyer *flyer = pbd->flyers[i];
-        const bool moves = flyer->time < time + 0.5 * step;
-        if (moves != flyer->moves) pbd->stale = true;
-        flyer->moves = moves;
+        ShvPbdBody *body = pbd->bodies[i];
+        const bool moves = body->time < time + 0.5 * step;
+        if (moves != body->moves) pbd->stale = true;
+        body->moves = moves;
     }
 }
 
@@ -90,9 +90,9 @@ static ShvStatus refresh(Pbd *pbd, ShvError *error)
     int64_t count = 0;
     SHV_TRY(reserve_flags(pbd, error));
     for (int32_t i = 0; i < pbd->count; i++) {
-        const ShvFlyer *flyer = pbd->flyers[i];
-        pbd->flags[flyer->fragment] = flyer->moves;
-        if (flyer->moves) count += world->fragments->items[flyer->fragment].node_count;
+        const ShvPbdBody *body = pbd->bodies[i];
+        pbd->flags[body->fragment] = body->moves;
+        if (body->moves) count += world->fragments->items[body->fragment].node_count;
     }
     RESERVE(pbd, nodes, node_room, count, error);
     RESERVE(pbd, owner, owner_room, world->state->node_count, error);
@@ -100,8 +100,8 @@ static ShvStatus refresh(Pbd *pbd, ShvError *error)
     SHV_TRY(shv_ties_update(&pbd->ties, world->fragments, world->state, pbd->flags, error));
     pbd->node_count = 0;
     for (int32_t i = 0; i < pbd->count; i++) {
-        if (!pbd->flyers[i]->moves) continue;
-        const ShvFragment *fragment = &world->fragments->items[pbd->flyers[i]->fragment];
+        if (!pbd->bodies[i]->moves) continue;
+        const ShvFragment *fragment = &world->fragments->items[pbd->bodies[i]->fragment];
         for (int32_t k = 0; k < fragment->node_count; k++) {
             const int32_t node = world->fragments->nodes[fragment->node_begin + k];
             pbd->owner[node] = i;
@@ -130,22 +130,22 @@ static ShvStatus predict_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error
     const ShvRigidWorld *world = &pbd->backend.world;
     for (int32_t i = 0; i < pbd->count; i++) {
         double taken;
-        if (!pbd->flyers[i]->moves) continue;
-        SHV_TRY(shv_flyer_predict(pbd->flyers[i], world, pbd->settings, &pbd->relax, step, &taken, error));
+        if (!pbd->bodies[i]->moves) continue;
+        SHV_TRY(shv_pbd_body_predict(pbd->bodies[i], world, pbd->settings, &pbd->relax, step, &taken, error));
         pbd->backend.damping_work -= taken;
     }
-    return shv_relax_look(&pbd->relax, world->state, world->obstacles, pbd->nodes, pbd->node_count, step, error);
+    return shv_relax_detect(&pbd->relax, world->state, world->obstacles, pbd->nodes, pbd->node_count, step, error);
 }
 
-/* The touch of each flyer and obstacle that closes fastest; `pushed`: only among those that were projected. */
+/* The touch of each body and obstacle that closes fastest; `pushed`: only among those that were projected. */
 static void find_fastest(Pbd *pbd, bool pushed)
 {
     for (int32_t i = 0; i < pbd->count; i++)
-        for (int32_t o = 0; o < pbd->relax.obstacle_count; o++) pbd->flyers[i]->fastest[o] = -1;
+        for (int32_t o = 0; o < pbd->relax.obstacle_count; o++) pbd->bodies[i]->fastest[o] = -1;
     for (int32_t t = 0; t < pbd->relax.touch_count; t++) {
         const ShvRelaxTouch *touch = &pbd->relax.touches[t];
         if (pushed && !(touch->push > 0.0)) continue;
-        int32_t *fastest = &pbd->flyers[pbd->owner[touch->node]]->fastest[touch->obstacle];
+        int32_t *fastest = &pbd->bodies[pbd->owner[touch->node]]->fastest[touch->obstacle];
         if (*fastest < 0 || touch->closing_speed > pbd->relax.touches[*fastest].closing_speed) *fastest = t;
     }
 }
@@ -161,15 +161,15 @@ static double closing_time(const Pbd *pbd, const ShvRelaxTouch *touch, double ti
     return time + fmin(step, fmax(0.0, step - depth / touch->closing_speed));
 }
 
-/* Whether a contact of one flyer wakes it. */
-static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, double step, ShvWakeJudge judge,
+/* Whether a contact of one body wakes it. */
+static bool wakes_up(const Pbd *pbd, const ShvPbdBody *body, double time, double step, ShvWakeJudge judge,
                      void *judge_data, ShvRigidContact *contact)
 {
     for (int32_t o = 0; o < pbd->relax.obstacle_count && judge; o++) {
-        if (flyer->fastest[o] < 0) continue;
-        const ShvRelaxTouch *touch = &pbd->relax.touches[flyer->fastest[o]];
+        if (body->fastest[o] < 0) continue;
+        const ShvRelaxTouch *touch = &pbd->relax.touches[body->fastest[o]];
         if (!(touch->closing_speed > 0.0)) continue;
-        *contact = (ShvRigidContact){.fragment = flyer->fragment,
+        *contact = (ShvRigidContact){.fragment = body->fragment,
                                      .obstacle = o,
                                      .other = -1,
                                      .other_mass = pbd->backend.world.obstacles->items[o].mass,
@@ -178,7 +178,7 @@ static bool wakes_up(const Pbd *pbd, const ShvFlyer *flyer, double time, double 
                                      .point = touch->point,
                                      .normal = touch->normal,
                                      .closing_speed = touch->closing_speed,
-                                     .fresh = !flyer->touched[o]};
+                                     .fresh = !body->touched[o]};
         if (judge(judge_data, contact)) return true;
     }
     return false;
@@ -190,17 +190,17 @@ static void judge_all(Pbd *pbd, double time, double step, ShvWakeJudge judge, vo
     find_fastest(pbd, false);
     int32_t kept = 0;
     for (int32_t i = 0; i < pbd->count; i++) {
-        ShvFlyer *flyer = pbd->flyers[i];
+        ShvPbdBody *body = pbd->bodies[i];
         ShvRigidContact contact;
-        if (!flyer->moves || !wakes_up(pbd, flyer, time, step, judge, judge_data, &contact)) {
-            pbd->flyers[kept++] = flyer;
+        if (!body->moves || !wakes_up(pbd, body, time, step, judge, judge_data, &contact)) {
+            pbd->bodies[kept++] = body;
             continue;
         }
         wakes[(*wake_count)++] = contact;
-        shv_flyer_write(flyer, &pbd->backend.world);
-        pbd->flags[flyer->fragment] = 0;
+        shv_pbd_body_write(body, &pbd->backend.world);
+        pbd->flags[body->fragment] = 0;
         pbd->stale = true;
-        shv_flyer_destroy(flyer);
+        shv_pbd_body_destroy(body);
     }
     pbd->count = kept;
 }
@@ -210,7 +210,7 @@ static ShvStatus move_all(Pbd *pbd, const ShvRelaxStep *step, ShvError *error)
 {
     const ShvRigidWorld *world = &pbd->backend.world;
     for (int32_t i = 0; i < pbd->count; i++)
-        if (pbd->flyers[i]->moves) shv_flyer_turn(pbd->flyers[i], world);
+        if (pbd->bodies[i]->moves) shv_pbd_body_rotate(pbd->bodies[i], world);
     SHV_TRY(shv_relax_begin(&pbd->relax, world->state, pbd->nodes, pbd->node_count, error));
     const ShvVec3 kick = shv_scale(shv_load3(step->gravity), 0.5 * step->step);
     for (int32_t i = 0; i < pbd->node_count; i++)
@@ -227,10 +227,10 @@ static void book(Pbd *pbd, double end)
     pbd->backend.friction_work += work->friction[0] + work->friction[1];
     find_fastest(pbd, true);
     for (int32_t i = 0; i < pbd->count; i++) {
-        if (!pbd->flyers[i]->moves) continue;
-        pbd->flyers[i]->time = end;
-        shv_flyer_write(pbd->flyers[i], &pbd->backend.world);
-        shv_flyer_note_touches(pbd->flyers[i], &pbd->backend.world, &pbd->relax);
+        if (!pbd->bodies[i]->moves) continue;
+        pbd->bodies[i]->time = end;
+        shv_pbd_body_write(pbd->bodies[i], &pbd->backend.world);
+        shv_pbd_body_note_contacts(pbd->bodies[i], &pbd->backend.world, &pbd->relax);
     }
 }
 
@@ -258,26 +258,26 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
 
 static void remove_all(Pbd *pbd)
 {
-    for (int32_t i = 0; i < pbd->count; i++) shv_flyer_destroy(pbd->flyers[i]);
+    for (int32_t i = 0; i < pbd->count; i++) shv_pbd_body_destroy(pbd->bodies[i]);
     pbd->count = 0;
 }
 
-static bool archive_flyer(Pbd *pbd, ShvFlyer **flyer, ShvArchive *archive)
+static bool archive_body(Pbd *pbd, ShvPbdBody **body, ShvArchive *archive)
 {
     ShvError error;
     ShvMemory *memory = pbd->backend.world.fragments->memory;
-    if (!*flyer) *flyer = shv_allocate(memory, SHV_PART_RIGID, 1, sizeof **flyer);
-    if (*flyer) return shv_flyer_archive(*flyer, archive);
-    return shv_archive_fail(archive, shv_fail_memory(&error, "a fragment in flight", sizeof **flyer), &error);
+    if (!*body) *body = shv_allocate(memory, SHV_PART_RIGID, 1, sizeof **body);
+    if (*body) return shv_pbd_body_archive(*body, archive);
+    return shv_archive_fail(archive, shv_fail_memory(&error, "a fragment in flight", sizeof **body), &error);
 }
 
-static bool archive_flyers(Pbd *pbd, ShvArchive *archive)
+static bool archive_bodies(Pbd *pbd, ShvArchive *archive)
 {
     int32_t count = pbd->count;
     if (shv_archive_reads(archive)) remove_all(pbd);
-    bool good = shv_archive_room(archive, (void **)&pbd->flyers) && shv_archive_bytes(archive, &count, sizeof count);
+    bool good = shv_archive_room(archive, (void **)&pbd->bodies) && shv_archive_bytes(archive, &count, sizeof count);
     for (int32_t i = 0; good && i < count; i++) {
-        good = archive_flyer(pbd, &pbd->flyers[i], archive);
+        good = archive_body(pbd, &pbd->bodies[i], archive);
         if (shv_archive_reads(archive)) pbd->count = i + 1;
     }
     return good;
@@ -289,12 +289,12 @@ static bool archive_all(ShvRigidBackend *backend, ShvArchive *archive)
         SHV_FIELD_OF(Pbd, flags, SHV_FIELD_BLOCK),        SHV_FIELD_OF(Pbd, nodes, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(Pbd, owner, SHV_FIELD_BLOCK),        SHV_FIELD_OF(Pbd, backend.functions, SHV_FIELD_KEPT),
         SHV_FIELD_OF(Pbd, backend.world, SHV_FIELD_KEPT), SHV_FIELD_OF(Pbd, settings, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(Pbd, flyers, SHV_FIELD_KEPT),        SHV_FIELD_OF(Pbd, count, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(Pbd, bodies, SHV_FIELD_KEPT),        SHV_FIELD_OF(Pbd, count, SHV_FIELD_KEPT),
         SHV_FIELD_OF(Pbd, bars, SHV_FIELD_KEPT),          SHV_FIELD_OF(Pbd, ties, SHV_FIELD_KEPT),
         SHV_FIELD_OF(Pbd, relax, SHV_FIELD_KEPT),
     };
     Pbd *pbd = (Pbd *)backend;
-    return archive_flyers(pbd, archive) && SHV_ARCHIVE_STRUCT(archive, pbd, fields) &&
+    return archive_bodies(pbd, archive) && SHV_ARCHIVE_STRUCT(archive, pbd, fields) &&
            shv_bars_archive(&pbd->bars, archive) && shv_ties_archive(&pbd->ties, archive) &&
            shv_relax_archive(&pbd->relax, archive);
 }
@@ -306,7 +306,7 @@ static void destroy(ShvRigidBackend *backend)
     Pbd *pbd = (Pbd *)backend;
     if (!pbd) return;
     remove_all(pbd);
-    shv_release(pbd->flyers);
+    shv_release(pbd->bodies);
     shv_release(pbd->flags);
     shv_release(pbd->nodes);
     shv_release(pbd->owner);

@@ -14,8 +14,8 @@ ShvStatus shv_relax_create(ShvRelax *relax, const ShvModel *model, const ShvObst
     const size_t count = (size_t)obstacles->count;
     relax->later = shv_allocate(relax->memory, SHV_PART_BARS, count, sizeof *relax->later);
     relax->unmoved = shv_allocate(relax->memory, SHV_PART_BARS, 2 * count, sizeof *relax->unmoved);
-    relax->gave_way = shv_allocate(relax->memory, SHV_PART_BARS, count, sizeof *relax->gave_way);
-    if (relax->later && relax->unmoved && relax->gave_way) return SHV_OK;
+    relax->yielded = shv_allocate(relax->memory, SHV_PART_BARS, count, sizeof *relax->yielded);
+    if (relax->later && relax->unmoved && relax->yielded) return SHV_OK;
     shv_relax_release(relax);
     return shv_fail_memory(error, "the relaxation", count * (sizeof(ShvObstacle) + 7 * sizeof(double)));
 }
@@ -36,7 +36,7 @@ void shv_relax_release(ShvRelax *relax)
     shv_release(relax->touches);
     shv_release(relax->later);
     shv_release(relax->unmoved);
-    shv_release(relax->gave_way);
+    shv_release(relax->yielded);
     shv_release(relax->works);
     *relax = (ShvRelax){0};
 }

@@ -48,13 +48,13 @@ typedef struct ShvRelaxTouch {
    Forces work along that way, too, which the velocities do not tell. */
 typedef struct ShvRelaxSlip {
     int32_t node;
-    ShvVec3 way; /* m: displacement in the step − dt × velocity after it */
+    ShvVec3 displacement; /* m: displacement in the step − dt × velocity after it */
 } ShvRelaxSlip;
 
 typedef struct ShvRelaxSlips {
     ShvRelaxSlip *items;
     int32_t count, room;
-    double work; /* J: half of − force × way, with the forces of this moment */
+    double work; /* J: half of − force × way, with the forces of this time */
 } ShvRelaxSlips;
 
 typedef struct ShvRelaxStep {
@@ -86,14 +86,14 @@ typedef struct ShvRelax {
     int32_t known_nodes;
     ShvRelaxTouch *touches; /* of this step, those with a push of 0 did not happen */
     int32_t touch_count, touch_room;
-    double *force;       /* 3 per node: of the present moment, N, without gravity */
+    double *force;       /* 3 per node: of the present time, N, without gravity */
     ShvRelaxSlips slips; /* of this step */
     ShvRelaxSlips past;  /* of the step before */
     double slip_time;    /* s: when this step began */
     int32_t obstacle_count;
     ShvObstacle *later;  /* the obstacles at the end of the step, with its mean velocity */
     ShvVec3 *unmoved;    /* 2 per obstacle: velocity and angular velocity of `later` before any impulse */
-    double *gave_way;    /* per obstacle: bound of what impulses have shifted its surface by, m */
+    double *yielded;     /* per obstacle: bound of what impulses have shifted its surface by, m */
     ShvRelaxWork *works; /* per block of nodes */
     int32_t block_room;
     /* results of the step */
@@ -109,13 +109,13 @@ void shv_relax_release(ShvRelax *relax);
 /* The pieces of a step, in this order, each for the same listed nodes (all nodes of the bars' elements, each once). */
 
 /* Room for the state's nodes; remembers velocities as those before the kick, and forces: elastic ones, whose potential the energy
-   has. Called again at the same moment it starts the same step anew. */
+   has. Called again at the same time it starts the same step anew. */
 ShvStatus shv_relax_begin(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 /* Predicted displacements u + dt v. A caller may write `predicted` itself instead. */
 void shv_relax_predict(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count, double step);
 /* Fills `touches` with the nodes that would end inside an obstacle or pass through it (obstacles at time n). */
-ShvStatus shv_relax_look(ShvRelax *relax, const ShvState *state, const ShvObstacles *obstacles, const int32_t *nodes,
-                         int32_t count, const ShvRelaxStep *step, ShvError *error);
+ShvStatus shv_relax_detect(ShvRelax *relax, const ShvState *state, const ShvObstacles *obstacles, const int32_t *nodes,
+                           int32_t count, const ShvRelaxStep *step, ShvError *error);
 /* Sweeps, projections, response: displacements and velocities of the nodes, and velocities of free obstacles, such that
    moving those over the whole step from time n leads them where they belong. Nodes that were looked at may be missing
    from the list; their touches then did not happen. On failure state and obstacles are unchanged. */

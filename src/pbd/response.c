@@ -16,8 +16,8 @@ static ShvVec3 approach(const ShvRelax *relax, const ShvState *state, int32_t no
                         double step)
 {
     const int64_t k = 3 * (int64_t)node;
-    const ShvVec3 way = shv_sub(shv_load3(relax->predicted + k), shv_load3(state->displacement + k));
-    return shv_sub(shv_scale(way, 1.0 / step), shv_obstacle_velocity(&relax->later[obstacle], point));
+    const ShvVec3 displacement = shv_sub(shv_load3(relax->predicted + k), shv_load3(state->displacement + k));
+    return shv_sub(shv_scale(displacement, 1.0 / step), shv_obstacle_velocity(&relax->later[obstacle], point));
 }
 
 static ShvStatus add_touch(ShvRelax *relax, const ShvState *state, int32_t node, int32_t obstacle, ShvVec3 point,
@@ -54,19 +54,19 @@ static void place_obstacles(ShvRelax *relax, const ShvObstacles *obstacles, cons
         relax->later[o] = shv_obstacle_later(&start, step->step);
         relax->unmoved[2 * o] = start.velocity;
         relax->unmoved[2 * o + 1] = start.angular_velocity;
-        relax->gave_way[o] = 0.0;
+        relax->yielded[o] = 0.0;
     }
 }
 
 /* Bound of the way of an obstacle's surface in the step. */
-static double obstacle_way(const ShvRelax *relax, int32_t obstacle, double step)
+static double obstacle_displacement(const ShvRelax *relax, int32_t obstacle, double step)
 {
     const ShvObstacle *later = &relax->later[obstacle];
     if (later->motion == SHV_OBSTACLE_FIXED) return 0.0;
     return step * (shv_norm(later->velocity) + shv_norm(later->angular_velocity) * later->bounding_radius);
 }
 
-static double node_way(const ShvRelax *relax, const ShvState *state, int64_t node)
+static double node_displacement(const ShvRelax *relax, const ShvState *state, int64_t node)
 {
     return shv_norm(shv_sub(shv_load3(relax->predicted + 3 * node), shv_load3(state->displacement + 3 * node)));
 }
@@ -79,11 +79,12 @@ static ShvVec3 predicted_position(const ShvRelax *relax, const ShvState *state, 
 /* Gaps beyond a few ways are not worth their exact value. */
 static void find_clearances(ShvRelax *relax, const ShvState *state, const int32_t *nodes, int32_t count, double step)
 {
-    double way = 0.0;
-    for (int32_t o = 0; o < relax->obstacle_count; o++) way = fmax(way, obstacle_way(relax, o, step));
+    double displacement = 0.0;
+    for (int32_t o = 0; o < relax->obstacle_count; o++)
+        displacement = fmax(displacement, obstacle_displacement(relax, o, step));
 #pragma omp parallel for num_threads(relax->threads) if (relax->threads > 1)
     for (int32_t i = 0; i < count; i++) {
-        const double limit = 8.0 * (node_way(relax, state, nodes[i]) + way);
+        const double limit = 8.0 * (node_displacement(relax, state, nodes[i]) + displacement);
         const ShvVec3 position = predicted_position(relax, state, nodes[i]);
         double clear = (double)INFINITY;
         for (int32_t o = 0; o < relax->obstacle_count; o++)
@@ -105,9 +106,9 @@ static ShvStatus meet(ShvRelax *relax, const ShvState *state, const ShvObstacles
 {
     const ShvObstacle *later = &relax->later[o];
     const ShvVec3 position = predicted_position(relax, state, node);
-    const double way = node_way(relax, state, node) + obstacle_way(relax, o, step->step);
-    const ShvSurfacePoint surface = shv_obstacle_closest(later, position, way);
-    if (surface.gap >= way && surface.gap >= 0.0) return SHV_OK;
+    const double displacement = node_displacement(relax, state, node) + obstacle_displacement(relax, o, step->step);
+    const ShvSurfacePoint surface = shv_obstacle_closest(later, position, displacement);
+    if (surface.gap >= displacement && surface.gap >= 0.0) return SHV_OK;
     ShvCrossing crossing;
     const bool crossed =
         later->shape != SHV_OBSTACLE_PLANE &&
@@ -123,17 +124,20 @@ static ShvStatus meet(ShvRelax *relax, const ShvState *state, const ShvObstacles
     return inside ? add_touch(relax, state, node, o, surface.point, surface.normal, step->step, error) : SHV_OK;
 }
 
-ShvStatus shv_relax_look(ShvRelax *relax, const ShvState *state, const ShvObstacles *obstacles, const int32_t *nodes,
-                         int32_t count, const ShvRelaxStep *step, ShvError *error)
+ShvStatus shv_relax_detect(ShvRelax *relax, const ShvState *state, const ShvObstacles *obstacles, const int32_t *nodes,
+                           int32_t count, const ShvRelaxStep *step, ShvError *error)
 {
     for (int32_t t = 0; t < relax->touch_count; t++) relax->first_touch[relax->touches[t].node] = -1;
     relax->touch_count = 0;
     place_obstacles(relax, obstacles, step);
     find_clearances(relax, state, nodes, count, step->step);
-    double way = 0.0;
-    for (int32_t o = 0; o < relax->obstacle_count; o++) way = fmax(way, obstacle_way(relax, o, step->step));
+    double displacement = 0.0;
+    for (int32_t o = 0; o < relax->obstacle_count; o++)
+        displacement = fmax(displacement, obstacle_displacement(relax, o, step->step));
     for (int32_t i = 0; i < count; i++) {
-        if (relax->clear[nodes[i]] >= 0.0 && relax->clear[nodes[i]] >= way + node_way(relax, state, nodes[i])) continue;
+        if (relax->clear[nodes[i]] >= 0.0 &&
+            relax->clear[nodes[i]] >= displacement + node_displacement(relax, state, nodes[i]))
+            continue;
         for (int32_t o = 0; o < relax->obstacle_count; o++)
             SHV_TRY(meet(relax, state, obstacles, nodes[i], o, step, error));
     }
@@ -153,8 +157,8 @@ static void give_way(ShvRelax *relax, int32_t index, ShvVec3 point, ShvVec3 impu
     start.velocity = later->velocity;
     start.angular_velocity = later->angular_velocity;
     *later = shv_obstacle_later(&start, step);
-    relax->gave_way[index] += step * (shv_norm(shv_sub(later->velocity, velocity)) +
-                                      shv_norm(shv_sub(later->angular_velocity, spin)) * later->bounding_radius);
+    relax->yielded[index] += step * (shv_norm(shv_sub(later->velocity, velocity)) +
+                                     shv_norm(shv_sub(later->angular_velocity, spin)) * later->bounding_radius);
 }
 
 /* Coulomb friction against the way along the obstacle's material since the start of the step. */
@@ -165,8 +169,8 @@ static void drag_back(ShvRelax *relax, const ShvState *state, ShvRelaxTouch *tou
     if (!(most > 0.0)) return;
     double *shift = relax->shifts + 4 * (int64_t)touch->node;
     const double w = relax->anchors[4 * (int64_t)touch->node + 3];
-    const ShvVec3 way = shv_sub(shv_load3(shift), shv_load3(state->displacement + 3 * (int64_t)touch->node));
-    const ShvVec3 relative = shv_madd(way, -step->step, shv_obstacle_velocity(later, touch->point));
+    const ShvVec3 displacement = shv_sub(shv_load3(shift), shv_load3(state->displacement + 3 * (int64_t)touch->node));
+    const ShvVec3 relative = shv_madd(displacement, -step->step, shv_obstacle_velocity(later, touch->point));
     const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, touch->normal), touch->normal);
     const double mobility = w + shv_obstacle_inverse_mass(later, touch->point, shv_unit(slip));
     ShvVec3 drag = shv_madd(touch->drag, -1.0 / mobility, slip);
@@ -221,7 +225,7 @@ ShvStatus shv_response_project(ShvRelax *relax, const ShvState *state, const int
     for (int32_t i = 0; i < count; i++) {
         const int64_t node = nodes[i];
         double clear = relax->clear[node];
-        for (int32_t o = 0; o < relax->obstacle_count; o++) clear -= relax->gave_way[o];
+        for (int32_t o = 0; o < relax->obstacle_count; o++) clear -= relax->yielded[o];
         const ShvVec3 moved = shv_sub(shv_load3(relax->shifts + 4 * node), shv_load3(relax->predicted + 3 * node));
         if (clear > 0.0 && shv_dot(moved, moved) < clear * clear) continue;
         if (!(relax->anchors[4 * node + 3] > 0.0) || (step->fixed && step->fixed[node])) continue;

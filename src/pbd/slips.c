@@ -38,8 +38,8 @@ ShvStatus shv_slips_start(ShvRelax *relax, const ShvState *state, const ShvRelax
         if (relax->first_touch[node] != t) continue;
         const ShvVec3 change =
             shv_sub(shv_load3(relax->shifts + 4 * (int64_t)node), shv_load3(relax->predicted + 3 * (int64_t)node));
-        const ShvVec3 way = shv_madd(change, step->step, shv_load3(state->velocity + 3 * (int64_t)node));
-        slips->items[slips->count++] = (ShvRelaxSlip){node, way};
+        const ShvVec3 displacement = shv_madd(change, step->step, shv_load3(state->velocity + 3 * (int64_t)node));
+        slips->items[slips->count++] = (ShvRelaxSlip){node, displacement};
     }
     return SHV_OK;
 }
@@ -50,7 +50,7 @@ static void add_slip_work(const ShvRelax *relax, const ShvState *state, const Sh
     for (int32_t i = 0; i < slips->count; i++) {
         const int64_t node = slips->items[i].node;
         const ShvVec3 force = shv_madd(shv_load3(relax->force + 3 * node), state->mass[node], shv_load3(step->gravity));
-        if (shv_finite3(force)) slips->work -= 0.5 * shv_dot(force, slips->items[i].way);
+        if (shv_finite3(force)) slips->work -= 0.5 * shv_dot(force, slips->items[i].displacement);
     }
 }
 
@@ -58,8 +58,8 @@ void shv_slips_finish(ShvRelax *relax, const ShvState *state, const ShvRelaxStep
 {
     ShvRelaxSlips *slips = &relax->slips;
     for (int32_t i = 0; i < slips->count; i++)
-        slips->items[i].way =
-            shv_madd(slips->items[i].way, -step->step, shv_load3(state->velocity + 3 * (int64_t)slips->items[i].node));
+        slips->items[i].displacement = shv_madd(slips->items[i].displacement, -step->step,
+                                                shv_load3(state->velocity + 3 * (int64_t)slips->items[i].node));
     add_slip_work(relax, state, step, slips);
     add_slip_work(relax, state, step, &relax->past);
 }

@@ -4,7 +4,7 @@
 
 #include "pbd/relax.h"
 
-/* The moment of the state: slips of the step before are set apart, and their nodes' forces marked as unknown (NaN), which the
+/* The time of the state: slips of the step before are set apart, and their nodes' forces marked as unknown (NaN), which the
    caller fills in for those that take part in this step. */
 void shv_slips_begin(ShvRelax *relax, const ShvState *state);
 /* After the projections, with the velocities of before, by which the prediction moved nodes; and after the response. Synchronous

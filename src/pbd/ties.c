@@ -53,10 +53,10 @@ void shv_ties_sweep(const ShvTies *ties, double stiffness, const double *anchors
         const ShvTie *tie = &ties->items[k];
         const int64_t first = 4 * (int64_t)tie->ends[0], second = 4 * (int64_t)tie->ends[1];
         const double w[2] = {anchors[first + 3], anchors[second + 3]};
-        const ShvVec3 way = shv_sub(shv_load3(shifts + second), shv_load3(shifts + first));
-        const double length = shv_norm(way);
+        const ShvVec3 displacement = shv_sub(shv_load3(shifts + second), shv_load3(shifts + first));
+        const double length = shv_norm(displacement);
         if (!(length > 0.0 && w[0] + w[1] > 0.0)) continue;
-        const ShvVec3 change = shv_scale(way, stiffness * (length - tie->length) / (length * (w[0] + w[1])));
+        const ShvVec3 change = shv_scale(displacement, stiffness * (length - tie->length) / (length * (w[0] + w[1])));
         shv_add_to3(shifts + first, shv_scale(change, w[0]));
         shv_add_to3(shifts + second, shv_scale(change, -w[1]));
     }

@@ -5,7 +5,7 @@
 #ifndef SHV_PBD_TIES_H
 #define SHV_PBD_TIES_H
 
-#include "rigid/fragment.h"
+#include "fragment/fragment.h"
 
 typedef struct ShvTie {
     int32_t ends[2];

@@ -123,7 +123,7 @@ static Fault compare(const Search *search, const ShvCheckpointMark *mark)
     return !search->fits || search->fits(search->data, mark) ? FAULT_NONE : FAULT_FRAME;
 }
 
-static Fault look_at_head(int descriptor, const Search *search, Head *head)
+static Fault inspect_head(int descriptor, const Search *search, Head *head)
 {
     struct stat about;
     if (fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode) || (uint64_t)about.st_size < sizeof *head)
@@ -138,7 +138,7 @@ static Fault look_at_head(int descriptor, const Search *search, Head *head)
 /* The whole file is read once before anything of it is used. */
 static Fault look(int descriptor, const Search *search, Head *head)
 {
-    const Fault fault = look_at_head(descriptor, search, head);
+    const Fault fault = inspect_head(descriptor, search, head);
     if (fault != FAULT_NONE) return fault;
     const uint64_t note = sizeof *head, state = note + head->note_size;
     int number = 0;

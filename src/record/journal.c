@@ -395,7 +395,7 @@ static int look(ShvJournal *journal, ShvJournalView *view)
     return number;
 }
 
-int shv_journal_look(const char *path, int file, ShvMemory *memory, ShvJournalView *view)
+int shv_journal_inspect(const char *path, int file, ShvMemory *memory, ShvJournalView *view)
 {
     *view = (ShvJournalView){.size = 0};
     ShvJournal journal = {.memory = memory, .descriptor = -1, .file = file};

@@ -1,5 +1,5 @@
 /* The journal beside a run file ("RUN.h5.journal"): what is to be changed of bytes that the file already has. Nothing of the file
-   itself changes until the journal is on the disk, so that whatever ends the writer or the machine, at any moment, the file
+   itself changes until the journal is on the disk, so that whatever ends the writer or the machine, at any time, the file
    and its journal together hold every whole frame that has reached the disk.
 
    A record holds the changes of one frame, the range of bytes that the frame has added at the end of the file, and a checksum of
@@ -51,7 +51,7 @@ typedef struct ShvJournalView {
 } ShvJournalView;
 /* Looks at the journal of a file that another process is writing, and changes nothing; returns an errno. The caller releases
    the changes. Between two looks of equal badges and marks no byte was changed of those that the file had. */
-int shv_journal_look(const char *path, int file, ShvMemory *memory, ShvJournalView *view);
+int shv_journal_inspect(const char *path, int file, ShvMemory *memory, ShvJournalView *view);
 /* Puts what the changes say of the bytes [address, address + length) into the buffer. */
 void shv_journal_lay(const unsigned char *changes, size_t size, uint64_t address, size_t length, void *buffer);
 

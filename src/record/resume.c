@@ -209,7 +209,7 @@ ShvStatus shv_record_checkpoint(ShvRecord *record, ShvSimulation *simulation, co
     mark.scene = record->resume_hash;
     mark.frames = record->frames;
     mark.checksum = record->last_checksum;
-    mark.time = shv_simulation_moment(simulation).time;
+    mark.time = shv_simulation_summary(simulation).time;
     mark.sequence++;
     SHV_TRY(shv_stage_settle(record->stage, error));
     SHV_TRY(shv_checkpoint_write(record->path, record->memory, simulation, &mark, note, note_size, error));

@@ -407,7 +407,7 @@ static ShvStatus open_once(ShvRunFile **file, const char *path, ShvMemory *memor
     return status;
 }
 
-/* A writer changes what the file has every few seconds, and for a moment. */
+/* A writer changes what the file has every few seconds, and for a time. */
 static ShvStatus open_steadily(ShvRunFile **file, const char *path, ShvMemory *memory, ShvError *error)
 {
     enum { MOST_TRIES = 100 };

@@ -177,7 +177,7 @@ static int begin(ShvSnapshot *snapshot)
     struct stat about;
     snapshot->descriptor = open(snapshot->path, O_RDONLY | O_CLOEXEC);
     if (snapshot->descriptor < 0) return errno;
-    const int number = shv_journal_look(snapshot->path, snapshot->descriptor, snapshot->memory, &snapshot->journal);
+    const int number = shv_journal_inspect(snapshot->path, snapshot->descriptor, snapshot->memory, &snapshot->journal);
     if (number != 0) return number;
     if (fstat(snapshot->descriptor, &about) != 0) return errno;
     snapshot->bytes = (uint64_t)about.st_size;
@@ -232,7 +232,7 @@ hid_t shv_snapshot_open(ShvSnapshot *snapshot, const char *name)
 bool shv_snapshot_moved(const ShvSnapshot *snapshot)
 {
     ShvJournalView now;
-    if (shv_journal_look(snapshot->path, snapshot->descriptor, snapshot->memory, &now) != 0) return true;
+    if (shv_journal_inspect(snapshot->path, snapshot->descriptor, snapshot->memory, &now) != 0) return true;
     shv_release(now.changes);
     return now.marked != snapshot->journal.marked || now.badge.identity != snapshot->journal.badge.identity ||
            now.badge.epoch != snapshot->journal.badge.epoch;

@@ -1,4 +1,4 @@
-/* A file of HDF5 that another process is writing (record/stage.h), as it was at one moment: file and journal together, whatever
+/* A file of HDF5 that another process is writing (record/stage.h), as it was at one time: file and journal together, whatever
    the writer does afterwards. The writer is neither asked nor held up, and nothing is written.
 
    Chunks whose rows are all there never change and are read when they are asked for. Everything else, which is little, is

@@ -108,7 +108,7 @@ static ShvStatus check_motion(const ShvFlightBody *body, const ShvFragment *frag
                         (int)fragment->id);
     const double turn =
         step * shv_free_rotation_fastest(&body->rotation, fragment->orientation, body->angular_momentum);
-    if (!(turn <= SHV_LARGEST_TURN))
+    if (!(turn <= SHV_LARGEST_ROTATION))
         return shv_fail(error, SHV_DIVERGED,
                         "Fragment %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.",
                         (int)fragment->id, turn, step);

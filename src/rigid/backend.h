@@ -4,7 +4,7 @@
 #define SHV_RIGID_BACKEND_H
 
 #include "base/archive.h"
-#include "rigid/fragment.h"
+#include "fragment/fragment.h"
 #include "shape/obstacle.h"
 
 typedef struct ShvRigidContact {
@@ -37,9 +37,9 @@ typedef struct ShvRigidFunctions {
     /* A fragment enters flight with the pose and velocities in its record, or leaves it. */
     ShvStatus (*add)(ShvRigidBackend *backend, int32_t fragment, ShvError *error);
     void (*remove)(ShvRigidBackend *backend, int32_t fragment);
-    /* Moves everything in flight, but for companions (fragment.h), from `time` on by `step`; what an earlier call has moved there already (because others
+    /* Moves everything in flight, but for coupled bodies (fragment.h), from `time` on by `step`; what an earlier call has moved there already (because others
        came to rest meanwhile) stays. A contact that `judge` accepts stops its fragment at the contact's time: the
-       fragment keeps the pose and velocity of that moment (before response), leaves flight, and its contact is appended to
+       fragment keeps the pose and velocity of that time (before response), leaves flight, and its contact is appended to
        `wakes` (room for one a fragment in flight). All other contacts are answered by impulses with the pair's
        restitution and friction. */
     ShvStatus (*advance)(ShvRigidBackend *backend, double time, double step, const double gravity[3],
@@ -59,9 +59,9 @@ struct ShvRigidBackend {
     /* A backend that moves nodes: bars hold them together, damping towards rigid motion; J, so far. */
     double bars_work, damping_work;
     bool
-        keeps_nodes; /* the nodes are the state in flight, at the moment the last advance led to, and a fragment's record is
+        keeps_nodes; /* the nodes are the state in flight, at the time the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
-                         the present moment, and need not scatter the record when it wakes */
+                         the present time, and need not scatter the record when it wakes */
     bool moves_obstacles; /* free obstacles are moved by `advance`; nobody else must, unless */
     bool
         leaves_obstacles; /* this was set before it: they take part in contacts, but only their velocities change, by the
@@ -102,7 +102,7 @@ ShvStatus shv_bullet_create(ShvRigidBackend **backend, const ShvRigidWorld *worl
 /* Plain Bullet: the same hulls, masses and pair laws in a btDiscreteDynamicsWorld that integrates, detects, puts to sleep and solves
    as it comes, save the overrides asked for. `judge` is asked between detection and solution, once a step for each side of
    every pair that touches or will in the step; what wakes leaves with the state of the step's start. What joins in the midst of
-   a step flies freely to its end. No companions: what flies goes through what is awake. */
+   a step flies freely to its end. No coupled bodies: what flies goes through what is awake. */
 ShvStatus shv_bullet_plain_create(ShvRigidBackend **backend, const ShvRigidWorld *world,
                                   const ShvBulletPlainDefinition *settings, ShvError *error);
 

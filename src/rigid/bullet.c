@@ -6,32 +6,32 @@
 
 static int by_number(const void *x, const void *y)
 {
-    const ShvBulletFlyer *a = x, *b = y;
+    const ShvBulletRigidBody *a = x, *b = y;
     return (a->number > b->number) - (a->number < b->number);
 }
 
-/* Flyers by number again, without those that have gone. */
+/* Bodies by number again, without those that have gone. */
 static void tidy(ShvBullet *bullet)
 {
     if (!bullet->untidy) return;
     bullet->untidy = false;
     int32_t kept = 0;
     bool sorted = true;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        if (bullet->flyers[i].gone) continue;
-        if (kept < i) bullet->flyers[kept] = bullet->flyers[i];
-        sorted = sorted && (kept == 0 || bullet->flyers[kept - 1].number < bullet->flyers[kept].number);
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        if (bullet->bodies[i].gone) continue;
+        if (kept < i) bullet->bodies[kept] = bullet->bodies[i];
+        sorted = sorted && (kept == 0 || bullet->bodies[kept - 1].number < bullet->bodies[kept].number);
         kept++;
     }
-    bullet->flyer_count = kept;
-    if (!sorted) qsort(bullet->flyers, (size_t)kept, sizeof *bullet->flyers, by_number);
+    bullet->body_count = kept;
+    if (!sorted) qsort(bullet->bodies, (size_t)kept, sizeof *bullet->bodies, by_number);
     for (int32_t i = 0; i < bullet->place_count; i++) bullet->places[i] = 0;
-    for (int32_t i = 0; i < kept; i++) bullet->places[bullet->flyers[i].number] = i + 1;
+    for (int32_t i = 0; i < kept; i++) bullet->places[bullet->bodies[i].number] = i + 1;
 }
 
-static ShvStatus reserve_flyer(ShvBullet *bullet, int32_t number, ShvError *error)
+static ShvStatus reserve_body(ShvBullet *bullet, int32_t number, ShvError *error)
 {
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->flyers, bullet->flyer_room, (int64_t)bullet->flyer_count + 1,
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->bodies, bullet->body_room, (int64_t)bullet->body_count + 1,
                         "the fragments in flight", error);
     SHV_BACKEND_RESERVE(&bullet->backend, bullet->places, bullet->place_room, (int64_t)number + 1,
                         "the fragments in flight", error);
@@ -42,15 +42,15 @@ static ShvStatus reserve_flyer(ShvBullet *bullet, int32_t number, ShvError *erro
 static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
-    SHV_TRY(reserve_flyer(bullet, backend->world.obstacles->count + fragment, error));
-    ShvBulletFlyer flyer;
-    SHV_TRY(shv_bullet_flyer_fragment(&flyer, bullet->bullet, &backend->world, fragment, error));
+    SHV_TRY(reserve_body(bullet, backend->world.obstacles->count + fragment, error));
+    ShvBulletRigidBody body;
+    SHV_TRY(shv_bullet_body_fragment(&body, bullet->bullet, &backend->world, fragment, error));
     ShvFragment *record = &backend->world.fragments->items[fragment];
-    record->hulls = flyer.pieces.count;
-    record->hull_outside = flyer.pieces.outside;
-    record->hull_missing = flyer.pieces.missing;
-    bullet->flyers[bullet->flyer_count++] = flyer;
-    bullet->places[flyer.number] = bullet->flyer_count;
+    record->hulls = body.pieces.count;
+    record->hull_outside = body.pieces.outside;
+    record->hull_missing = body.pieces.missing;
+    bullet->bodies[bullet->body_count++] = body;
+    bullet->places[body.number] = bullet->body_count;
     bullet->untidy = true;
     return SHV_OK;
 }
@@ -59,23 +59,24 @@ static void rouse(ShvBullet *bullet, int32_t number)
 {
     const int32_t place = shv_bullet_place(bullet, number);
     if (place < 0) return;
-    bullet->flyers[place].asleep = false;
-    bullet->flyers[place].still = 0;
+    bullet->bodies[place].asleep = false;
+    bullet->bodies[place].still = 0;
 }
 
-/* Takes a flyer out; what rested on or under it must find out. */
-static void let_go(ShvBullet *bullet, ShvBulletFlyer *flyer)
+/* Takes a body out; what rested on or under it must find out. */
+static void let_go(ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (meeting->first != flyer->number && meeting->second != flyer->number) continue;
-        if (meeting->touching) rouse(bullet, meeting->first == flyer->number ? meeting->second : meeting->first);
-        meeting->touching = false;
-        meeting->allowance = 0.0;
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        if (contact_pair->first != body->number && contact_pair->second != body->number) continue;
+        if (contact_pair->touching)
+            rouse(bullet, contact_pair->first == body->number ? contact_pair->second : contact_pair->first);
+        contact_pair->touching = false;
+        contact_pair->allowed_penetration = 0.0;
     }
-    bullet->places[flyer->number] = 0;
-    shv_bullet_flyer_release(flyer, bullet->bullet);
-    flyer->gone = bullet->untidy = true;
+    bullet->places[body->number] = 0;
+    shv_bullet_body_release(body, bullet->bullet);
+    body->gone = bullet->untidy = true;
 }
 
 static void take_out(ShvRigidBackend *backend, int32_t fragment)
@@ -83,73 +84,73 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
     ShvBullet *bullet = (ShvBullet *)backend;
     const int32_t place = shv_bullet_place(bullet, backend->world.obstacles->count + fragment);
     if (place < 0) return;
-    let_go(bullet, &bullet->flyers[place]);
+    let_go(bullet, &bullet->bodies[place]);
 }
 
 /* ---- advance ---- */
 
-static ShvStatus check_motion(const ShvBullet *bullet, const ShvBulletFlyer *flyer, ShvError *error)
+static ShvStatus check_motion(const ShvBullet *bullet, const ShvBulletRigidBody *body, ShvError *error)
 {
-    const char *kind = flyer->fragment >= 0 ? "fragment" : "obstacle";
-    const int number = (int)(flyer->fragment >= 0 ? flyer->fragment : flyer->obstacle);
-    if (!shv_finite3(flyer->position) || !shv_finite3(flyer->velocity) || !shv_finite3(flyer->spin))
+    const char *kind = body->fragment >= 0 ? "fragment" : "obstacle";
+    const int number = (int)(body->fragment >= 0 ? body->fragment : body->obstacle);
+    if (!shv_finite3(body->position) || !shv_finite3(body->velocity) || !shv_finite3(body->spin))
         return shv_fail(error, SHV_DIVERGED,
                         "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
                         "velocities.",
                         kind, number);
-    if (!(flyer->fastest * bullet->step <= SHV_LARGEST_TURN))
+    if (!(body->fastest * bullet->step <= SHV_LARGEST_ROTATION))
         return shv_fail(error, SHV_DIVERGED,
                         "The %s %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.", kind,
-                        number, flyer->fastest * bullet->step, bullet->step);
+                        number, body->fastest * bullet->step, bullet->step);
     return SHV_OK;
 }
 
-static bool same_gravity(const ShvBullet *bullet, const ShvBulletFlyer *flyer)
+static bool same_gravity(const ShvBullet *bullet, const ShvBulletRigidBody *body)
 {
-    const ShvVec3 change = shv_sub(bullet->gravity, flyer->asleep_gravity);
+    const ShvVec3 change = shv_sub(bullet->gravity, body->asleep_gravity);
     return shv_dot(change, change) == 0.0;
 }
 
 /* What comes back to flight is among what it touches, however close. */
-static void note_companion(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void note_coupled_body(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    if (flyer->fragment < 0) return;
-    const bool was = flyer->companion;
-    ShvFragment *record = &bullet->backend.world.fragments->items[flyer->fragment];
-    record->touches_companion = false;
-    flyer->companion = record->companion;
-    if (flyer->companion) {
-        flyer->asleep = flyer->settled = false;
-        flyer->still = 0;
+    if (body->fragment < 0) return;
+    const bool was = body->coupled;
+    ShvFragment *record = &bullet->backend.world.fragments->items[body->fragment];
+    record->touches_coupled = false;
+    body->coupled = record->coupled;
+    if (body->coupled) {
+        body->asleep = body->settled = false;
+        body->still = 0;
     } else if (was) {
-        flyer->born = true;
+        body->born = true;
     }
 }
 
 static ShvStatus begin(ShvBullet *bullet, ShvError *error)
 {
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        const bool changed = shv_bullet_flyer_read(flyer, &bullet->backend.world);
-        flyer->settled &= !changed;
-        note_companion(bullet, flyer);
-        if (flyer->asleep && (changed || !same_gravity(bullet, flyer))) {
-            flyer->asleep = false;
-            flyer->still = 0;
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        const bool changed = shv_bullet_body_read(body, &bullet->backend.world);
+        body->settled &= !changed;
+        note_coupled_body(bullet, body);
+        if (body->asleep && (changed || !same_gravity(bullet, body))) {
+            body->asleep = false;
+            body->still = 0;
         }
-        flyer->fastest = flyer->moves
-                             ? shv_free_rotation_fastest(&flyer->rotation, flyer->orientation, flyer->angular_momentum)
-                             : shv_norm(flyer->spin);
-        flyer->impact_time = -1.0;
-        flyer->until = bullet->step;
-        flyer->leaves = flyer->meets = flyer->thrown = flyer->stopped = flyer->held = flyer->solved = false;
-        flyer->restless = flyer->supported = false;
-        flyer->push = flyer->turn = shv_vec3(0.0, 0.0, 0.0);
-        flyer->impulse = 0.0;
-        flyer->island = i;
-        flyer->new_velocity = flyer->velocity;
-        flyer->new_spin = flyer->spin;
-        SHV_TRY(check_motion(bullet, flyer, error));
+        body->fastest = body->moves
+                            ? shv_free_rotation_fastest(&body->rotation, body->orientation, body->angular_momentum)
+                            : shv_norm(body->spin);
+        body->impact_time = -1.0;
+        body->until = bullet->step;
+        body->leaves = body->meets = body->thrown = body->stopped = body->held = body->solved = false;
+        body->restless = body->supported = false;
+        body->push = body->turn = shv_vec3(0.0, 0.0, 0.0);
+        body->impulse = 0.0;
+        body->island = i;
+        body->new_velocity = body->velocity;
+        body->new_spin = body->spin;
+        SHV_TRY(check_motion(bullet, body, error));
     }
     return SHV_OK;
 }
@@ -157,24 +158,24 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
 /* This step's contacts are the next one's past. */
 static void end(ShvBullet *bullet)
 {
-    ShvBulletTrace *traces = bullet->last_traces;
-    const int32_t room = bullet->last_trace_room;
-    bullet->last_traces = bullet->traces;
-    bullet->last_trace_room = bullet->trace_room;
-    bullet->traces = traces;
-    bullet->trace_room = room;
+    ShvCachedImpulse *cached_impulses = bullet->last_cached_impulses;
+    const int32_t room = bullet->last_cached_impulse_room;
+    bullet->last_cached_impulses = bullet->cached_impulses;
+    bullet->last_cached_impulse_room = bullet->cached_impulse_room;
+    bullet->cached_impulses = cached_impulses;
+    bullet->cached_impulse_room = room;
     bullet->last_step = bullet->step;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        bullet->flyers[i].born = false;
-        if (bullet->flyers[i].leaves) let_go(bullet, &bullet->flyers[i]);
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        bullet->bodies[i].born = false;
+        if (bullet->bodies[i].leaves) let_go(bullet, &bullet->bodies[i]);
     }
 }
 
 /* All that flies sleeps and nothing moves among it: what is remembered of it stays. */
 static bool all_at_rest(ShvBullet *bullet)
 {
-    for (int32_t i = 0; i < bullet->flyer_count; i++)
-        if (shv_bullet_is_active(&bullet->flyers[i]) || !bullet->flyers[i].settled) return false;
+    for (int32_t i = 0; i < bullet->body_count; i++)
+        if (shv_bullet_is_active(&bullet->bodies[i]) || !bullet->bodies[i].settled) return false;
     return true;
 }
 
@@ -192,11 +193,11 @@ static ShvStatus detect(void *data, const ShvBulletPair *pairs, int32_t count, S
     const Detection *detection = data;
     ShvBullet *bullet = detection->bullet;
     SHV_TRY(shv_bullet_find(bullet, pairs, count, error));
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->traces, bullet->trace_room, bullet->contact_count,
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->cached_impulses, bullet->cached_impulse_room, bullet->contact_count,
                         "contacts of bodies", error);
     SHV_TRY(shv_bullet_judge(bullet, detection->judge, detection->judge_data, detection->wakes, detection->wake_count,
                              error));
-    return shv_bullet_gather(bullet, task, error);
+    return shv_bullet_set_up_contacts(bullet, task, error);
 }
 
 static ShvStatus advance(ShvRigidBackend *backend, double time, double step, const double gravity[3],
@@ -228,19 +229,19 @@ static void destroy(ShvRigidBackend *backend)
 {
     ShvBullet *bullet = (ShvBullet *)backend;
     if (!bullet) return;
-    for (int32_t i = 0; i < bullet->flyer_count; i++)
-        if (!bullet->flyers[i].gone) shv_bullet_flyer_release(&bullet->flyers[i], bullet->bullet);
+    for (int32_t i = 0; i < bullet->body_count; i++)
+        if (!bullet->bodies[i].gone) shv_bullet_body_release(&bullet->bodies[i], bullet->bullet);
     shv_bullet_world_destroy(bullet->bullet);
-    shv_release(bullet->flyers);
+    shv_release(bullet->bodies);
     shv_release(bullet->places);
-    shv_release(bullet->meetings);
-    shv_release(bullet->last_meetings);
+    shv_release(bullet->contact_pairs);
+    shv_release(bullet->last_contact_pairs);
     shv_release(bullet->contacts);
-    shv_release(bullet->traces);
-    shv_release(bullet->last_traces);
+    shv_release(bullet->cached_impulses);
+    shv_release(bullet->last_cached_impulses);
     shv_release(bullet->order);
     shv_release(bullet->motions);
-    shv_release(bullet->gathered);
+    shv_release(bullet->active_contacts);
     shv_release(bullet->heaps);
     shv_release(bullet);
 }
@@ -261,9 +262,9 @@ static ShvStatus add_obstacles(ShvBullet *bullet, ShvError *error)
 {
     const ShvRigidWorld *world = &bullet->backend.world;
     for (int32_t i = 0; i < world->obstacles->count; i++) {
-        SHV_TRY(reserve_flyer(bullet, i, error));
-        SHV_TRY(shv_bullet_flyer_obstacle(&bullet->flyers[i], bullet->bullet, world, i, error));
-        bullet->places[i] = ++bullet->flyer_count;
+        SHV_TRY(reserve_body(bullet, i, error));
+        SHV_TRY(shv_bullet_body_obstacle(&bullet->bodies[i], bullet->bullet, world, i, error));
+        bullet->places[i] = ++bullet->body_count;
     }
     return SHV_OK;
 }

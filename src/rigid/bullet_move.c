@@ -7,136 +7,137 @@ static const double still_share = 0.1;
 
 /* ---- where everything is at the end ---- */
 
-static const ShvBulletFlyer *mover_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
+static const ShvBulletRigidBody *mover_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
 {
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a];
-    return a->moves ? a : &bullet->flyers[meeting->b];
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a];
+    return a->moves ? a : &bullet->bodies[contact_pair->b];
 }
 
 /* What pushes a body beside its impact. */
 static void find_holds(ShvBullet *bullet)
 {
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (meeting->contact_count == 0) continue;
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        const ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        if (contact_pair->contact_count == 0) continue;
         double sum = 0.0;
-        for (int32_t k = 0; k < meeting->contact_count; k++) {
-            const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
+        for (int32_t k = 0; k < contact_pair->contact_count; k++) {
+            const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
             const ShvVec3 impulse = shv_bullet_impulse(contact);
             sum += shv_norm(impulse);
         }
-        ShvBulletFlyer *pair[2] = {&bullet->flyers[meeting->a], &bullet->flyers[meeting->b]};
+        ShvBulletRigidBody *pair[2] = {&bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b]};
         for (int side = 0; side < 2; side++) {
             pair[side]->impulse += sum;
-            if (!meeting->struck && sum > 0.0) pair[side]->held = true;
-            if (sum > 0.0 && pair[!side]->companion && pair[side]->fragment >= 0)
-                bullet->backend.world.fragments->items[pair[side]->fragment].touches_companion = true;
+            if (!contact_pair->struck && sum > 0.0) pair[side]->held = true;
+            if (sum > 0.0 && pair[!side]->coupled && pair[side]->fragment >= 0)
+                bullet->backend.world.fragments->items[pair[side]->fragment].touches_coupled = true;
         }
         if (sum > 0.0 && (!pair[0]->moves || !pair[1]->moves))
-            bullet->flyers[mover_of(bullet, meeting)->island].supported = true;
+            bullet->bodies[mover_of(bullet, contact_pair)->island].supported = true;
     }
 }
 
-static void move_struck(const ShvBullet *bullet, ShvBulletFlyer *flyer, ShvVec3 momentum)
+static void move_struck(const ShvBullet *bullet, ShvBulletRigidBody *body, ShvVec3 momentum)
 {
-    const double moment = flyer->impact_time, left = fmin(bullet->step, flyer->until) - moment;
-    ShvVec3 position = shv_madd(flyer->position, moment, flyer->velocity);
-    if (!flyer->held) position = shv_madd(position, 0.5 * moment * moment, bullet->gravity);
-    position = shv_madd(position, left, flyer->new_velocity);
-    if (!flyer->held && !flyer->stopped) {
+    const double time = body->impact_time, left = fmin(bullet->step, body->until) - time;
+    ShvVec3 position = shv_madd(body->position, time, body->velocity);
+    if (!body->held) position = shv_madd(position, 0.5 * time * time, bullet->gravity);
+    position = shv_madd(position, left, body->new_velocity);
+    if (!body->held && !body->stopped) {
         /* new_velocity is that of the step's end */
-        const double whole = bullet->step - moment;
+        const double whole = bullet->step - time;
         position = shv_madd(position, -left * (whole - 0.5 * left), bullet->gravity);
     }
-    flyer->position = position;
-    flyer->orientation = shv_free_rotation_advance(&flyer->rotation, flyer->solver_orientation, momentum, left);
+    body->position = position;
+    body->orientation = shv_free_rotation_advance(&body->rotation, body->solver_orientation, momentum, left);
 }
 
 /* Bodies that touch no support fall as one, whatever passes between them: with the velocities of the end less what gravity
    has not yet brought, momentum and angular momentum of the whole are exact. */
-static void move_evenly(const ShvBullet *bullet, ShvBulletFlyer *flyer, ShvVec3 momentum)
+static void move_evenly(const ShvBullet *bullet, ShvBulletRigidBody *body, ShvVec3 momentum)
 {
-    const ShvBulletFlyer *island = &bullet->flyers[flyer->island];
-    ShvVec3 velocity = flyer->new_velocity, turning = momentum;
+    const ShvBulletRigidBody *island = &bullet->bodies[body->island];
+    ShvVec3 velocity = body->new_velocity, turning = momentum;
     if (!island->supported) {
         velocity = shv_madd(velocity, -0.5 * bullet->step, bullet->gravity);
     } else { /* what holds it lasts: velocities change evenly over the step */
-        velocity = shv_scale(shv_add(flyer->velocity, flyer->new_velocity), 0.5);
-        turning = shv_scale(shv_add(flyer->angular_momentum, momentum), 0.5);
+        velocity = shv_scale(shv_add(body->velocity, body->new_velocity), 0.5);
+        turning = shv_scale(shv_add(body->angular_momentum, momentum), 0.5);
     }
-    const double left = fmin(bullet->step, flyer->until);
-    flyer->position = shv_madd(flyer->position, left, velocity);
-    flyer->orientation = shv_free_rotation_advance(&flyer->rotation, flyer->orientation, turning, left);
+    const double left = fmin(bullet->step, body->until);
+    body->position = shv_madd(body->position, left, velocity);
+    body->orientation = shv_free_rotation_advance(&body->rotation, body->orientation, turning, left);
 }
 
 /* As Bullet's integrator does: with the velocities of the end, the spin unchanged. */
-static ShvVec3 move_plainly(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static ShvVec3 move_plainly(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    const double left = fmin(bullet->step, flyer->until);
-    flyer->position = shv_madd(flyer->position, left, flyer->new_velocity);
-    flyer->orientation =
-        shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(flyer->new_spin, left)), flyer->orientation));
-    return shv_free_rotation_momentum(&flyer->rotation, flyer->orientation, flyer->new_spin);
+    const double left = fmin(bullet->step, body->until);
+    body->position = shv_madd(body->position, left, body->new_velocity);
+    body->orientation =
+        shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(body->new_spin, left)), body->orientation));
+    return shv_free_rotation_momentum(&body->rotation, body->orientation, body->new_spin);
 }
 
-static void undo_overlaps(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void undo_overlaps(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    if (shv_norm(flyer->push) == 0.0 && shv_norm(flyer->turn) == 0.0) return;
-    flyer->position = shv_madd(flyer->position, bullet->step, flyer->push);
-    flyer->orientation = shv_quat_unit(
-        shv_quat_multiply(shv_quat_exponential(shv_scale(flyer->turn, bullet->step)), flyer->orientation));
+    if (shv_norm(body->push) == 0.0 && shv_norm(body->turn) == 0.0) return;
+    body->position = shv_madd(body->position, bullet->step, body->push);
+    body->orientation =
+        shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(body->turn, bullet->step)), body->orientation));
 }
 
 /* A body that waits at the place of its impact with something that has just woken. */
-static void wait_there(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void wait_there(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    const ShvVec3 position = shv_bullet_flyer_position(flyer, flyer->until, bullet->gravity);
-    const ShvQuat orientation = shv_bullet_flyer_orientation(flyer, flyer->until);
-    flyer->velocity = shv_bullet_flyer_velocity(flyer, flyer->until, bullet->gravity);
-    flyer->position = position;
-    flyer->orientation = orientation;
+    const ShvVec3 position = shv_bullet_body_position(body, body->until, bullet->gravity);
+    const ShvQuat orientation = shv_bullet_body_orientation(body, body->until);
+    body->velocity = shv_bullet_body_velocity(body, body->until, bullet->gravity);
+    body->position = position;
+    body->orientation = orientation;
 }
 
-static void move_body(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void move_body(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    if (flyer->until < bullet->step && !flyer->solved) {
-        wait_there(bullet, flyer);
+    if (body->until < bullet->step && !body->solved) {
+        wait_there(bullet, body);
         return;
     }
-    const ShvVec3 change = shv_sub(flyer->new_spin, flyer->solver_spin);
-    ShvVec3 momentum = shv_add(flyer->angular_momentum,
-                               shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
+    const ShvVec3 change = shv_sub(body->new_spin, body->solver_spin);
+    ShvVec3 momentum =
+        shv_add(body->angular_momentum, shv_free_rotation_momentum(&body->rotation, body->solver_orientation, change));
     if (!bullet->backend.world.settings->bullet.exact_flight)
-        momentum = move_plainly(bullet, flyer);
-    else if (flyer->impact_time >= 0.0 && flyer->solved)
-        move_struck(bullet, flyer, momentum);
+        momentum = move_plainly(bullet, body);
+    else if (body->impact_time >= 0.0 && body->solved)
+        move_struck(bullet, body, momentum);
     else
-        move_evenly(bullet, flyer, momentum);
-    flyer->velocity = flyer->new_velocity;
-    flyer->angular_momentum = momentum;
-    undo_overlaps(bullet, flyer);
+        move_evenly(bullet, body, momentum);
+    body->velocity = body->new_velocity;
+    body->angular_momentum = momentum;
+    undo_overlaps(bullet, body);
 }
 
 /* A free obstacle that somebody else moves over this step: what contacts gave it, at its start. */
-static void leave_obstacle(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+static void leave_obstacle(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    const ShvVec3 change = shv_sub(flyer->new_spin, flyer->solver_spin);
-    flyer->angular_momentum = shv_add(flyer->angular_momentum,
-                                      shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, change));
-    flyer->velocity = shv_madd(flyer->new_velocity, -bullet->step, bullet->gravity);
+    const ShvVec3 change = shv_sub(body->new_spin, body->solver_spin);
+    body->angular_momentum =
+        shv_add(body->angular_momentum, shv_free_rotation_momentum(&body->rotation, body->solver_orientation, change));
+    body->velocity = shv_madd(body->new_velocity, -bullet->step, bullet->gravity);
 }
 
-/* A companion: what contacts gave it acts where it is now, so that momentum and angular momentum of both sides stay the same. */
-static void apply_impulse(const ShvBullet *bullet, ShvBulletFlyer *flyer)
+/* A coupled body: what contacts gave it acts where it is now, so that momentum and angular momentum of both sides stay the same. */
+static void apply_impulse(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    const double moment = fmax(0.0, flyer->impact_time);
-    const ShvVec3 free = shv_bullet_flyer_velocity(flyer, bullet->step, bullet->gravity);
-    const ShvVec3 change = shv_sub(flyer->new_velocity, free);
-    const ShvVec3 turn = shv_sub(flyer->new_spin, flyer->solver_spin);
-    const ShvVec3 way = shv_sub(shv_bullet_flyer_position(flyer, moment, bullet->gravity), flyer->position);
-    const ShvVec3 spin = shv_free_rotation_momentum(&flyer->rotation, flyer->solver_orientation, turn);
-    flyer->velocity = shv_add(flyer->velocity, change);
-    flyer->angular_momentum = shv_add(flyer->angular_momentum, shv_madd(spin, flyer->mass, shv_cross(way, change)));
+    const double time = fmax(0.0, body->impact_time);
+    const ShvVec3 free = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
+    const ShvVec3 change = shv_sub(body->new_velocity, free);
+    const ShvVec3 turn = shv_sub(body->new_spin, body->solver_spin);
+    const ShvVec3 displacement = shv_sub(shv_bullet_body_position(body, time, bullet->gravity), body->position);
+    const ShvVec3 spin = shv_free_rotation_momentum(&body->rotation, body->solver_orientation, turn);
+    body->velocity = shv_add(body->velocity, change);
+    body->angular_momentum =
+        shv_add(body->angular_momentum, shv_madd(spin, body->mass, shv_cross(displacement, change)));
 }
 
 /* ---- works ---- */
@@ -145,13 +146,13 @@ static void apply_impulse(const ShvBullet *bullet, ShvBulletFlyer *flyer)
 static double friction_work(const ShvBullet *bullet)
 {
     double work = 0.0;
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (meeting->contact_count == 0) continue;
-        const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        const ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        if (contact_pair->contact_count == 0) continue;
+        const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
         const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
-        for (int32_t k = 0; k < meeting->contact_count; k++) {
-            const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
+        for (int32_t k = 0; k < contact_pair->contact_count; k++) {
+            const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
             const ShvVec3 before =
                 shv_bullet_relative(contact, a->moves ? a->velocity : none, a->moves ? a->spin : none,
                                     b->moves ? b->velocity : none, b->moves ? b->spin : none);
@@ -174,15 +175,15 @@ static void note_loads(ShvBullet *bullet)
 {
     bullet->window += bullet->step;
     bullet->window_ends = bullet->window > least_window * bullet->backend.world.settings->time_step;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
-        flyer->load_impulse += flyer->impulse;
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!body->moves || body->leaves || body->asleep) continue;
+        body->load_impulse += body->impulse;
         if (!bullet->window_ends) continue;
-        flyer->loads[flyer->load_next] = flyer->load_impulse / bullet->window;
-        flyer->load_impulse = 0.0;
-        flyer->load_next = (flyer->load_next + 1) % SHV_LOAD_STEPS;
-        if (flyer->load_count < SHV_LOAD_STEPS) flyer->load_count++;
+        body->loads[body->load_next] = body->load_impulse / bullet->window;
+        body->load_impulse = 0.0;
+        body->load_next = (body->load_next + 1) % SHV_LOAD_STEPS;
+        if (body->load_count < SHV_LOAD_STEPS) body->load_count++;
     }
     if (bullet->window_ends) bullet->window = 0.0;
 }
@@ -191,21 +192,21 @@ static void count_still_steps(ShvBullet *bullet)
 {
     const double window = fmax(bullet->step, least_window * bullet->backend.world.settings->time_step);
     const double none = still_share * shv_norm(bullet->gravity) * window;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->asleep) continue;
-        const ShvVec3 spin = shv_free_rotation_velocity(&flyer->rotation, flyer->orientation, flyer->angular_momentum);
-        const bool still = !flyer->companion && flyer->impulse > 0.0 &&
-                           shv_norm(flyer->velocity) + shv_norm(spin) * flyer->radius <= none;
-        flyer->still = still ? flyer->still + bullet->window_ends : 0;
-        bullet->flyers[flyer->island].restless |= flyer->still < STILL_STEPS;
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!body->moves || body->asleep) continue;
+        const ShvVec3 spin = shv_free_rotation_velocity(&body->rotation, body->orientation, body->angular_momentum);
+        const bool still =
+            !body->coupled && body->impulse > 0.0 && shv_norm(body->velocity) + shv_norm(spin) * body->radius <= none;
+        body->still = still ? body->still + bullet->window_ends : 0;
+        bullet->bodies[body->island].restless |= body->still < STILL_STEPS;
     }
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        if (meeting->contact_count == 0) continue;
-        const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-        const ShvBulletFlyer *support = a->moves ? b : a;
-        ShvBulletFlyer *island = &bullet->flyers[mover_of(bullet, meeting)->island];
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        const ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        if (contact_pair->contact_count == 0) continue;
+        const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+        const ShvBulletRigidBody *support = a->moves ? b : a;
+        ShvBulletRigidBody *island = &bullet->bodies[mover_of(bullet, contact_pair)->island];
         if (support->moves) continue;
         island->restless |= shv_norm(support->velocity) > 0.0 || shv_norm(support->spin) > 0.0;
     }
@@ -214,29 +215,30 @@ static void count_still_steps(ShvBullet *bullet)
 static void put_to_rest(ShvBullet *bullet)
 {
     count_still_steps(bullet);
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        const ShvBulletFlyer *island = &bullet->flyers[flyer->island];
-        if (!flyer->moves || flyer->asleep || !flyer->solved || island->restless || !island->supported) continue;
-        flyer->velocity = flyer->angular_momentum = shv_vec3(0.0, 0.0, 0.0);
-        flyer->asleep = true;
-        flyer->asleep_gravity = bullet->gravity;
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        const ShvBulletRigidBody *island = &bullet->bodies[body->island];
+        if (!body->moves || body->asleep || !body->solved || island->restless || !island->supported) continue;
+        body->velocity = body->angular_momentum = shv_vec3(0.0, 0.0, 0.0);
+        body->asleep = true;
+        body->asleep_gravity = bullet->gravity;
     }
 }
 
 /* ---- memory of contacts ---- */
 
-static void keep_traces(ShvBullet *bullet)
+static void keep_cached_impulses(ShvBullet *bullet)
 {
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        ShvBulletMeeting *meeting = &bullet->meetings[i];
-        const ShvQuat inverse = shv_quat_conjugate(bullet->flyers[meeting->a].seen_orientation);
-        for (int32_t k = 0; k < meeting->contact_count; k++) {
-            const ShvBulletContact *contact = &bullet->contacts[meeting->contact_begin + k];
-            bullet->traces[meeting->contact_begin + k] = (ShvBulletTrace){
-                .arm = shv_rotate(inverse, shv_load3(contact->arm_first)),
-                .normal_impulse = meeting->struck ? 0.0 : contact->normal_impulse,
-                .friction_impulse = meeting->struck ? shv_vec3(0.0, 0.0, 0.0) : shv_load3(contact->friction_impulse)};
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        const ShvQuat inverse = shv_quat_conjugate(bullet->bodies[contact_pair->a].seen_orientation);
+        for (int32_t k = 0; k < contact_pair->contact_count; k++) {
+            const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
+            bullet->cached_impulses[contact_pair->contact_begin + k] =
+                (ShvCachedImpulse){.arm = shv_rotate(inverse, shv_load3(contact->arm_first)),
+                                   .normal_impulse = contact_pair->struck ? 0.0 : contact->normal_impulse,
+                                   .friction_impulse = contact_pair->struck ? shv_vec3(0.0, 0.0, 0.0)
+                                                                            : shv_load3(contact->friction_impulse)};
         }
     }
 }
@@ -244,28 +246,28 @@ static void keep_traces(ShvBullet *bullet)
 void shv_bullet_move(ShvBullet *bullet)
 {
     find_holds(bullet);
-    keep_traces(bullet);
+    keep_cached_impulses(bullet);
     const double friction = friction_work(bullet);
     double change = 0.0;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || flyer->asleep) continue;
-        flyer->energy = shv_bullet_flyer_energy(flyer, bullet->gravity);
-        if (flyer->obstacle >= 0 && bullet->backend.leaves_obstacles)
-            leave_obstacle(bullet, flyer);
-        else if (flyer->companion && flyer->solved)
-            apply_impulse(bullet, flyer);
-        else if (!flyer->companion)
-            move_body(bullet, flyer);
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!body->moves || body->leaves || body->asleep) continue;
+        body->energy = shv_bullet_body_energy(body, bullet->gravity);
+        if (body->obstacle >= 0 && bullet->backend.leaves_obstacles)
+            leave_obstacle(bullet, body);
+        else if (body->coupled && body->solved)
+            apply_impulse(bullet, body);
+        else if (!body->coupled)
+            move_body(bullet, body);
     }
     note_loads(bullet);
     put_to_rest(bullet);
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!flyer->moves || flyer->leaves || ((flyer->asleep || flyer->companion) && !flyer->solved)) continue;
-        if (flyer->solved || !bullet->backend.world.settings->bullet.exact_flight)
-            change += shv_bullet_flyer_energy(flyer, bullet->gravity) - flyer->energy;
-        shv_bullet_flyer_write(flyer, &bullet->backend.world);
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!body->moves || body->leaves || ((body->asleep || body->coupled) && !body->solved)) continue;
+        if (body->solved || !bullet->backend.world.settings->bullet.exact_flight)
+            change += shv_bullet_body_energy(body, bullet->gravity) - body->energy;
+        shv_bullet_body_write(body, &bullet->backend.world);
     }
     bullet->backend.friction_work += friction;
     bullet->backend.contact_work += change - friction;

@@ -3,8 +3,8 @@
 #define SHV_RIGID_BULLET_SHAPE_H
 
 #include "bullet_bridge/rigid_world.h"
-#include "rigid/convex_pieces.h"
-#include "rigid/free_rotation.h"
+#include "convex/convex_pieces.h"
+#include "fragment/free_rotation.h"
 #include "shape/obstacle.h"
 
 /* Stays where it is: the shape points into it. */

@@ -2,19 +2,20 @@
 
 /* Share of an overlap that is undone in a step, and the largest share of a body's radius. */
 static const double undone_share = 0.2, largest_shift = 0.05;
-/* Of the radius: a contact this close at the moment of impact takes part in it; contacts this close are the same from step to
+/* Of the radius: a contact this close at the time of impact takes part in it; contacts this close are the same from step to
    step. */
 static const double impact_band = 1e-4, same_place = 0.05;
 /* ---- what a contact leaves ---- */
 
-static void pair_laws(const ShvBullet *bullet, const ShvBulletMeeting *meeting, double *friction, double *restitution)
+static void pair_laws(const ShvBullet *bullet, const ShvContactPair *contact_pair, double *friction,
+                      double *restitution)
 {
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     if (a->fragment >= 0 && b->fragment >= 0) {
         *friction = bullet->backend.fragment_friction;
         *restitution = bullet->backend.fragment_restitution;
     } else if (a->fragment >= 0 || b->fragment >= 0) {
-        const ShvBulletFlyer *obstacle = a->fragment >= 0 ? b : a;
+        const ShvBulletRigidBody *obstacle = a->fragment >= 0 ? b : a;
         *friction = obstacle->friction;
         *restitution = obstacle->restitution;
     } else {
@@ -25,38 +26,38 @@ static void pair_laws(const ShvBullet *bullet, const ShvBulletMeeting *meeting, 
 
 /* Normal velocity that a fast contact leaves at the step's end: thrown back at its moment, then flown on; or 0 when it would
    be back within the step. */
-static double thrown_back(const ShvBullet *bullet, const ShvBulletMeeting *meeting, double closing, double acceleration,
-                          double restitution)
+static double thrown_back(const ShvBullet *bullet, const ShvContactPair *contact_pair, double closing,
+                          double acceleration, double restitution)
 {
-    const double left = bullet->step - meeting->impact;
+    const double left = bullet->step - contact_pair->impact;
     const double back = restitution * closing;
     if (back + 0.5 * acceleration * left <= 0.0) {
-        bullet->flyers[meeting->a].stopped = bullet->flyers[meeting->b].stopped = true;
+        bullet->bodies[contact_pair->a].stopped = bullet->bodies[contact_pair->b].stopped = true;
         return 0.0;
     }
     return back + acceleration * left;
 }
 
 /* A contact that is held: its gap may close until the step's end, no more. */
-static void hold(const ShvBullet *bullet, const ShvBulletMeeting *meeting, ShvBulletContact *contact, double gap,
+static void hold(const ShvBullet *bullet, const ShvContactPair *contact_pair, ShvBulletContact *contact, double gap,
                  double speed)
 {
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-    const double since = meeting->struck ? meeting->impact : fmax(0.0, fmax(a->impact_time, b->impact_time));
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    const double since = contact_pair->struck ? contact_pair->impact : fmax(0.0, fmax(a->impact_time, b->impact_time));
     const double left = fmax(bullet->step - since, 1e-9 * bullet->step);
-    const double then = meeting->struck ? gap : gap + speed * since;
+    const double then = contact_pair->struck ? gap : gap + speed * since;
     if (gap > 0.0) {
         contact->target = -fmax(0.0, then) / left;
         return;
     }
     const double radius = fmin(a->radius, b->radius);
     contact->target = 0.0;
-    contact->push = fmin(undone_share * fmax(0.0, -gap - meeting->slop), largest_shift * radius) / bullet->step;
+    contact->push = fmin(undone_share * fmax(0.0, -gap - contact_pair->slop), largest_shift * radius) / bullet->step;
 }
 
-static void set_support(const ShvBullet *bullet, const ShvBulletMeeting *meeting, ShvBulletContact *contact)
+static void set_support(const ShvBullet *bullet, const ShvContactPair *contact_pair, ShvBulletContact *contact)
 {
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
     if (!b->moves)
         shv_store3(contact->support, shv_add(b->velocity, shv_cross(b->spin, shv_load3(contact->arm_second))));
@@ -66,20 +67,20 @@ static void set_support(const ShvBullet *bullet, const ShvBulletMeeting *meeting
 }
 
 /* Impulses of the last step's nearest contact of the pair, to start from. */
-static void warm(const ShvBullet *bullet, const ShvBulletMeeting *meeting, const ShvBulletMeeting *last,
+static void warm(const ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvContactPair *last,
                  ShvBulletContact *contact)
 {
     if (!last) return;
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     const ShvVec3 arm = shv_rotate(shv_quat_conjugate(a->orientation), shv_load3(contact->arm_first));
     double nearest = same_place * fmin(a->radius, b->radius);
-    const ShvBulletTrace *best = NULL;
+    const ShvCachedImpulse *best = NULL;
     for (int32_t i = 0; i < last->contact_count; i++) {
-        const ShvBulletTrace *trace = &bullet->last_traces[last->contact_begin + i];
-        const double distance = shv_norm(shv_sub(arm, trace->arm));
+        const ShvCachedImpulse *cached = &bullet->last_cached_impulses[last->contact_begin + i];
+        const double distance = shv_norm(shv_sub(arm, cached->arm));
         if (distance >= nearest) continue;
         nearest = distance;
-        best = trace;
+        best = cached;
     }
     if (!best) return;
     const double share = bullet->step / bullet->last_step;
@@ -87,118 +88,120 @@ static void warm(const ShvBullet *bullet, const ShvBulletMeeting *meeting, const
     shv_store3(contact->friction_impulse, shv_scale(best->friction_impulse, share));
 }
 
-static void set_contact(ShvBullet *bullet, const ShvBulletMeeting *meeting, const ShvBulletMeeting *last,
+static void set_contact(ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvContactPair *last,
                         ShvBulletContact *contact)
 {
-    const ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     double restitution;
-    pair_laws(bullet, meeting, &contact->friction, &restitution);
-    const double moment = meeting->struck ? meeting->impact : 0.0;
+    pair_laws(bullet, contact_pair, &contact->friction, &restitution);
+    const double time = contact_pair->struck ? contact_pair->impact : 0.0;
     const ShvVec3 normal = shv_load3(contact->normal);
-    const ShvVec3 spin_a = meeting->struck ? a->solver_spin : a->spin,
-                  spin_b = meeting->struck ? b->solver_spin : b->spin;
+    const ShvVec3 spin_a = contact_pair->struck ? a->solver_spin : a->spin,
+                  spin_b = contact_pair->struck ? b->solver_spin : b->spin;
     const double speed =
-        shv_dot(normal, shv_bullet_relative(contact, shv_bullet_flyer_velocity(a, moment, bullet->gravity), spin_a,
-                                            shv_bullet_flyer_velocity(b, moment, bullet->gravity), spin_b));
-    const double gap = contact->gap + meeting->allowance;
-    const double band = fmax(meeting->slop, impact_band * fmin(a->radius, b->radius));
-    set_support(bullet, meeting, contact);
-    if (meeting->struck && gap <= band && -speed > bullet->rest) {
+        shv_dot(normal, shv_bullet_relative(contact, shv_bullet_body_velocity(a, time, bullet->gravity), spin_a,
+                                            shv_bullet_body_velocity(b, time, bullet->gravity), spin_b));
+    const double gap = contact->gap + contact_pair->allowed_penetration;
+    const double band = fmax(contact_pair->slop, impact_band * fmin(a->radius, b->radius));
+    set_support(bullet, contact_pair, contact);
+    if (contact_pair->struck && gap <= band && -speed > bullet->rest) {
         const double acceleration = shv_dot(normal, shv_bullet_relative_gravity(bullet, a, b));
-        contact->target = thrown_back(bullet, meeting, -speed, acceleration, restitution);
+        contact->target = thrown_back(bullet, contact_pair, -speed, acceleration, restitution);
     } else {
-        hold(bullet, meeting, contact, gap, speed);
-        if (-speed > 2.0 * bullet->rest) bullet->flyers[meeting->a].meets = bullet->flyers[meeting->b].meets = true;
-        if (!meeting->struck) warm(bullet, meeting, last, contact);
+        hold(bullet, contact_pair, contact, gap, speed);
+        if (-speed > 2.0 * bullet->rest)
+            bullet->bodies[contact_pair->a].meets = bullet->bodies[contact_pair->b].meets = true;
+        if (!contact_pair->struck) warm(bullet, contact_pair, last, contact);
     }
 }
 
 /* ---- solution ---- */
 
-static const ShvBulletMeeting *last_of(const ShvBullet *bullet, const ShvBulletMeeting *meeting)
+static const ShvContactPair *last_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
 {
     int32_t low = 0, high = bullet->last_count;
     while (low < high) {
         const int32_t middle = low + (high - low) / 2;
-        const ShvBulletMeeting *last = &bullet->last_meetings[middle];
-        if (last->first < meeting->first || (last->first == meeting->first && last->second < meeting->second))
+        const ShvContactPair *last = &bullet->last_contact_pairs[middle];
+        if (last->first < contact_pair->first ||
+            (last->first == contact_pair->first && last->second < contact_pair->second))
             low = middle + 1;
         else
             high = middle;
     }
     if (low == bullet->last_count) return NULL;
-    const ShvBulletMeeting *last = &bullet->last_meetings[low];
-    return last->first == meeting->first && last->second == meeting->second ? last : NULL;
+    const ShvContactPair *last = &bullet->last_contact_pairs[low];
+    return last->first == contact_pair->first && last->second == contact_pair->second ? last : NULL;
 }
 
-/* The body as the solver sees it: in its pose at its moment of impact, with the velocity that gravity gives it by the step's end. */
-static void enter(ShvBullet *bullet, ShvBulletFlyer *flyer)
+/* The body as the solver sees it: in its pose at its time of impact, with the velocity that gravity gives it by the step's end. */
+static void enter(ShvBullet *bullet, ShvBulletRigidBody *body)
 {
-    const double moment = fmax(0.0, flyer->impact_time);
-    flyer->solver_orientation = shv_bullet_flyer_orientation(flyer, moment);
-    flyer->solver_spin = shv_bullet_flyer_spin(flyer, flyer->solver_orientation);
-    flyer->new_spin = flyer->solver_spin;
-    flyer->new_velocity = shv_bullet_flyer_velocity(flyer, bullet->step, bullet->gravity);
-    if (flyer->solved) shv_bullet_flyer_place(flyer, bullet->bullet, flyer->position, flyer->solver_orientation);
+    const double time = fmax(0.0, body->impact_time);
+    body->solver_orientation = shv_bullet_body_orientation(body, time);
+    body->solver_spin = shv_bullet_body_spin(body, body->solver_orientation);
+    body->new_spin = body->solver_spin;
+    body->new_velocity = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
+    if (body->solved) shv_bullet_body_place(body, bullet->bullet, body->position, body->solver_orientation);
 }
 
-/* Contacts that take part, in one list, by meetings; whom they move. */
+/* Contacts that take part, in one list, by contact pairs; whom they move. */
 static ShvStatus gather_contacts(ShvBullet *bullet, ShvError *error)
 {
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->gathered, bullet->gathered_room, bullet->contact_count,
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->active_contacts, bullet->active_contact_room, bullet->contact_count,
                         "contacts of bodies", error);
     int32_t count = 0;
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        ShvBulletMeeting *meeting = &bullet->meetings[i];
-        ShvBulletFlyer *a = &bullet->flyers[meeting->a], *b = &bullet->flyers[meeting->b];
-        if (a->leaves || b->leaves) meeting->contact_count = 0;
-        const ShvBulletContact *found = bullet->contacts + meeting->contact_begin;
-        meeting->contact_begin = count;
-        for (int32_t k = 0; k < meeting->contact_count; k++) bullet->gathered[count++] = found[k];
-        if (meeting->contact_count > 0) a->solved = b->solved = true;
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+        if (a->leaves || b->leaves) contact_pair->contact_count = 0;
+        const ShvBulletContact *found = bullet->contacts + contact_pair->contact_begin;
+        contact_pair->contact_begin = count;
+        for (int32_t k = 0; k < contact_pair->contact_count; k++) bullet->active_contacts[count++] = found[k];
+        if (contact_pair->contact_count > 0) a->solved = b->solved = true;
     }
-    ShvBulletContact *contacts = bullet->gathered;
-    const int32_t room = bullet->gathered_room;
-    bullet->gathered = bullet->contacts;
-    bullet->gathered_room = bullet->contact_room;
+    ShvBulletContact *contacts = bullet->active_contacts;
+    const int32_t room = bullet->active_contact_room;
+    bullet->active_contacts = bullet->contacts;
+    bullet->active_contact_room = bullet->contact_room;
     bullet->contacts = contacts;
     bullet->contact_room = room;
     bullet->contact_count = count;
     return SHV_OK;
 }
 
-static bool is_moved(const ShvBulletFlyer *flyer)
+static bool is_moved(const ShvBulletRigidBody *body)
 {
-    return flyer->moves && !flyer->leaves && !flyer->asleep;
+    return body->moves && !body->leaves && !body->asleep;
 }
 
 static ShvStatus gather_motions(ShvBullet *bullet, ShvError *error)
 {
-    SHV_BACKEND_RESERVE(&bullet->backend, bullet->motions, bullet->motion_room, bullet->flyer_count,
+    SHV_BACKEND_RESERVE(&bullet->backend, bullet->motions, bullet->motion_room, bullet->body_count,
                         "bodies with contacts", error);
     bullet->motion_count = 0;
-    for (int32_t i = 0; i < bullet->flyer_count; i++) {
-        ShvBulletFlyer *flyer = &bullet->flyers[i];
-        if (!is_moved(flyer)) continue;
-        enter(bullet, flyer);
-        if (!flyer->solved) continue;
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!is_moved(body)) continue;
+        enter(bullet, body);
+        if (!body->solved) continue;
         ShvBulletMotion *motion = &bullet->motions[bullet->motion_count++];
-        *motion = (ShvBulletMotion){.body = flyer->number};
-        shv_store3(motion->velocity, flyer->new_velocity);
-        shv_store3(motion->spin, flyer->new_spin);
+        *motion = (ShvBulletMotion){.body = body->number};
+        shv_store3(motion->velocity, body->new_velocity);
+        shv_store3(motion->spin, body->new_spin);
     }
     return SHV_OK;
 }
 
-ShvStatus shv_bullet_gather(ShvBullet *bullet, ShvBulletTask *task, ShvError *error)
+ShvStatus shv_bullet_set_up_contacts(ShvBullet *bullet, ShvBulletTask *task, ShvError *error)
 {
     SHV_TRY(gather_contacts(bullet, error));
     SHV_TRY(gather_motions(bullet, error));
-    for (int32_t i = 0; i < bullet->meeting_count; i++) {
-        const ShvBulletMeeting *meeting = &bullet->meetings[i];
-        const ShvBulletMeeting *last = meeting->contact_count > 0 ? last_of(bullet, meeting) : NULL;
-        for (int32_t k = 0; k < meeting->contact_count; k++)
-            set_contact(bullet, meeting, last, &bullet->contacts[meeting->contact_begin + k]);
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
+        const ShvContactPair *contact_pair = &bullet->contact_pairs[i];
+        const ShvContactPair *last = contact_pair->contact_count > 0 ? last_of(bullet, contact_pair) : NULL;
+        for (int32_t k = 0; k < contact_pair->contact_count; k++)
+            set_contact(bullet, contact_pair, last, &bullet->contacts[contact_pair->contact_begin + k]);
     }
     *task = (ShvBulletTask){.motions = bullet->motions,
                             .motion_count = bullet->motion_count,
@@ -208,16 +211,16 @@ ShvStatus shv_bullet_gather(ShvBullet *bullet, ShvBulletTask *task, ShvError *er
     return SHV_OK;
 }
 
-/* Islands go by their first flyer. */
+/* Islands go by their first body. */
 void shv_bullet_take_motions(ShvBullet *bullet)
 {
     for (int32_t i = 0; i < bullet->motion_count; i++) {
         const ShvBulletMotion *motion = &bullet->motions[i];
-        ShvBulletFlyer *flyer = &bullet->flyers[shv_bullet_place(bullet, motion->body)];
-        flyer->island = shv_bullet_place(bullet, bullet->motions[motion->island].body);
-        flyer->new_velocity = shv_load3(motion->velocity);
-        flyer->new_spin = shv_load3(motion->spin);
-        flyer->push = shv_load3(motion->push);
-        flyer->turn = shv_load3(motion->turn);
+        ShvBulletRigidBody *body = &bullet->bodies[shv_bullet_place(bullet, motion->body)];
+        body->island = shv_bullet_place(bullet, bullet->motions[motion->island].body);
+        body->new_velocity = shv_load3(motion->velocity);
+        body->new_spin = shv_load3(motion->spin);
+        body->push = shv_load3(motion->push);
+        body->turn = shv_load3(motion->turn);
     }
 }

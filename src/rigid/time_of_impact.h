@@ -4,10 +4,10 @@
 
 #include <stdbool.h>
 
-#include "rigid/free_rotation.h"
+#include "fragment/free_rotation.h"
 #include "shape/feature.h"
 
-/* Rigid motion from a moment on: constant acceleration of the centre, free rotation about it. */
+/* Rigid motion from a time on: constant acceleration of the centre, free rotation about it. */
 typedef struct ShvFlight {
     ShvVec3 position, velocity, acceleration;
     ShvQuat orientation;

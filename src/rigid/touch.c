@@ -132,7 +132,7 @@ static ShvVec3 point_velocity(const ShvRigidMotion *motion, const ShvTouch *touc
     return shv_add(motion->velocity, shv_cross(motion->angular_velocity, touch->arm));
 }
 
-static ShvVec3 on_the_way(ShvVec3 before, ShvVec3 after, double share)
+static ShvVec3 interpolate(ShvVec3 before, ShvVec3 after, double share)
 {
     return shv_madd(before, 0.5 * share, shv_sub(after, before));
 }
@@ -143,10 +143,10 @@ ShvTouchWork shv_touches_work(const ShvTouch *touches, int32_t count, const ShvR
     ShvTouchWork work = {0.0, 0.0};
     for (int32_t i = 0; i < count; i++) {
         const ShvTouch *touch = &touches[i];
-        ShvVec3 mean = on_the_way(point_velocity(before, touch), point_velocity(after, touch), share);
+        ShvVec3 mean = interpolate(point_velocity(before, touch), point_velocity(after, touch), share);
         if (touch->other->motion == SHV_OBSTACLE_FREE)
-            mean = shv_sub(mean,
-                           on_the_way(touch->other_velocity, shv_obstacle_velocity(touch->other, touch->point), share));
+            mean = shv_sub(
+                mean, interpolate(touch->other_velocity, shv_obstacle_velocity(touch->other, touch->point), share));
         work.normal += share * touch->normal_impulse * shv_dot(touch->normal, mean);
         work.friction += share * shv_dot(touch->friction_impulse, mean);
     }

@@ -12,7 +12,7 @@ enum {
 
 typedef struct ShvTouch {
     int32_t obstacle;       /* index */
-    ShvObstacle *other;     /* that obstacle at the moment of the touch: takes the opposite impulses */
+    ShvObstacle *other;     /* that obstacle at the time of the touch: takes the opposite impulses */
     ShvVec3 point, normal;  /* world; the normal points from the obstacle to the fragment */
     ShvVec3 arm;            /* from the fragment's centre to the point */
     ShvVec3 other_velocity; /* of the obstacle's point before the impulses */

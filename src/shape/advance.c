@@ -135,7 +135,7 @@ static void hold_slow(Flight *flight, int32_t count, double time, bool all)
     flight->work -= 0.5 * time * shv_dot(flight->gravity, impulse);
 }
 
-/* Takes the last half kick away from what rests: velocities are then those of the moment. */
+/* Takes the last half kick away from what rests: velocities are then those of the time. */
 static void settle(Flight *flight)
 {
     ShvObstacles *obstacles = flight->obstacles;

@@ -21,17 +21,17 @@ ShvVec3 shv_obstacle_velocity(const ShvObstacle *obstacle, ShvVec3 point)
 double shv_obstacle_inverse_mass(const ShvObstacle *obstacle, ShvVec3 point, ShvVec3 direction)
 {
     if (!is_free(obstacle)) return 0.0;
-    const ShvVec3 moment = shv_cross(shv_sub(point, obstacle->position), direction);
-    return 1.0 / obstacle->mass + shv_dot(moment, apply_in_world(obstacle, &obstacle->inverse_inertia, moment));
+    const ShvVec3 torque = shv_cross(shv_sub(point, obstacle->position), direction);
+    return 1.0 / obstacle->mass + shv_dot(torque, apply_in_world(obstacle, &obstacle->inverse_inertia, torque));
 }
 
 void shv_obstacle_impulse(ShvObstacle *obstacle, ShvVec3 point, ShvVec3 impulse)
 {
     if (!is_free(obstacle)) return;
     obstacle->velocity = shv_madd(obstacle->velocity, 1.0 / obstacle->mass, impulse);
-    const ShvVec3 moment = shv_cross(shv_sub(point, obstacle->position), impulse);
+    const ShvVec3 torque = shv_cross(shv_sub(point, obstacle->position), impulse);
     obstacle->angular_velocity =
-        shv_add(obstacle->angular_velocity, apply_in_world(obstacle, &obstacle->inverse_inertia, moment));
+        shv_add(obstacle->angular_velocity, apply_in_world(obstacle, &obstacle->inverse_inertia, torque));
 }
 
 double shv_obstacle_kinetic(const ShvObstacle *obstacle)

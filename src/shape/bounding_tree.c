@@ -304,16 +304,16 @@ static bool segment_meets_box(const TreeNode *node, const double from[3], const 
 
 /* Crossing of the plane from its outer side within the triangle, whose edges are widened by 1e-9 of its size so that
    nothing slips between neighbours. */
-static bool segment_meets_triangle(const ShvBoundingTree *tree, int32_t triangle, ShvVec3 from, ShvVec3 way,
+static bool segment_meets_triangle(const ShvBoundingTree *tree, int32_t triangle, ShvVec3 from, ShvVec3 path,
                                    double *fraction)
 {
     const ShvVec3 normal = shv_load3(tree->face_normals + 3 * (int64_t)triangle);
     const ShvVec3 corner[3] = {triangle_corner(tree->surface, triangle, 0), triangle_corner(tree->surface, triangle, 1),
                                triangle_corner(tree->surface, triangle, 2)};
-    const double fall = -shv_dot(way, normal), height = shv_dot(shv_sub(from, corner[0]), normal);
+    const double fall = -shv_dot(path, normal), height = shv_dot(shv_sub(from, corner[0]), normal);
     if (!(fall > 0.0) || height < 0.0 || height > fall) return false;
     const double t = height / fall;
-    const ShvVec3 at = shv_madd(from, t, way);
+    const ShvVec3 at = shv_madd(from, t, path);
     for (int k = 0; k < 3; k++) {
         const ShvVec3 edge = shv_sub(corner[(k + 1) % 3], corner[k]);
         const double side = shv_dot(shv_cross(edge, shv_sub(at, corner[k])), normal);
@@ -325,8 +325,8 @@ static bool segment_meets_triangle(const ShvBoundingTree *tree, int32_t triangle
 
 bool shv_bounding_tree_sweep(const ShvBoundingTree *tree, ShvVec3 from, ShvVec3 to, double *fraction, ShvVec3 *normal)
 {
-    const ShvVec3 way = shv_sub(to, from);
-    const double start[3] = {from.x, from.y, from.z}, inverse[3] = {1.0 / way.x, 1.0 / way.y, 1.0 / way.z};
+    const ShvVec3 path = shv_sub(to, from);
+    const double start[3] = {from.x, from.y, from.z}, inverse[3] = {1.0 / path.x, 1.0 / path.y, 1.0 / path.z};
     int32_t stack[STACK_NODES], best = -1;
     int depth = 0;
     double reach = 1.0;
@@ -337,7 +337,7 @@ bool shv_bounding_tree_sweep(const ShvBoundingTree *tree, ShvVec3 from, ShvVec3 
         if (!segment_meets_box(node, start, inverse, reach)) continue;
         for (int32_t i = node->first; i < node->first + node->count; i++) {
             double t = 0.0;
-            if (segment_meets_triangle(tree, tree->order[i], from, way, &t) && (t < reach || best < 0)) {
+            if (segment_meets_triangle(tree, tree->order[i], from, path, &t) && (t < reach || best < 0)) {
                 reach = t;
                 best = tree->order[i];
             }

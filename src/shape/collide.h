@@ -1,4 +1,4 @@
-/* Contacts of free obstacles with the others at one moment, and the impulses that answer them. */
+/* Contacts of free obstacles with the others at one time, and the impulses that answer them. */
 #ifndef SHV_SHAPE_COLLIDE_H
 #define SHV_SHAPE_COLLIDE_H
 

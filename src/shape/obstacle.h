@@ -45,7 +45,7 @@ typedef struct ShvObstacles {
     ShvMemory *memory;
     ShvObstacle *items;
     int32_t count;
-    struct ShvBodyContact *contacts; /* room for those of one moment between free and other obstacles (collide.h) */
+    struct ShvBodyContact *contacts; /* room for those of one time between free and other obstacles (collide.h) */
     int32_t contact_capacity;
 } ShvObstacles;
 

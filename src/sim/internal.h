@@ -2,7 +2,7 @@
 #ifndef SHV_SIM_INTERNAL_H
 #define SHV_SIM_INTERNAL_H
 
-#include "hybrid/hybrid.h"
+#include "coupling/hybrid.h"
 #include "shiver/live.h"
 #include "shiver/plan.h"
 #include "shiver/simulation.h"
@@ -40,7 +40,7 @@ ShvStatus shv_simulation_check_scene(const ShvSceneDefinition *scene, ShvError *
 ShvStatus shv_simulation_check_event(const ShvSceneDefinition *scene, const ShvEventDefinition *event, const char *what,
                                      ShvError *error);
 
-/* The frame view of the present moment; and the animation grid passes over the frames that the present moment has left behind
+/* The frame view of the present time; and the animation grid passes over the frames that the present time has left behind
    (simulation.c). */
 ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvError *error);
 void shv_simulation_pass_frames(ShvSimulation *simulation);

@@ -8,7 +8,7 @@
 #include "shiver/run_file.h"
 #include "sim/internal.h"
 
-/* ---- the present moment ---- */
+/* ---- the present time ---- */
 
 /* Whoever drives the simulation looks at it now: the frame and the events so far. */
 static ShvStatus tell(ShvSimulation *simulation, ShvStatus status, ShvError *error)
@@ -140,7 +140,7 @@ static ShvBox box_of(const Tets *tets, int32_t tet)
 }
 
 /* Which object's tets some tet of the newcomer stands in; −1: none. */
-static int32_t find_object_in_the_way(const ShvHybrid *hybrid, const Tets *all, const Tets *newcomer)
+static int32_t find_overlapping_object(const ShvHybrid *hybrid, const Tets *all, const Tets *newcomer)
 {
     for (int32_t e = 0; e < all->count; e++) {
         const ShvFragment *owner = &hybrid->fragments.items[hybrid->state.element_fragment[e]];
@@ -163,7 +163,7 @@ static bool obstacle_holds(const ShvObstacle *obstacle, const Tets *tets, int32_
     return obstacle->shape != SHV_OBSTACLE_PLANE && holds(tets, tet, obstacle->position);
 }
 
-static ShvStatus in_the_way(const char *name, const char *kind, const char *other, ShvError *error)
+static ShvStatus fail_overlapping(const char *name, const char *kind, const char *other, ShvError *error)
 {
     return shv_fail(error, SHV_BAD_INPUT, "'%s' would stand in the %s '%s': bring it to another place", name, kind,
                     other);
@@ -183,13 +183,13 @@ static ShvStatus check_object_room(const ShvHybrid *hybrid, const Tets *all, con
                                    ShvError *error)
 {
     const char *name = hybrid->model.objects[object].name;
-    const int32_t other = find_object_in_the_way(hybrid, all, newcomer);
-    if (other >= 0) return in_the_way(name, "object", hybrid->model.objects[other].name, error);
+    const int32_t other = find_overlapping_object(hybrid, all, newcomer);
+    if (other >= 0) return fail_overlapping(name, "object", hybrid->model.objects[other].name, error);
     const double touch = 1e-6 * shv_norm(shv_sub(newcomer->box.high, newcomer->box.low));
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         for (int32_t k = 0; k < newcomer->count && !shv_hybrid_waits(hybrid, i); k++)
             if (obstacle_holds(&hybrid->obstacles.items[i], newcomer, k, touch))
-                return in_the_way(name, "obstacle", hybrid->obstacles.items[i].definition->name, error);
+                return fail_overlapping(name, "obstacle", hybrid->obstacles.items[i].definition->name, error);
     return SHV_OK;
 }
 
@@ -270,7 +270,8 @@ static ShvStatus check_obstacle_room(ShvSimulation *simulation, const ShvObstacl
     for (int32_t e = 0; e < all.count && status == SHV_OK; e++) {
         const ShvFragment *owner = &hybrid->fragments.items[hybrid->state.element_fragment[e]];
         if (owner->mode != SHV_MODE_BINNED && obstacle_holds(newcomer, &all, e, touch))
-            status = in_the_way(newcomer->definition->name, "object", hybrid->model.objects[owner->object].name, error);
+            status = fail_overlapping(newcomer->definition->name, "object", hybrid->model.objects[owner->object].name,
+                                      error);
     }
     shv_release(all.corners);
     return status;
@@ -371,7 +372,7 @@ size_t shv_struct_size(const char *name)
                    ENTRY(ShvMeshView),
                    ENTRY(ShvObjectView),
                    ENTRY(ShvPlacement),
-                   ENTRY(ShvMomentView),
+                   ENTRY(ShvSimulationSummary),
                    ENTRY(ShvEventDefinition),
                    ENTRY(ShvSimulationOptions),
                    ENTRY(ShvRecordDefinition),

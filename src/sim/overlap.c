@@ -100,36 +100,36 @@ static double away_from_zero(double value, double least)
     return copysign(ceil(size / unit - 1e-6) * unit, value);
 }
 
-static ShvVec3 on_the_way(ShvVec3 way, double length)
+static ShvVec3 along(ShvVec3 direction, double length)
 {
     const double least = 1e-7 * length; /* what is left out counts by its square: 1e-14 of the length */
-    const ShvVec3 v = shv_scale(way, length);
+    const ShvVec3 v = shv_scale(direction, length);
     return shv_vec3(away_from_zero(v.x, least), away_from_zero(v.y, least), away_from_zero(v.z, least));
 }
 
-static double way_past(const Pair *pair, ShvVec3 way, double depth)
+static double depth_along(const Pair *pair, ShvVec3 direction, double depth)
 {
-    return pair->second ? shv_way_past_object(pair->first, pair->second, way)
-                        : shv_way_past_obstacle(pair->first, pair->obstacle, way, depth);
+    return pair->second ? shv_depth_along_object(pair->first, pair->second, direction)
+                        : shv_depth_along_obstacle(pair->first, pair->obstacle, direction, depth);
 }
 
 /* By the depth, where that does it; else past the whole of the other, on whichever side is nearer. */
-static ShvVec3 way_out(const Pair *pair, const ShvDepth *deepest)
+static ShvVec3 separation(const Pair *pair, const ShvDepth *deepest)
 {
-    const ShvVec3 way = deepest->way, shortest = on_the_way(way, deepest->depth);
+    const ShvVec3 direction = deepest->direction, shortest = along(direction, deepest->depth);
     if (depth_of(pair, shortest).depth <= pair->allowance) return shortest;
-    const ShvVec3 back = shv_scale(way, -1.0);
-    const double ahead = way_past(pair, way, deepest->depth), behind = way_past(pair, back, deepest->depth);
-    return ahead <= behind ? on_the_way(way, ahead) : on_the_way(back, behind);
+    const ShvVec3 back = shv_scale(direction, -1.0);
+    const double ahead = depth_along(pair, direction, deepest->depth), behind = depth_along(pair, back, deepest->depth);
+    return ahead <= behind ? along(direction, ahead) : along(back, behind);
 }
 
 /* Of two objects the one that need not go downwards, where something else may be. */
 static void part(const Pair *pair, const ShvDepth *deepest, const double gravity[3], ShvOverlap *overlap)
 {
-    const ShvVec3 way = way_out(pair, deepest);
-    const bool moves_second = pair->second && shv_dot(way, shv_load3(gravity)) >= 0.0;
+    const ShvVec3 direction = separation(pair, deepest);
+    const bool moves_second = pair->second && shv_dot(direction, shv_load3(gravity)) >= 0.0;
     overlap->mover = moves_second ? overlap->second : overlap->first;
-    shv_store3(overlap->parting, moves_second ? shv_sub(shv_vec3(0.0, 0.0, 0.0), way) : way);
+    shv_store3(overlap->parting, moves_second ? shv_sub(shv_vec3(0.0, 0.0, 0.0), direction) : direction);
 }
 
 /* Deepest first; of equal ones that found first. */

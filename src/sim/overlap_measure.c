@@ -124,9 +124,9 @@ static bool sweep_obstacle(const void *what, ShvVec3 from, ShvVec3 to, double *f
     return true;
 }
 
-static void deepen(ShvDepth *deepest, double depth, ShvVec3 point, ShvVec3 way)
+static void deepen(ShvDepth *deepest, double depth, ShvVec3 point, ShvVec3 direction)
 {
-    if (depth > deepest->depth) *deepest = (ShvDepth){depth, point, way};
+    if (depth > deepest->depth) *deepest = (ShvDepth){depth, point, direction};
 }
 
 static void try_point(const Inside *inside, ShvVec3 point, ShvDepth *deepest)
@@ -216,7 +216,7 @@ ShvDepth shv_depth_of_objects(const ShvStartBody *first, const ShvStartBody *sec
 /* All of a body is above its lowest node. */
 static ShvDepth depth_in_plane(const ShvStartBody *body, const ShvObstacle *plane, ShvVec3 shift)
 {
-    ShvDepth deepest = {.depth = 0.0, .way = plane->normal};
+    ShvDepth deepest = {.depth = 0.0, .direction = plane->normal};
     for (int32_t i = 0; i < body->surface.node_count; i++) {
         const ShvVec3 x = shv_add(shv_surface_position(&body->surface, i), shift);
         const double depth = plane->offset - shv_dot(plane->normal, x);
@@ -267,28 +267,29 @@ ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle 
 
 /* ---- ways out ---- */
 
-static double least_along(const ShvStartBody *body, ShvVec3 way)
+static double least_along(const ShvStartBody *body, ShvVec3 direction)
 {
     double least = HUGE_VAL;
     for (int32_t i = 0; i < body->surface.node_count; i++)
-        least = fmin(least, shv_dot(way, shv_surface_position(&body->surface, i)));
+        least = fmin(least, shv_dot(direction, shv_surface_position(&body->surface, i)));
     return least;
 }
 
-double shv_way_past_object(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 way)
+double shv_depth_along_object(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 direction)
 {
-    return -least_along(second, shv_scale(way, -1.0)) - least_along(first, way);
+    return -least_along(second, shv_scale(direction, -1.0)) - least_along(first, direction);
 }
 
-double shv_way_past_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 way, double depth)
+double shv_depth_along_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 direction,
+                                double depth)
 {
     const ShvObstacle *obstacle = place->obstacle;
     if (obstacle->shape == SHV_OBSTACLE_PLANE) return depth;
     double most = -HUGE_VAL;
-    if (obstacle->shape == SHV_OBSTACLE_SPHERE) most = shv_dot(way, obstacle->position) + obstacle->radius;
+    if (obstacle->shape == SHV_OBSTACLE_SPHERE) most = shv_dot(direction, obstacle->position) + obstacle->radius;
     for (int k = 0; k < 8 && obstacle->shape == SHV_OBSTACLE_BOX; k++)
-        most = fmax(most, shv_dot(way, put(obstacle, corner_of_box(obstacle, k))));
+        most = fmax(most, shv_dot(direction, put(obstacle, corner_of_box(obstacle, k))));
     for (int32_t i = 0; i < obstacle->surface.node_count && obstacle->shape == SHV_OBSTACLE_MESH; i++)
-        most = fmax(most, shv_dot(way, put(obstacle, shv_surface_position(&obstacle->surface, i))));
-    return most - least_along(body, way);
+        most = fmax(most, shv_dot(direction, put(obstacle, shv_surface_position(&obstacle->surface, i))));
+    return most - least_along(body, direction);
 }

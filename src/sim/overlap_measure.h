@@ -3,7 +3,7 @@
 #define SHV_SIM_OVERLAP_MEASURE_H
 
 #include "contact/box.h"
-#include "hybrid/hybrid.h"
+#include "coupling/hybrid.h"
 #include "shape/bounding_tree.h"
 
 /* An object where it stands at the start; nodes are numbered from its first. */
@@ -28,7 +28,7 @@ typedef struct ShvStartObstacle {
 typedef struct ShvDepth {
     double depth; /* m; 0: none lies inside */
     ShvVec3 point;
-    ShvVec3 way; /* of unit length: the shortest way on which the first body, there, leaves the second */
+    ShvVec3 direction; /* of unit length: the shortest way on which the first body, there, leaves the second */
 } ShvDepth;
 
 /* Box, centre and size; the surface stays empty. */
@@ -47,7 +47,8 @@ ShvDepth shv_depth_in_obstacle(const ShvStartBody *body, const ShvStartObstacle 
                                double allowance);
 
 /* How far the first body must go along a direction of unit length to be beyond all of the second, m. */
-double shv_way_past_object(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 way);
-double shv_way_past_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 way, double depth);
+double shv_depth_along_object(const ShvStartBody *first, const ShvStartBody *second, ShvVec3 direction);
+double shv_depth_along_obstacle(const ShvStartBody *body, const ShvStartObstacle *place, ShvVec3 direction,
+                                double depth);
 
 #endif

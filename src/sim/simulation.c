@@ -438,8 +438,9 @@ const char *shv_simulation_rigid_engine(const ShvSimulation *simulation)
     return shv_rigid_engine_name(simulation->hybrid.scene->rigid.engine);
 }
 
-ShvMomentView shv_simulation_moment(const ShvSimulation *simulation)
+ShvSimulationSummary shv_simulation_summary(const ShvSimulation *simulation)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
-    return (ShvMomentView){hybrid->state.time, hybrid->state.step, hybrid->fragments.alive, hybrid->awake.count > 0};
+    return (ShvSimulationSummary){hybrid->state.time, hybrid->state.step, hybrid->fragments.alive,
+                                  hybrid->awake.count > 0};
 }

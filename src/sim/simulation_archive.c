@@ -1,7 +1,7 @@
 /* Checkpoints of a simulation. */
 #include "base/archive.h"
 #include "base/hash.h"
-#include "hybrid/hybrid_archive.h"
+#include "coupling/hybrid_archive.h"
 #include "sim/internal.h"
 
 bool shv_simulation_has_checkpoints(const ShvSimulation *simulation)

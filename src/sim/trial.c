@@ -20,7 +20,7 @@ typedef struct Watch {
     double limit;     /* s of processor time; of run time a few times that */
     double start, processor_start;
     ShvTrial trial;
-    size_t bytes[SHV_PART_COUNT]; /* at the last moment before the first crack */
+    size_t bytes[SHV_PART_COUNT]; /* at the last time before the first crack */
     double last_time;             /* s: simulated, at the last look */
     bool was_awake;
     double last_processor;

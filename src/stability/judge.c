@@ -5,7 +5,7 @@
 
 static const double bound = 100.0, growth = 0.05, gone = 1e-15;
 
-/* One step, and the energy of the moment it starts from: strain and Σ ½ m v₋·v₊, which central difference keeps exactly where it
+/* One step, and the energy of the time it starts from: strain and Σ ½ m v₋·v₊, which central difference keeps exactly where it
    is linear. With one of the velocities alone the sum would beat, which looks like growth. */
 static ShvStatus step_and_measure(ShvProbe *probe, double step, double *energy)
 {

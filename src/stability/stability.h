@@ -2,7 +2,7 @@
 #ifndef SHV_STABILITY_STABILITY_H
 #define SHV_STABILITY_STABILITY_H
 
-#include "hybrid/hybrid.h"
+#include "coupling/hybrid.h"
 #include "shiver/stability.h"
 
 struct ShvStability {

@@ -124,7 +124,7 @@ static void widen_deformation(ShvViewData *data)
     }
 }
 
-static ShvStatus look_at_frames(ShvViewData *data, double *low, double *high, ShvError *error)
+static ShvStatus show_frames(ShvViewData *data, double *low, double *high, ShvError *error)
 {
     for (int64_t i = 0; i < SHV_VIEW_RANGES * (int64_t)data->lines.count; i++) low[i] = high[i] = (double)NAN;
     for (int64_t i = 0; i < data->frame_count; i++) {
@@ -162,7 +162,7 @@ static ShvStatus find_ranges(ShvViewData *data, ShvError *error)
     data->ranges = shv_allocate(data->memory, SHV_PART_RECORD, count, sizeof *data->ranges);
     double *low = shv_allocate(data->memory, SHV_PART_RECORD, count, sizeof *low);
     double *high = shv_allocate(data->memory, SHV_PART_RECORD, count, sizeof *high);
-    ShvStatus status = data->velocity && data->ranges && low && high ? look_at_frames(data, low, high, error)
+    ShvStatus status = data->velocity && data->ranges && low && high ? show_frames(data, low, high, error)
                                                                      : shv_fail_memory(error, "ranges", 24 * count);
     if (status == SHV_OK) set_ranges(data, low, high);
     shv_release(low);

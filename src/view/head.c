@@ -3,8 +3,8 @@
 
 #include "base/ledger_fields.h"
 #include "base/memory.h"
+#include "convex/hull.h"
 #include "export/json.h"
-#include "rigid/hull.h"
 #include "view/data.h"
 
 static void add_counts(ShvJson *json, const ShvViewData *data)

@@ -2,8 +2,8 @@
 #ifndef SHV_VIEW_HULLS_H
 #define SHV_VIEW_HULLS_H
 
+#include "convex/convex_pieces.h"
 #include "export/lines.h"
-#include "rigid/convex_pieces.h"
 
 typedef struct ShvFragmentHulls {
     int32_t fragment;

@@ -92,7 +92,7 @@ static void check_overlap(const ShvConvex *a, const ShvConvex *b, bool expected)
     double way[3];
     ShvError error;
     check_ok(shv_oracle_overlap(a, b, &by_gjk, &error), error);
-    check_ok(shv_oracle_way_out(a, b, &by_mpr, way, &error), error);
+    check_ok(shv_oracle_separation(a, b, &by_mpr, way, &error), error);
     assert_true(by_gjk == expected && by_mpr == expected);
 }
 
@@ -138,7 +138,7 @@ static void test_depths(void **unused)
         bool overlap;
         double way[3];
         ShvError error;
-        check_ok(shv_oracle_way_out(a, b, &overlap, way, &error), error);
+        check_ok(shv_oracle_separation(a, b, &overlap, way, &error), error);
         assert_true(overlap);
         const double theirs = shv_norm(shv_load3(way));
         assert_true(depth <= theirs + 1e-12);

@@ -68,10 +68,10 @@ static int throw_at_random(Fixture *f, uint64_t run, double shift)
         f->state.velocity[i] = shv_random_uniform(run, 2 * (uint64_t)i) - 0.5;
         f->state.displacement[i] = shift * (shv_random_uniform(run, 2 * (uint64_t)i + 1) - 0.5);
     }
-    ShvVec3 turning, after;
+    ShvVec3 rotation_rate, after;
     double scale;
     const double before = kinetic(f), step = shift;
-    const ShvVec3 p = momentum(f, &turning, &scale);
+    const ShvVec3 p = momentum(f, &rotation_rate, &scale);
     f->state.last_step = step;
     shv_cohesive_begin(&f->cohesive, &f->state, NULL);
     shv_cohesive_pull(&f->cohesive, &f->state, step, step);
@@ -79,7 +79,7 @@ static int throw_at_random(Fixture *f, uint64_t run, double shift)
     shv_cohesive_close(&f->cohesive, &f->state, step, step, run % 2 ? 0.4 : 0.0);
     assert_true(kinetic(f) <= before * (1.0 + 1e-14));
     check_near(shv_norm(shv_sub(momentum(f, &after, &scale), p)), 0.0, 1e-13 * scale);
-    check_near(shv_norm(shv_sub(after, turning)), 0.0, 1e-13 * scale * 0.012);
+    check_near(shv_norm(shv_sub(after, rotation_rate)), 0.0, 1e-13 * scale * 0.012);
     return kinetic(f) < before * (1.0 - 1e-6);
 }
 

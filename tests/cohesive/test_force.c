@@ -3,7 +3,7 @@
 #include "cohesive/fixture.h"
 
 #include "base/random.h"
-#include "cohesive/turn.h"
+#include "cohesive/facet_rotation.h"
 
 typedef struct Step {
     double last, step, friction;
@@ -295,10 +295,10 @@ static void trembling_wears_nothing(void **state)
 /* Of opening, seen by one who turns with the facet. */
 static ShvVec3 rate_of(const Fixture *f, const ShvCohesivePoint *point)
 {
-    const ShvVec3 turn = shv_turn_rate(&f->cohesive.turns[point->turn], &f->state);
+    const ShvVec3 rotation = shv_facet_rotation_rate(&f->cohesive.rotations[point->rotation], &f->state);
     const ShvVec3 rate = shv_sub(shv_load3(f->state.velocity + 3 * (int64_t)point->second),
                                  shv_load3(f->state.velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, shv_cross(turn, point->opening));
+    return shv_sub(rate, shv_cross(rotation, point->opening));
 }
 
 /* What a cluster stores, and what the tractions do if nodes keep their velocities, J. */
@@ -317,16 +317,16 @@ static double cluster_budget(const Fixture *f, int32_t cluster, double step, dou
 }
 
 /* What all clusters owe; never more than a thousandth of their work of separation. */
-static double check_owed(const Fixture *f)
+static double check_energy_debt(const Fixture *f)
 {
-    double owed = 0.0, work = 0.0;
+    double energy_debt = 0.0, work = 0.0;
     for (int32_t k = 0; k < 3 * f->cohesive.count; k++) {
-        assert_true(f->cohesive.owed[k] >= 0.0);
-        owed += f->cohesive.owed[k];
+        assert_true(f->cohesive.energy_debt[k] >= 0.0);
+        energy_debt += f->cohesive.energy_debt[k];
         work += f->cohesive.area[k / 3] / 3.0 * f->cohesive.law[k / 3].energy[SHV_NORMAL];
     }
-    assert_true(owed <= 1e-3 * work * (1.0 + 1e-9));
-    return owed;
+    assert_true(energy_debt <= 1e-3 * work * (1.0 + 1e-9));
+    return energy_debt;
 }
 
 static void disturb(Fixture *f, double speed, uint64_t stream)
@@ -358,11 +358,11 @@ static void unsettled_clusters_never_give_energy(void **state)
         ShvLedger ledger = {0};
         double allowed = 0.0, spared = 0.0, size;
         for (uint64_t k = 0; k < 40; k++) {
-            const double owed = check_owed(&f);
+            const double energy_debt = check_energy_debt(&f);
             shv_cohesive_begin(&f.cohesive, &f.state, NULL);
             double stored = 0.0;
             for (int32_t i = 0; i < f.cohesive.point_count; i++) stored += f.cohesive.points[i].stored;
-            if (k > 0) assert_true(stored <= allowed * (1.0 + 2e-3) + spared + check_owed(&f) - owed);
+            if (k > 0) assert_true(stored <= allowed * (1.0 + 2e-3) + spared + check_energy_debt(&f) - energy_debt);
             for (uint64_t pull = 0; pull < 2; pull++) {
                 disturb(&f, speed, 10 + 3 * k + pull);
                 shv_cohesive_pull(&f.cohesive, &f.state, step, step);
@@ -428,14 +428,14 @@ static void turned_bodies_open_alike(void **state)
 {
     (void)state;
     double dissipated[2], slowed[2];
-    for (int turn = 0; turn < 2; turn++) {
+    for (int rotation = 0; rotation < 2; rotation++) {
         Fixture f;
         fixture_define(&f, 0.012, 0.006, 0.006, 0.003);
         fixture_build_cubes(&f, 4, 2, 2);
         fixture_start(&f);
         insert_plane(&f);
-        throw_apart(&f, turn ? shv_vec3(-4.0, 9.0, 3.0) : shv_vec3(9.0, 4.0, 3.0));
-        for (int32_t i = 0; turn && i < f.state.node_count; i++) {
+        throw_apart(&f, rotation ? shv_vec3(-4.0, 9.0, 3.0) : shv_vec3(9.0, 4.0, 3.0));
+        for (int32_t i = 0; rotation && i < f.state.node_count; i++) {
             const double *x = f.state.reference + 3 * i;
             shv_store3(f.state.displacement + 3 * i, shv_vec3(-x[1] - x[0], x[0] - x[1], 0.0));
         }
@@ -444,8 +444,8 @@ static void turned_bodies_open_alike(void **state)
             step_once(&f, (Step){k == 0 ? 0.0 : 4e-9, 4e-9, 0.0, true}, &ledger);
             zero_force(&f);
         }
-        dissipated[turn] = shv_cohesive_energy(&f.cohesive, &f.state).dissipated;
-        slowed[turn] = kinetic(&f);
+        dissipated[rotation] = shv_cohesive_energy(&f.cohesive, &f.state).dissipated;
+        slowed[rotation] = kinetic(&f);
         fixture_release(&f);
     }
     assert_true(dissipated[0] > 0.1 * 8.0 * 0.006 * 0.006);

@@ -74,7 +74,7 @@ static void weakest_disk_is_that_of_brute_force(void **state)
         double best = 0.0;
         for (uint32_t group = 1; group < 1u << f.state.corner_count[node]; group++)
             best = fmax(best, ratio_of(&f, node, group, tension));
-        shv_star_look(&f.cohesive.search.star, &f.cohesive, &f.state, f.stress, node, 0.5);
+        shv_star_evaluate(&f.cohesive.search.star, &f.cohesive, &f.state, f.stress, node, 0.5);
         check_near(f.cohesive.search.star.ratio, best > 0.5 ? best : 0.0, 1e-7);
         tried += best > 0.5;
     }
@@ -93,7 +93,7 @@ static void a_disk_parts_its_node(void **state)
     for (int64_t i = 0; i < 6 * SHV_LANES * (int64_t)f.state.batch_count; i++)
         f.stress[i] = 150e6 * (shv_random_uniform(3, (uint64_t)i) - 0.4);
     for (int32_t node = 0; node < f.state.node_count; node++) {
-        shv_star_look(star, &f.cohesive, &f.state, f.stress, node, 1.0);
+        shv_star_evaluate(star, &f.cohesive, &f.state, f.stress, node, 1.0);
         if (star->ratio == 0.0) {
             assert_int_equal(star->disk_count, 0);
             continue;
@@ -188,7 +188,7 @@ static void the_last_bond_of_a_tet_holds_longer(void **state)
     for (int k = 1; k < 4; k++) f.cohesive.facet_cohesive[adjacency->element_facets[4 * (int64_t)element + k]] = 0;
     const int32_t last = adjacency->element_facets[4 * (int64_t)element];
     fixture_stress(&f, 0.5 * strength, 0.0, 0.0, 0.0, 0.0, 0.0);
-    shv_star_look(star, &f.cohesive, &f.state, f.stress, shv_state_node(&f.state, element, 1), 1.0);
+    shv_star_evaluate(star, &f.cohesive, &f.state, f.stress, shv_state_node(&f.state, element, 1), 1.0);
     int seen = 0;
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const bool is_last = star->facets[k].facet == last;

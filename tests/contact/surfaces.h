@@ -1,4 +1,4 @@
-/* Deforming bodies, one fragment each, and companions among them, moved as the solver moves them. */
+/* Deforming bodies, one fragment each, and coupled bodies among them, moved as the solver moves them. */
 #ifndef SHV_TESTS_CONTACT_SURFACES_H
 #define SHV_TESTS_CONTACT_SURFACES_H
 
@@ -23,8 +23,8 @@ typedef struct Surfaces {
     ShvObstacles obstacles;
     ShvNodeContact floor_contact;
     ShvSurfaceContact contact;
-    ShvCompanion companion[MOST_FRAGMENTS];
-    ShvCompanion *companions[MOST_FRAGMENTS];
+    ShvCoupledBody coupled_body[MOST_FRAGMENTS];
+    ShvCoupledBody *coupled_bodies[MOST_FRAGMENTS];
     ShvMat3 body_inverse_inertia[MOST_FRAGMENTS]; /* reference axes */
     uint8_t awake[MOST_FRAGMENTS];
     ShvSurfaceBodies bodies;
@@ -35,7 +35,7 @@ typedef struct Surfaces {
     /* largest violations so far */
     double gain;     /* of kinetic energy by contact, J */
     double unbooked; /* kinetic energy that no work explains, J */
-    double energy;   /* kinetic and strain at the moment of the last kick, J */
+    double energy;   /* kinetic and strain at the time of the last kick, J */
     double deepest;
     ShvError error;
 } Surfaces;
@@ -140,7 +140,7 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
     s->bodies = (ShvSurfaceBodies){.state = &s->state,
                                    .cohesive = s->model.can_break ? &s->cohesive : NULL,
                                    .awake = s->awake,
-                                   .companions = s->companions,
+                                   .coupled_bodies = s->coupled_bodies,
                                    .fragment_count = s->model.object_count,
                                    .obstacles = &s->obstacles};
     surfaces_list_nodes(s);
@@ -161,11 +161,11 @@ static inline void surfaces_release(Surfaces *s)
     shv_memory_destroy(s->memory);
 }
 
-/* Makes an object's fragment a rigid companion with its lumped masses, at its placed position. */
-static inline void surfaces_make_companion(Surfaces *s, int32_t index, ShvVec3 velocity, ShvVec3 spin)
+/* Makes an object's fragment a rigid coupled body with its lumped masses, at its placed position. */
+static inline void surfaces_make_coupled_body(Surfaces *s, int32_t index, ShvVec3 velocity, ShvVec3 spin)
 {
     const ShvObject *object = &s->model.objects[index];
-    ShvCompanion body = {.orientation = shv_quat_identity(), .velocity = velocity, .angular_velocity = spin};
+    ShvCoupledBody body = {.orientation = shv_quat_identity(), .velocity = velocity, .angular_velocity = spin};
     for (int32_t i = object->node_begin; i < object->node_end; i++) {
         body.mass += s->state.mass[i];
         body.position = shv_madd(body.position, s->state.mass[i], shv_state_position(&s->state, i));
@@ -182,13 +182,13 @@ static inline void surfaces_make_companion(Surfaces *s, int32_t index, ShvVec3 v
     }
     assert_true(shv_invert(&inertia, &body.inverse_inertia));
     s->body_inverse_inertia[index] = body.inverse_inertia;
-    s->companion[index] = body;
-    s->companions[index] = &s->companion[index];
+    s->coupled_body[index] = body;
+    s->coupled_bodies[index] = &s->coupled_body[index];
     s->awake[index] = 0;
     surfaces_list_nodes(s);
 }
 
-static inline ShvVec3 companion_spin(const ShvCompanion *body)
+static inline ShvVec3 coupled_body_spin(const ShvCoupledBody *body)
 {
     ShvMat3 inertia;
     assert_true(shv_invert(&body->inverse_inertia, &inertia));
@@ -206,14 +206,14 @@ static inline double surfaces_kinetic(const Surfaces *s, const double *velocity)
     }
     return sum;
 }
-static inline double companions_kinetic(const Surfaces *s)
+static inline double coupled_bodies_kinetic(const Surfaces *s)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < s->bodies.fragment_count; i++) {
-        const ShvCompanion *body = s->companions[i];
+        const ShvCoupledBody *body = s->coupled_bodies[i];
         if (body && isfinite(body->mass))
             sum += 0.5 * body->mass * shv_dot(body->velocity, body->velocity) +
-                   0.5 * shv_dot(body->angular_velocity, companion_spin(body));
+                   0.5 * shv_dot(body->angular_velocity, coupled_body_spin(body));
     }
     return sum;
 }
@@ -236,9 +236,9 @@ static inline Momentum surfaces_momentum(const Surfaces *s)
         sum.angular_size += shv_norm(x) * shv_norm(p);
     }
     for (int32_t i = 0; i < s->bodies.fragment_count; i++) {
-        const ShvCompanion *body = s->companions[i];
+        const ShvCoupledBody *body = s->coupled_bodies[i];
         if (!body || !isfinite(body->mass)) continue;
-        const ShvVec3 p = shv_scale(body->velocity, body->mass), spin = companion_spin(body);
+        const ShvVec3 p = shv_scale(body->velocity, body->mass), spin = coupled_body_spin(body);
         sum.linear = shv_add(sum.linear, p);
         sum.angular = shv_add(sum.angular, shv_add(spin, shv_cross(body->position, p)));
         sum.linear_size += shv_norm(p);
@@ -275,7 +275,7 @@ static inline void surfaces_forces(Surfaces *s)
 static inline void surfaces_audit(Surfaces *s, const double *force, double kick, double step, double bodies_before,
                                   double gravity_work)
 {
-    double work = gravity_work, change = companions_kinetic(s) - bodies_before;
+    double work = gravity_work, change = coupled_bodies_kinetic(s) - bodies_before;
     ShvLedger ledger = {0};
     if (s->model.can_break) shv_cohesive_book(&s->cohesive, &s->state, step, &ledger);
     shv_surface_contact_book_ledger(&s->contact, &ledger);
@@ -302,27 +302,27 @@ static inline void surfaces_kick(Surfaces *s, double step)
     double *force = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)state->node_count, sizeof(double));
     memcpy(force, state->force, bytes);
     memcpy(s->before, state->velocity, bytes);
-    const double bodies_before = companions_kinetic(s);
+    const double bodies_before = coupled_bodies_kinetic(s);
     check_ok(shv_surface_contact_begin(&s->contact, &s->bodies, step, s->gravity, &s->error), s->error);
     check_ok(shv_node_contact_begin(&s->floor_contact, state, &s->obstacles, s->nodes, s->node_count, step, s->gravity,
                                     &s->error),
              s->error);
     shv_motion_kick(state, s->nodes, s->node_count, kick, s->gravity, 1);
     ShvVec3 body_velocity[MOST_FRAGMENTS];
-    ShvCompanion body_before[MOST_FRAGMENTS];
+    ShvCoupledBody body_before[MOST_FRAGMENTS];
     for (int32_t i = 0; i < s->bodies.fragment_count; i++)
-        if (s->companions[i]) {
-            body_before[i] = *s->companions[i];
-            body_velocity[i] = s->companions[i]->velocity;
-            s->companions[i]->velocity = shv_madd(body_velocity[i], kick, shv_load3(s->gravity));
+        if (s->coupled_bodies[i]) {
+            body_before[i] = *s->coupled_bodies[i];
+            body_velocity[i] = s->coupled_bodies[i]->velocity;
+            s->coupled_bodies[i]->velocity = shv_madd(body_velocity[i], kick, shv_load3(s->gravity));
         }
     if (s->model.can_break) {
         shv_cohesive_pull(&s->cohesive, state, kick, step);
         shv_cohesive_close(&s->cohesive, state, kick, step, 0.0);
     }
-    const double kinetic = surfaces_kinetic(s, state->velocity) + companions_kinetic(s);
+    const double kinetic = surfaces_kinetic(s, state->velocity) + coupled_bodies_kinetic(s);
     check_ok(shv_surface_contact_apply(&s->contact, &s->bodies, step, &s->error), s->error);
-    s->gain = fmax(s->gain, surfaces_kinetic(s, state->velocity) + companions_kinetic(s) - kinetic);
+    s->gain = fmax(s->gain, surfaces_kinetic(s, state->velocity) + coupled_bodies_kinetic(s) - kinetic);
     s->deepest = fmax(s->deepest, s->contact.deepest);
     check_ok(shv_node_contact_apply(&s->floor_contact, state, &s->obstacles, s->nodes, s->node_count, kick, step,
                                     s->gravity, &s->error),
@@ -331,9 +331,9 @@ static inline void surfaces_kick(Surfaces *s, double step)
     shv_surface_contact_book(&s->contact, &s->bodies);
     double gravity_work = 0.0;
     for (int32_t i = 0; i < s->bodies.fragment_count; i++)
-        if (s->companions[i] && isfinite(s->companions[i]->mass))
-            gravity_work += 0.5 * kick * s->companions[i]->mass *
-                            shv_dot(shv_load3(s->gravity), shv_add(body_velocity[i], s->companions[i]->velocity));
+        if (s->coupled_bodies[i] && isfinite(s->coupled_bodies[i]->mass))
+            gravity_work += 0.5 * kick * s->coupled_bodies[i]->mass *
+                            shv_dot(shv_load3(s->gravity), shv_add(body_velocity[i], s->coupled_bodies[i]->velocity));
     surfaces_audit(s, force, kick, step, bodies_before, gravity_work);
     s->energy = shv_solid_strain_energy(&s->solid, state);
     for (int32_t k = 0; k < s->node_count; k++) {
@@ -341,16 +341,17 @@ static inline void surfaces_kick(Surfaces *s, double step)
         s->energy += 0.5 * state->mass[s->nodes[k]] * shv_dot(shv_load3(s->before + i), shv_load3(state->velocity + i));
     }
     for (int32_t i = 0; i < s->bodies.fragment_count; i++)
-        if (s->companions[i] && isfinite(s->companions[i]->mass))
-            s->energy += 0.5 * s->companions[i]->mass * shv_dot(body_before[i].velocity, s->companions[i]->velocity) +
-                         0.5 * shv_dot(body_before[i].angular_velocity, companion_spin(s->companions[i]));
+        if (s->coupled_bodies[i] && isfinite(s->coupled_bodies[i]->mass))
+            s->energy +=
+                0.5 * s->coupled_bodies[i]->mass * shv_dot(body_before[i].velocity, s->coupled_bodies[i]->velocity) +
+                0.5 * shv_dot(body_before[i].angular_velocity, coupled_body_spin(s->coupled_bodies[i]));
     shv_release(force);
 }
 
-static inline void companion_drift(ShvCompanion *body, const ShvMat3 *reference_inverse, double step)
+static inline void coupled_body_drift(ShvCoupledBody *body, const ShvMat3 *reference_inverse, double step)
 {
     body->position = shv_madd(body->position, step, body->velocity);
-    const ShvVec3 spin = companion_spin(body);
+    const ShvVec3 spin = coupled_body_spin(body);
     const ShvQuat turn = shv_quat_exponential(shv_scale(body->angular_velocity, step));
     body->orientation = shv_quat_unit(shv_quat_multiply(turn, body->orientation));
     const ShvMat3 r = shv_quat_to_matrix(body->orientation), back = shv_transpose(&r);
@@ -363,8 +364,8 @@ static inline void surfaces_drift(Surfaces *s, double step)
 {
     shv_motion_drift(&s->state, s->nodes, s->node_count, step, 1);
     for (int32_t i = 0; i < s->bodies.fragment_count; i++)
-        if (s->companions[i] && isfinite(s->companions[i]->mass))
-            companion_drift(s->companions[i], &s->body_inverse_inertia[i], step);
+        if (s->coupled_bodies[i] && isfinite(s->coupled_bodies[i]->mass))
+            coupled_body_drift(s->coupled_bodies[i], &s->body_inverse_inertia[i], step);
     s->state.time += step;
     s->state.last_step = step;
 }

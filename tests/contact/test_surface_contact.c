@@ -37,7 +37,7 @@ static void collide(Surfaces *s, double duration, double depth)
 {
     const double step = surfaces_stable_step(s);
     const Momentum start = surfaces_momentum(s);
-    const double energy = surfaces_kinetic(s, s->state.velocity) + companions_kinetic(s);
+    const double energy = surfaces_kinetic(s, s->state.velocity) + coupled_bodies_kinetic(s);
     int touched = 0;
     while (s->state.time < duration) {
         surfaces_step(s, step);
@@ -95,9 +95,9 @@ static void test_ball_on_plate(void **state)
     surfaces_release(&s);
 }
 
-/* ---- companions ---- */
+/* ---- coupled bodies ---- */
 
-static void test_cube_on_companion(void **state)
+static void test_cube_on_coupled_body(void **state)
 {
     (void)state;
     Surfaces s;
@@ -105,15 +105,15 @@ static void test_cube_on_companion(void **state)
     surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(0.012, 0.003, 0.042), shv_vec3(0.3, 0.0, -2.0));
     surfaces_box(&s, 0.04, 0.04, 0.04, 0.02);
     surfaces_build(&s, 0.3, false);
-    surfaces_make_companion(&s, 1, shv_vec3(0.0, 0.1, 0.0), shv_vec3(1.0, 0.0, 2.0));
+    surfaces_make_coupled_body(&s, 1, shv_vec3(0.0, 0.1, 0.0), shv_vec3(1.0, 0.0, 2.0));
     collide(&s, 0.006, 1e-4);
-    assert_true(s.companion[1].velocity.z < -0.5);
-    assert_true(fabs(s.companion[1].angular_velocity.y) > 1.0);
+    assert_true(s.coupled_body[1].velocity.z < -0.5);
+    assert_true(fabs(s.coupled_body[1].angular_velocity.y) > 1.0);
     surfaces_release(&s);
 }
 
-/* Two companions touch by the same rules. */
-static void test_companions(void **state)
+/* Two coupled bodies touch by the same rules. */
+static void test_coupled_bodies(void **state)
 {
     (void)state;
     Surfaces s;
@@ -122,21 +122,21 @@ static void test_companions(void **state)
     surfaces_box(&s, 0.04, 0.04, 0.04, 0.02);
     surfaces_ball(&s, 0.01, 0.005)->placement.position[0] = 1.0; /* something awake, far away */
     surfaces_build(&s, 0.3, false);
-    surfaces_make_companion(&s, 0, shv_vec3(0.0, 0.0, -1.0), shv_vec3(0.0, 0.0, 0.0));
-    surfaces_make_companion(&s, 1, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_coupled_body(&s, 0, shv_vec3(0.0, 0.0, -1.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_coupled_body(&s, 1, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
     const Momentum start = surfaces_momentum(&s);
     for (int k = 0; k < 200; k++) {
         surfaces_step(&s, 2e-5);
         check_momentum(&s, &start);
     }
     /* Restitution 0 of equal cubes face to face. */
-    check_near(s.companion[0].velocity.z, -0.5, 1e-6);
-    check_near(s.companion[1].velocity.z, -0.5, 1e-6);
+    check_near(s.coupled_body[0].velocity.z, -0.5, 1e-6);
+    check_near(s.coupled_body[1].velocity.z, -0.5, 1e-6);
     surfaces_release(&s);
 }
 
-/* A block falls on a companion that stands on the floor: it does not sink, neither under the blow nor under the weight. */
-static void test_companion_on_floor(void **state)
+/* A block falls on a coupled body that stands on the floor: it does not sink, neither under the blow nor under the weight. */
+static void test_coupled_body_on_floor(void **state)
 {
     (void)state;
     Surfaces s;
@@ -145,17 +145,17 @@ static void test_companion_on_floor(void **state)
     surfaces_box(&s, 0.06, 0.04, 0.02, 0.02)->placement.position[2] = 0.01;
     surfaces_build(&s, 0.4, true);
     s.gravity[2] = -9.81;
-    surfaces_make_companion(&s, 1, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_coupled_body(&s, 1, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
     const double step = surfaces_stable_step(&s);
     double lowest = 0.01, fastest = 0.0;
     while (s.state.time < 0.03) {
         surfaces_step(&s, step);
-        lowest = fmin(lowest, s.companion[1].position.z);
-        fastest = fmax(fastest, shv_norm(s.companion[1].velocity));
+        lowest = fmin(lowest, s.coupled_body[1].position.z);
+        fastest = fmax(fastest, shv_norm(s.coupled_body[1].velocity));
     }
     check_near(lowest, 0.01, 1e-7);
     assert_true(fastest < 0.5);
-    check_near(s.companion[1].position.x, 0.0, 1e-4);
+    check_near(s.coupled_body[1].position.x, 0.0, 1e-4);
     assert_true(s.gain <= 1e-15);
     assert_true(s.unbooked < 1e-14);
     surfaces_release(&s);
@@ -414,7 +414,7 @@ static void define_crash(Surfaces *s, int32_t threads)
     surfaces_box(s, 0.1, 0.1, 0.01, 0.01);
     surfaces_place(surfaces_box(s, 0.03, 0.03, 0.03, 0.01), shv_vec3(0.0, 0.0, -0.021), shv_vec3(0.0, 0.0, 1.0));
     surfaces_build(s, 0.4, false);
-    surfaces_make_companion(s, 2, shv_vec3(0.0, 0.0, 1.0), shv_vec3(3.0, 1.0, 0.0));
+    surfaces_make_coupled_body(s, 2, shv_vec3(0.0, 0.0, 1.0), shv_vec3(3.0, 1.0, 0.0));
 }
 
 static void test_threads(void **state)
@@ -444,11 +444,11 @@ static void test_steps_thrown_away(void **state)
         double *kept = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)s.state.node_count, sizeof(double));
         for (int step = 0; step < 150; step++) {
             if (k == 1 && step % 3 == 1) {
-                const ShvCompanion companion = s.companion[2];
+                const ShvCoupledBody coupled_body = s.coupled_body[2];
                 memcpy(kept, s.state.velocity, 3 * (size_t)s.state.node_count * sizeof(double));
                 surfaces_kick(&s, s.state.last_step);
                 memcpy(s.state.velocity, kept, 3 * (size_t)s.state.node_count * sizeof(double));
-                s.companion[2] = companion;
+                s.coupled_body[2] = coupled_body;
             }
             surfaces_step(&s, 6e-6 * (1.0 + 0.1 * (step % 4)));
         }
@@ -501,7 +501,7 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
             double distance;
             if (facet->fragment == node->fragment ||
                 (node->held && are_neighbours(&s->state, facet->element, node->node)) ||
-                !shv_facet_pair_look(&s->bodies, &s->model, &candidate, step, reach, &pair, &distance))
+                !shv_facet_pair_detect(&s->bodies, &s->model, &candidate, step, reach, &pair, &distance))
                 continue;
             const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
             if (shv_dot(node->normal, pair.normal) > 0.25 * shv_norm(node->normal) && inside < 1e-3) continue;
@@ -526,7 +526,7 @@ static void test_nothing_is_missed(void **state)
     other->placement.angular_velocity[2] = 100.0;
     surfaces_box(&s, 0.08, 0.08, 0.08, 0.08)->placement.position[2] = -0.0605;
     surfaces_build(&s, 0.4, false);
-    surfaces_make_companion(&s, 2, shv_vec3(0.0, 0.0, 2.0), shv_vec3(0.0, 5.0, 0.0));
+    surfaces_make_coupled_body(&s, 2, shv_vec3(0.0, 0.0, 2.0), shv_vec3(0.0, 5.0, 0.0));
     const double step = surfaces_stable_step(&s);
     int64_t found = 0;
     for (int k = 0; k < 400; k++) {
@@ -541,7 +541,7 @@ static void test_nothing_is_missed(void **state)
     }
     assert_true(found > 100);
     assert_true(s.contact.rebuilds < 100);
-    assert_true(s.contact.looks < 100 * found);
+    assert_true(s.contact.distance_checks < 100 * found);
     surfaces_release(&s);
 }
 
@@ -611,17 +611,17 @@ static void cut_off(Surfaces *s, const int32_t *piece, int32_t index)
     shv_release(facets);
 }
 
-static void wake_companion(Surfaces *s, int32_t index)
+static void wake_coupled_body(Surfaces *s, int32_t index)
 {
-    const ShvCompanion *companion = s->companions[index];
+    const ShvCoupledBody *coupled_body = s->coupled_bodies[index];
     const ShvObject *object = &s->model.objects[index];
     for (int32_t i = object->node_begin; i < object->node_end; i++) {
         const ShvVec3 reference = shv_load3(s->state.reference + 3 * (int64_t)i);
-        const ShvVec3 x = shv_companion_point(companion, reference);
+        const ShvVec3 x = shv_coupled_body_point(coupled_body, reference);
         shv_store3(s->state.displacement + 3 * (int64_t)i, shv_sub(x, reference));
-        shv_store3(s->state.velocity + 3 * (int64_t)i, shv_companion_velocity(companion, x));
+        shv_store3(s->state.velocity + 3 * (int64_t)i, shv_coupled_body_velocity(coupled_body, x));
     }
-    s->companions[index] = NULL;
+    s->coupled_bodies[index] = NULL;
     s->awake[index] = 1;
     surfaces_relist(s);
     shv_surface_contact_wake(&s->contact);
@@ -629,12 +629,12 @@ static void wake_companion(Surfaces *s, int32_t index)
 
 static bool both_rigid(const Surfaces *s, const ShvFacetPair *pair)
 {
-    return s->companions[pair->fragments[0]] && s->companions[pair->fragments[1]];
+    return s->coupled_bodies[pair->fragments[0]] && s->coupled_bodies[pair->fragments[1]];
 }
 
-/* A block comes to pieces one by one while it runs into two companions, which run into each other too, and one of which wakes:
+/* A block comes to pieces one by one while it runs into two coupled bodies, which run into each other too, and one of which wakes:
    candidates go on without new lists, and nothing is missed. Neighbours in place are left out: they are no candidates by
-   intention; so are companions among themselves, which are looked at now and then. */
+   intention; so are coupled bodies among themselves, which are looked at now and then. */
 static void test_lists_go_on(void **state)
 {
     (void)state;
@@ -648,8 +648,8 @@ static void test_lists_go_on(void **state)
     surfaces_place(surfaces_box(&s, 0.03, 0.05, 0.05, 0.0125), shv_vec3(0.035001, 0.001, 0.002),
                    shv_vec3(0.0, 0.0, 0.0));
     surfaces_build(&s, 0.3, false);
-    surfaces_make_companion(&s, 1, shv_vec3(0.8, 0.1, -3.0), shv_vec3(0.0, 0.0, 0.0));
-    surfaces_make_companion(&s, 2, shv_vec3(-3.0, 0.0, 0.3), shv_vec3(1.0, 2.0, 0.0));
+    surfaces_make_coupled_body(&s, 1, shv_vec3(0.8, 0.1, -3.0), shv_vec3(0.0, 0.0, 0.0));
+    surfaces_make_coupled_body(&s, 2, shv_vec3(-3.0, 0.0, 0.3), shv_vec3(1.0, 2.0, 0.0));
     int32_t *piece = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)s.state.element_count, sizeof(int32_t));
     for (int32_t e = 0; e < s.state.element_count; e++)
         piece[e] = e < s.model.objects[0].element_end ? 1 + e * 7 % PIECES : 0;
@@ -659,7 +659,7 @@ static void test_lists_go_on(void **state)
     for (int k = 0; k < PAUSE * (PIECES + 4); k++) {
         const bool changed = k % PAUSE == 0 && k > 0 && k / PAUSE <= PIECES;
         if (changed) cut_off(&s, piece, k / PAUSE);
-        if (k == PAUSE * 3 + 1) wake_companion(&s, 2);
+        if (k == PAUSE * 3 + 1) wake_coupled_body(&s, 2);
         const int64_t rebuilds = s.contact.rebuilds;
         surfaces_forces(&s);
         check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
@@ -753,9 +753,9 @@ int main(void)
                                        cmocka_unit_test(test_cubes_head_on),
                                        cmocka_unit_test(test_balls_oblique),
                                        cmocka_unit_test(test_ball_on_plate),
-                                       cmocka_unit_test(test_cube_on_companion),
-                                       cmocka_unit_test(test_companions),
-                                       cmocka_unit_test(test_companion_on_floor),
+                                       cmocka_unit_test(test_cube_on_coupled_body),
+                                       cmocka_unit_test(test_coupled_bodies),
+                                       cmocka_unit_test(test_coupled_body_on_floor),
                                        cmocka_unit_test(test_halves_rest),
                                        cmocka_unit_test(test_parted_halves_collide),
                                        cmocka_unit_test(test_slit_closes),

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "evaluate/gather.h"
+#include "evaluate/sampler.h"
 #include "evaluate/study.h"
 
 static char folder[] = "/tmp/shiver-study-XXXXXX";

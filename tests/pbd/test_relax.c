@@ -47,7 +47,7 @@ static ShvStatus try_step(Scene *scene, ShvError *error)
     const int32_t count = state->node_count;
     SHV_TRY(shv_relax_begin(&scene->relax, state, scene->nodes, count, error));
     shv_relax_predict(&scene->relax, state, scene->nodes, count, scene->step.step);
-    SHV_TRY(shv_relax_look(&scene->relax, state, &scene->world.obstacles, scene->nodes, count, &scene->step, error));
+    SHV_TRY(shv_relax_detect(&scene->relax, state, &scene->world.obstacles, scene->nodes, count, &scene->step, error));
     return shv_relax_run(&scene->relax, &scene->bars, state, &scene->world.obstacles, scene->nodes, count, &scene->step,
                          error);
 }

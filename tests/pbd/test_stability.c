@@ -61,7 +61,7 @@ static ShvStatus take_step(Body *body, const double gravity[3], ShvError *error)
     SHV_TRY(shv_relax_begin(&body->relax, state, body->nodes, count, error));
     shv_motion_kick(state, NULL, 0, 0.5 * (state->last_step + dt), gravity, 1);
     shv_relax_predict(&body->relax, state, body->nodes, count, dt);
-    SHV_TRY(shv_relax_look(&body->relax, state, &body->world.obstacles, body->nodes, count, &body->step, error));
+    SHV_TRY(shv_relax_detect(&body->relax, state, &body->world.obstacles, body->nodes, count, &body->step, error));
     SHV_TRY(shv_relax_run(&body->relax, &body->bars, state, &body->world.obstacles, body->nodes, count, &body->step,
                           error));
     state->last_step = dt;

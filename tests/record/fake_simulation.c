@@ -247,9 +247,9 @@ uint64_t shv_simulation_geometry_hash(const ShvSimulation *simulation)
     return (uint64_t)simulation->setup.bricks;
 }
 
-ShvMomentView shv_simulation_moment(const ShvSimulation *simulation)
+ShvSimulationSummary shv_simulation_summary(const ShvSimulation *simulation)
 {
-    return (ShvMomentView){.time = simulation->frame.time};
+    return (ShvSimulationSummary){.time = simulation->frame.time};
 }
 
 /* ---- what the run file asks of a simulation ---- */

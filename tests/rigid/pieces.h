@@ -2,8 +2,8 @@
 #ifndef SHV_TESTS_RIGID_PIECES_H
 #define SHV_TESTS_RIGID_PIECES_H
 
-#include "rigid/convex_pieces.h"
-#include "rigid/hull.h"
+#include "convex/convex_pieces.h"
+#include "convex/hull.h"
 
 #include "world.h"
 

@@ -1,4 +1,4 @@
-/* Bodies that meet, under Bullet: momentum, moments of impact, wakes, stacks, scale, and the same bits again. */
+/* Bodies that meet, under Bullet: momentum, times of impact, wakes, stacks, scale, and the same bits again. */
 #include "check.h"
 
 #include "bullet_world.h"

@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "bullet_world.h"
-#include "rigid/free_rotation.h"
+#include "fragment/free_rotation.h"
 
 static const double step = 1e-3;
 

@@ -17,7 +17,7 @@ static double lowest_gap(const ShvFlight *flight, const ShvArms *arms, const Shv
     return lowest;
 }
 
-/* A spiky cloud of nodes, flying and spinning at random, against an obstacle that moves and spins: when a meeting is
+/* A spiky cloud of nodes, flying and spinning at random, against an obstacle that moves and spins: when a contact pair is
    reported the gap there is closed and was open at all sampled moments before; when none is, it was always open. */
 static void check_random_flights(ShvObstacleShape shape, double spin, double obstacle_spin, uint64_t seed)
 {

@@ -92,7 +92,7 @@ typedef struct Saver {
     int64_t asked, moments[SAVES];
     FILE *files[SAVES];
     uint64_t sizes[SAVES];
-    int frames, frame[SAVES]; /* given so far, and at each moment */
+    int frames, frame[SAVES]; /* given so far, and at each time */
 } Saver;
 
 static bool save_now_and_then(void *data)

@@ -2,7 +2,7 @@
 #ifndef SHV_TESTS_SIM_STAGE_H
 #define SHV_TESTS_SIM_STAGE_H
 
-#include "hybrid/stage.h"
+#include "coupling/stage.h"
 
 #include "base/memory.h"
 #include "shiver/plan.h"

@@ -251,7 +251,7 @@ static void strain_that_bars_left_in_flight_stays_there(void **state)
 /* ---- what pulls at bars ---- */
 
 /* A free bar whose end is carried along at velocity V, in all components or in z alone, takes the momentum P from what carries
-   it: its work from one moment to another is V·ΔP, whichever bars pass it on. In the first step the end itself jumps from 0
+   it: its work from one time to another is V·ΔP, whichever bars pass it on. In the first step the end itself jumps from 0
    to V, which only half of V counts for; so the first frame is after it. */
 static void a_pulled_end_does_force_times_distance(void **state)
 {

@@ -63,7 +63,7 @@ static int64_t steps_of(const Stage *stage)
 }
 
 /* What is watched, moved, let go, loaded by more than it can bear, or touched by another body goes in steps. */
-static void it_does_not_doze_where_something_happens(void **state)
+static void it_is_not_dormant_where_something_happens(void **state)
 {
     (void)state;
     Stage stage;
@@ -95,7 +95,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_stirs_when_something_comes),
-        cmocka_unit_test(it_does_not_doze_where_something_happens),
+        cmocka_unit_test(it_is_not_dormant_where_something_happens),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -483,7 +483,7 @@ static void test_rest_from_the_start(void **state)
     shv_simulation_destroy(simulation);
 }
 
-/* A free stone strikes a body: what one gives the other takes, at every moment of the contact and with cracks. Cohesive tractions
+/* A free stone strikes a body: what one gives the other takes, at every time of the contact and with cracks. Cohesive tractions
    act on copies of nodes that are up to the final opening apart and need not lie on their line: that is the arm by which angular
    momentum may be off. */
 static void test_momentum_with_a_free_body(void **state)

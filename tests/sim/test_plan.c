@@ -212,11 +212,11 @@ static void test_short_trial(void **state)
     ShvError error = {SHV_OK, ""};
     ShvSimulation *simulation = plan_breaking_bar(&stage, &plan);
     check_ok(shv_simulation_try(simulation, 0.0, &plan, &error), error);
-    assert_true(plan.trial.seconds == 0.0 && shv_simulation_moment(simulation).time == 0.0);
+    assert_true(plan.trial.seconds == 0.0 && shv_simulation_summary(simulation).time == 0.0);
     for (int i = 0; i < 4; i++) {
         check_ok(shv_simulation_try(simulation, 1e-3, &plan, &error), error);
         const ShvTrial *trial = &plan.trial;
-        assert_true(trial->time == shv_simulation_moment(simulation).time);
+        assert_true(trial->time == shv_simulation_summary(simulation).time);
         assert_true(trial->processor <= trial->low && trial->low <= trial->predicted);
         assert_true(trial->predicted <= trial->high && isfinite(trial->high));
     }

@@ -119,7 +119,7 @@ static void test_flight(void **state)
     shv_simulation_destroy(simulation);
 }
 
-/* Two blocks in fracture mode, one thrown at the other and aslant, so that they rub: at every moment the force on one is that
+/* Two blocks in fracture mode, one thrown at the other and aslant, so that they rub: at every time the force on one is that
    on the other the other way round, and what the first loses is the impulse of those forces. */
 static void test_bodies_push_each_other(void **state)
 {

@@ -1,4 +1,4 @@
-/* A body between obstacles that leave it no room is told, with the moment, the body and both obstacles; one that just fits is not. */
+/* A body between obstacles that leave it no room is told, with the time, the body and both obstacles; one that just fits is not. */
 #include "sim/stage.h"
 
 /* A cube of 4 cm on the floor, under a ceiling at `height` that comes down at `speed`. */

@@ -106,7 +106,7 @@ static void test_gravity(void **state)
     }
 }
 
-/* Two events at one moment happen in their order; one after the end never does. */
+/* Two events at one time happen in their order; one after the end never does. */
 static void test_order(void **state)
 {
     (void)state;

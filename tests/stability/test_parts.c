@@ -1,7 +1,7 @@
 /* What the plan promises is held: bytes up to the first crack, and none for what is left out. */
 #include "stability/scene.h"
 
-#include "hybrid/hybrid.h"
+#include "coupling/hybrid.h"
 
 typedef struct Held {
     ShvPlan plan;
@@ -93,7 +93,7 @@ static void planned_bytes_are_held_until_the_first_crack(void **state)
     }
 }
 
-/* Small bodies, for which lists count: made at the first contact, for companions, probes, conditions and events. */
+/* Small bodies, for which lists count: made at the first contact, for coupled bodies, probes, conditions and events. */
 static void small_bodies_too(void **state)
 {
     (void)state;

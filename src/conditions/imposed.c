@@ -1,0 +1,292 @@
+#include "conditions/imposed.h"
+
+#include <string.h>
+
+#include "conditions/condition_selection.h"
+
+/* ---- making ---- */
+
+static const ShvObject *find_object(const ShvModel *model, const char *name)
+{
+    for (int32_t i = 0; i < model->object_count; i++)
+        if (name && strcmp(model->objects[i].name, name) == 0) return &model->objects[i];
+    return NULL;
+}
+
+static bool finite_values(const double values[3])
+{
+    return shv_finite3(shv_load3(values));
+}
+
+static ShvStatus check_selection(const ShvSelection *selection, ShvError *error)
+{
+    if (!(selection->tolerance >= 0.0) || !isfinite(selection->tolerance))
+        return shv_fail(error, SHV_BAD_INPUT, "the tolerance must be 0 or more, but is %g m", selection->tolerance);
+    if (selection->kind == SHV_SELECT_PLANE) {
+        const ShvVec3 normal = shv_load3(selection->plane_normal);
+        if (!shv_finite3(normal) || shv_dot(normal, normal) == 0.0 || !isfinite(selection->plane_offset))
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "the plane needs a finite normal that is not zero, and a finite offset");
+    }
+    if (selection->kind == SHV_SELECT_BOX)
+        for (int k = 0; k < 3; k++)
+            if (!(selection->box_min[k] <= selection->box_max[k]))
+                return shv_fail(error, SHV_BAD_INPUT,
+                                "the box's lower corner must not lie above its upper one "
+                                "(%g m and %g m along axis %d)",
+                                selection->box_min[k], selection->box_max[k], k);
+    return SHV_OK;
+}
+
+static ShvStatus check_condition(const ShvConditionDefinition *definition, ShvError *error)
+{
+    if (definition->cookie != SHV_DEFINITION_COOKIE)
+        return shv_fail(error, SHV_BAD_INPUT, "the definition did not start from shv_condition_default()");
+    if (!finite_values(definition->value)) return shv_fail(error, SHV_BAD_INPUT, "its value must be finite");
+    if (!(definition->ramp_time >= 0.0) || !isfinite(definition->ramp_time))
+        return shv_fail(error, SHV_BAD_INPUT, "ramp_time must be 0 or more, but is %g s", definition->ramp_time);
+    if (!isfinite(definition->start) || !(definition->end > definition->start))
+        return shv_fail(error, SHV_BAD_INPUT, "it must end after it starts, but lasts from %g s to %g s",
+                        definition->start, definition->end);
+    if (definition->kind != SHV_CONDITION_TRACTION && !definition->axes[0] && !definition->axes[1] &&
+        !definition->axes[2])
+        return shv_fail(error, SHV_BAD_INPUT, "choose at least one axis that it holds");
+    return check_selection(&definition->selection, error);
+}
+
+static ShvStatus make_nodes(ShvImposedCondition *condition, const ShvModel *model, const ShvObject *object,
+                            ShvError *error)
+{
+    const ShvConditionDefinition *definition = condition->definition;
+    SHV_TRY(shv_selection_nodes(&definition->selection, model, object, &condition->origins, &condition->origin_count,
+                                error));
+    if (condition->origin_count == 0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "its selection contains no node of object %s; the nearest may lie just "
+                        "outside: move the box or plane, or give a larger tolerance",
+                        object->name);
+    return SHV_OK;
+}
+
+static ShvStatus make_facets(ShvImposedCondition *condition, const ShvModel *model, const ShvObject *object,
+                             ShvError *error)
+{
+    const ShvConditionDefinition *definition = condition->definition;
+    SHV_TRY(shv_selection_facets(&definition->selection, model, object, shv_load3(definition->value),
+                                 &condition->facets, &condition->facet_count, error));
+    if (condition->facet_count == 0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "its selection contains no boundary facet of object %s (all three nodes "
+                        "must be chosen): move the box or plane, or give a larger tolerance",
+                        object->name);
+    return SHV_OK;
+}
+
+static ShvStatus make_condition(ShvImposedCondition *condition, const ShvModel *model, ShvError *error)
+{
+    const ShvConditionDefinition *definition = condition->definition;
+    SHV_TRY(check_condition(definition, error));
+    const ShvObject *object = find_object(model, definition->object);
+    if (!object)
+        return shv_fail(error, SHV_BAD_INPUT, "there is no object named '%s'",
+                        definition->object ? definition->object : "");
+    return definition->kind == SHV_CONDITION_TRACTION ? make_facets(condition, model, object, error)
+                                                      : make_nodes(condition, model, object, error);
+}
+
+static ShvStatus make_all(ShvImposed *imposed, const ShvModel *model, const ShvSceneDefinition *scene, ShvError *error)
+{
+    const size_t count = (size_t)scene->condition_count;
+    imposed->items = shv_allocate(imposed->memory, SHV_PART_CONTACT, count, sizeof *imposed->items);
+    if (!imposed->items) return shv_fail_memory(error, "the conditions", count * sizeof *imposed->items);
+    for (int32_t i = 0; i < scene->condition_count; i++) {
+        const ShvConditionDefinition *definition = &scene->conditions[i];
+        imposed->count = i + 1;
+        imposed->items[i].definition = definition;
+        const ShvStatus status = make_condition(&imposed->items[i], model, error);
+        if (status != SHV_OK)
+            return shv_fail_within(error, status, "condition %s",
+                                   definition->name ? definition->name : "without a name");
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_imposed_create(ShvImposed *imposed, const ShvModel *model, const ShvSceneDefinition *scene,
+                             ShvError *error)
+{
+    *imposed = (ShvImposed){.memory = model->memory};
+    const ShvStatus status = make_all(imposed, model, scene, error);
+    if (status != SHV_OK) shv_imposed_release(imposed);
+    return status;
+}
+
+void shv_imposed_release(ShvImposed *imposed)
+{
+    for (int32_t i = 0; i < imposed->count; i++) {
+        shv_release(imposed->items[i].origins);
+        shv_release(imposed->items[i].nodes);
+        shv_release(imposed->items[i].before);
+        shv_release(imposed->items[i].impulse);
+        shv_release(imposed->items[i].facets);
+    }
+    shv_release(imposed->items);
+    *imposed = (ShvImposed){0};
+}
+
+bool shv_imposed_release_condition(ShvImposed *imposed, const char *name)
+{
+    bool found = false;
+    for (int32_t i = 0; i < imposed->count; i++) {
+        const char *own = imposed->items[i].definition->name;
+        if (!own || strcmp(own, name) != 0) continue;
+        imposed->items[i].released = true;
+        found = true;
+    }
+    return found;
+}
+
+bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
+{
+    return !condition->released && time >= condition->definition->start && time < condition->definition->end;
+}
+
+bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time)
+{
+    for (int32_t i = 0; i < imposed->count; i++) {
+        const ShvImposedCondition *condition = &imposed->items[i];
+        const bool over = condition->released || time >= condition->definition->end;
+        if (!over && strcmp(condition->definition->object, object) == 0) return true;
+    }
+    return false;
+}
+
+/* ---- a step ---- */
+
+static bool is_chosen(const ShvImposedCondition *condition, int32_t origin)
+{
+    int32_t low = 0, high = condition->origin_count;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (condition->origins[middle] < origin)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < condition->origin_count && condition->origins[low] == origin;
+}
+
+static ShvStatus reserve(ShvImposedCondition *condition, ShvMemory *memory, ShvError *error)
+{
+    if (condition->node_count < condition->node_capacity) return SHV_OK;
+    const size_t capacity = 2 * (size_t)condition->node_capacity + (size_t)condition->origin_count;
+    int32_t *nodes = shv_reallocate(memory, SHV_PART_CONTACT, condition->nodes, capacity, sizeof(int32_t));
+    if (nodes) condition->nodes = nodes;
+    double *before = shv_reallocate(memory, SHV_PART_CONTACT, condition->before, 3 * capacity, sizeof(double));
+    if (before) condition->before = before;
+    double *impulse = shv_reallocate(memory, SHV_PART_CONTACT, condition->impulse, 3 * capacity, sizeof(double));
+    if (impulse) condition->impulse = impulse;
+    if (!nodes || !before || !impulse) return shv_fail_memory(error, "the nodes of a condition", capacity * 52);
+    condition->node_capacity = (int32_t)capacity;
+    return SHV_OK;
+}
+
+static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvError *error)
+{
+    for (int32_t node = imposed->known_nodes; node < state->node_count; node++) {
+        for (int32_t i = 0; i < imposed->count; i++) {
+            ShvImposedCondition *condition = &imposed->items[i];
+            if (!is_chosen(condition, state->origin[node])) continue;
+            SHV_TRY(reserve(condition, imposed->memory, error));
+            condition->nodes[condition->node_count++] = node;
+        }
+        imposed->known_nodes = node + 1;
+    }
+    return SHV_OK;
+}
+
+/* Share of the value in force: value × min(1, (t − start)/ramp). */
+static double ramp(const ShvConditionDefinition *definition, double time)
+{
+    if (!(definition->ramp_time > 0.0)) return 1.0;
+    return fmax(0.0, fmin(1.0, (time - definition->start) / definition->ramp_time));
+}
+
+/* Σ force · velocity over the facets' corners; also adds the forces to state->force when `add`. */
+static double pull(const ShvImposedCondition *condition, ShvState *state, bool add)
+{
+    const double share = ramp(condition->definition, state->time);
+    double power = 0.0;
+    for (int32_t k = 0; k < condition->facet_count; k++) {
+        const ShvImposedFacet *facet = &condition->facets[k];
+        const ShvVec3 force = shv_scale(facet->share, share);
+        for (int corner = 0; corner < 3; corner++) {
+            const int64_t i = 3 * (int64_t)shv_state_node(state, facet->element, shv_face_corners[facet->face][corner]);
+            power += shv_dot(force, shv_load3(state->velocity + i));
+            if (add) shv_add_to3(state->force + i, force);
+        }
+    }
+    return power;
+}
+
+ShvStatus shv_imposed_add_force(ShvImposed *imposed, ShvState *state, ShvError *error)
+{
+    SHV_TRY(adopt_nodes(imposed, state, error));
+    for (int32_t c = 0; c < imposed->count; c++) {
+        ShvImposedCondition *condition = &imposed->items[c];
+        if (!shv_imposed_in_force(condition, state->time)) continue;
+        for (int32_t k = 0; k < condition->node_count; k++)
+            shv_store3(condition->before + 3 * (int64_t)k,
+                       shv_load3(state->velocity + 3 * (int64_t)condition->nodes[k]));
+        condition->power = pull(condition, state, true);
+    }
+    return SHV_OK;
+}
+
+/* Sets held components; remembers the impulses it took. */
+static void hold(ShvImposedCondition *condition, ShvState *state, double step)
+{
+    const ShvConditionDefinition *definition = condition->definition;
+    const double share = ramp(definition, state->time + 0.5 * step);
+    for (int32_t k = 0; k < condition->node_count; k++) {
+        const int32_t node = condition->nodes[k];
+        double *velocity = state->velocity + 3 * (int64_t)node, *impulse = condition->impulse + 3 * (int64_t)k;
+        for (int axis = 0; axis < 3; axis++) {
+            impulse[axis] = 0.0;
+            if (!definition->axes[axis]) continue;
+            const double wanted = definition->kind == SHV_CONDITION_SUPPORT ? 0.0 : share * definition->value[axis];
+            impulse[axis] = state->mass[node] * (wanted - velocity[axis]);
+            velocity[axis] = wanted;
+        }
+    }
+}
+
+static void book_constraint(ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state)
+{
+    for (int32_t k = 0; k < condition->node_count; k++) {
+        const ShvVec3 impulse = shv_load3(condition->impulse + 3 * (int64_t)k);
+        const ShvVec3 before = shv_load3(condition->before + 3 * (int64_t)k);
+        const ShvVec3 after = shv_load3(state->velocity + 3 * (int64_t)condition->nodes[k]);
+        imposed->constraint_work[0] += 0.5 * shv_dot(impulse, before);
+        imposed->constraint_work[1] += 0.5 * shv_dot(impulse, after);
+    }
+}
+
+void shv_imposed_apply(ShvImposed *imposed, ShvState *state, double before, double step)
+{
+    for (int32_t c = 0; c < imposed->count; c++)
+        if (shv_imposed_in_force(&imposed->items[c], state->time)) hold(&imposed->items[c], state, step);
+    /* With the velocities after all conditions: a node may be under several. */
+    shv_imposed_book(imposed, state, before, step);
+}
+
+void shv_imposed_book(ShvImposed *imposed, ShvState *state, double before, double step)
+{
+    for (int half = 0; half < 2; half++) imposed->constraint_work[half] = imposed->traction_work[half] = 0.0;
+    for (int32_t c = 0; c < imposed->count; c++) {
+        const ShvImposedCondition *condition = &imposed->items[c];
+        if (!shv_imposed_in_force(condition, state->time)) continue;
+        book_constraint(imposed, condition, state);
+        imposed->traction_work[0] += 0.5 * before * condition->power;
+        imposed->traction_work[1] += 0.5 * step * pull(condition, state, false);
+    }
+}

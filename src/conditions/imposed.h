@@ -1,0 +1,66 @@
+/* Conditions on chosen nodes of an object: supports, imposed velocities, tractions. They follow node duplication: a copy
+   of a held node is held; a traction stays with the (element, face) it was put on and reaches whichever copies the
+   element's corners have now.
+
+   One step:  forces of time n … shv_imposed_add_force … kick … contact … shv_imposed_apply (has the last word)
+   … book contact and conditions … drift. Objects under a condition must stay awake while it is in force. */
+#ifndef SHV_CONDITIONS_IMPOSED_H
+#define SHV_CONDITIONS_IMPOSED_H
+
+#include <stdbool.h>
+
+#include "model/ledger.h"
+#include "model/state.h"
+
+typedef struct ShvImposedFacet {
+    int32_t element, face; /* face as in shv_face_corners */
+    ShvVec3 share;         /* N on each of its three nodes at full value: traction × area at the start / 3 */
+} ShvImposedFacet;
+
+typedef struct ShvImposedCondition {
+    const ShvConditionDefinition *definition;
+    bool released;
+    /* support, velocity */
+    int32_t *origins; /* chosen nodes of the reference mesh, increasing */
+    int32_t origin_count;
+    int32_t *nodes; /* the same and their copies, in the order of their birth */
+    int32_t node_count, node_capacity;
+    double *before;  /* 3 per node: velocity before the kick, m/s */
+    double *impulse; /* 3 per node: of this step, N·s */
+    /* traction */
+    ShvImposedFacet *facets; /* increasing (element, face) */
+    int32_t facet_count;
+    double power; /* W: of the tractions with the velocities before the kick */
+} ShvImposedCondition;
+
+typedef struct ShvImposed {
+    ShvMemory *memory;
+    ShvImposedCondition *items;
+    int32_t count;
+    int32_t known_nodes; /* nodes of the state that have been looked at */
+    /* works of this step, J: with the velocities before the kick, and with those after everything */
+    double constraint_work[2], traction_work[2];
+} ShvImposed;
+
+/* Chooses nodes and boundary facets on the placed mesh. A selection that chooses nothing, an unknown object, a support
+   without an axis or a value that is not finite is an error that names the condition. */
+ShvStatus shv_imposed_create(ShvImposed *imposed, const ShvModel *model, const ShvSceneDefinition *scene,
+                             ShvError *error);
+void shv_imposed_release(ShvImposed *imposed);
+/* Takes a condition out of force for good; false when no condition has that name. */
+bool shv_imposed_release_condition(ShvImposed *imposed, const char *name);
+/* Whether a condition acts at a time: started, not ended, not released. */
+bool shv_imposed_in_force(const ShvImposedCondition *condition, double time);
+/* Whether any condition on an object is in force at a time or still to come. */
+bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time);
+
+/* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;
+   adopts nodes that were duplicated since the last call. */
+ShvStatus shv_imposed_add_force(ShvImposed *imposed, ShvState *state, ShvError *error);
+/* After kick and contact: gives held components their velocity at state->time + step/2 and fills the works. `before` and
+   `step`: the steps before and after time n, s. */
+void shv_imposed_apply(ShvImposed *imposed, ShvState *state, double before, double step);
+/* Fills the works anew with the velocities as they are now, when something has changed them since. */
+void shv_imposed_book(ShvImposed *imposed, ShvState *state, double before, double step);
+
+#endif

@@ -1,0 +1,208 @@
+/* How far what is listed may go until candidates are chosen anew, and whether it has. */
+#include "contact/candidates.h"
+#include "contact/surface_candidates.h"
+
+enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 64 };
+
+/* ---- motion ---- */
+
+static ShvVec3 node_velocity(const ShvSurfaceBodies *bodies, const ShvSurfaceNode *node)
+{
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, node->fragment);
+    if (!coupled_body) return shv_load3(bodies->state->velocity + 3 * (int64_t)node->node);
+    return shv_coupled_body_velocity(coupled_body, shv_bodies_position(bodies, node->node, node->fragment));
+}
+
+static ShvVec3 against_frame(const ShvSurfaceContact *contact, ShvVec3 velocity)
+{
+    return shv_sub(velocity, contact->drift);
+}
+
+/* Of obstacles; those that stand move against the frame too. */
+static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    double largest = 0.0;
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
+        largest = fmax(largest, shv_candidates_obstacle_speed(&bodies->obstacles->items[k]) + shv_norm(contact->drift));
+    return largest;
+}
+
+/* No node of it is faster against the frame, m/s. */
+static double coupled_body_speed(const ShvSurfaceContact *contact, const ShvCoupledBody *coupled_body)
+{
+    return shv_norm(against_frame(contact, coupled_body->velocity)) +
+           shv_norm(coupled_body->angular_velocity) * coupled_body->radius;
+}
+
+void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    double largest[SHV_SURFACE_SPEED_CLASSES] = {0.0};
+    for (int32_t k = 0; k < contact->watched_count; k++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[contact->watched[k]];
+        const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
+        const double squared = shv_dot(v, v);
+        largest[node->speed_class] = squared > largest[node->speed_class] ? squared : largest[node->speed_class];
+    }
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
+        contact->speed[speed_class] = sqrt(largest[speed_class]);
+    for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
+        if (!bodies->coupled_bodies[i]) continue;
+        double *speed = &contact->speed[contact->fragments[i].speed_class];
+        const double own = coupled_body_speed(contact, bodies->coupled_bodies[i]);
+        *speed = own > *speed ? own : *speed;
+    }
+    contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
+}
+
+/* Whether something may leave its skin before the next look; twice the speeds are allowed for. */
+static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead,
+                                  double gravity)
+{
+    for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
+        if (!bodies->coupled_bodies[i]) continue;
+        const ShvSurfaceFragment *motion = &contact->fragments[i];
+        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * gravity;
+        if (!(motion->path + ahead * speed <= contact->skin[motion->speed_class])) return true;
+    }
+    return false;
+}
+
+int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                const ShvSurfaceNode *node, double step, double gravity, int32_t most)
+{
+    const double time = bodies->state->time - contact->built_time;
+    const ShvVec3 x = shv_state_position(bodies->state, node->node);
+    const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
+    const double gone = shv_norm(shv_madd(shv_sub(x, node->from), -time, contact->drift)), speed = shv_norm(v);
+    double ahead = 2.0 * most * step;
+    while (most > 0 && !(gone + ahead * (speed + ahead * gravity) <= contact->skin[node->speed_class]))
+        ahead = 2.0 * (most /= 2) * step;
+    return most;
+}
+
+/* Of the node that can be left for the fewest. */
+static int32_t steps_of_nodes(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                              double gravity)
+{
+    int32_t steps = MOST_STEPS_BETWEEN_CHECKS;
+    for (int32_t k = 0; k < contact->list.node_count && steps > 0; k++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[k];
+        if (!shv_bodies_coupled_body(bodies, node->fragment))
+            steps = shv_surface_speed_steps(contact, bodies, node, step, gravity, steps);
+    }
+    return steps;
+}
+
+static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
+{
+    return contact->path[SHV_SURFACE_OBSTACLES] + ahead * contact->speed[SHV_SURFACE_OBSTACLES] >
+           contact->skin[SHV_SURFACE_OBSTACLES];
+}
+
+/* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
+static int32_t beats_for(const ShvSurfaceContact *contact, double step)
+{
+    const double share = 0.1; /* of a facet's size: twice the way of both sides from one look to the next */
+    double fastest = 0.0;
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
+        fastest = fmax(fastest, contact->speed[speed_class]);
+    const double steps = share * contact->size / (4.0 * step * fastest);
+    return steps >= SHV_SURFACE_DETECTION_INTERVAL ? SHV_SURFACE_DETECTION_INTERVAL : steps >= 1.0 ? (int32_t)steps : 1;
+}
+
+/* Neighbours that were in place are no candidates of each other: where there are cracks, candidates last a limited time. */
+bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity)
+{
+    const ShvState *state = bodies->state;
+    if (state->time == contact->seen_time) return false;
+    contact->seen_time = state->time;
+    shv_surface_candidates_advance(contact, bodies);
+    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
+    for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
+        if (bodies->coupled_bodies[i])
+            contact->fragments[i].path += state->last_step * coupled_body_speed(contact, bodies->coupled_bodies[i]);
+    if (++contact->steps_since_detection >= contact->detection_interval) {
+        contact->steps_since_detection = 0;
+        contact->detection_interval = beats_for(contact, state->last_step);
+    }
+    if (++contact->age >= STEPS_TO_LAST && contact->list.crack_count > 0) return true;
+    if (--contact->rest > 0) return false;
+    contact->rest = steps_of_nodes(contact, bodies, state->last_step, gravity);
+    return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step, gravity) ||
+           obstacles_outrun(contact, 2.0 * MOST_STEPS_BETWEEN_CHECKS * state->last_step);
+}
+
+/* ---- speed classes ---- */
+
+static double mean_size(const ShvSurfaceContact *contact)
+{
+    double sum = 0.0;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) sum += shv_box_size(&contact->list.facets[k].box);
+    return contact->list.facet_count > 0 ? sum / contact->list.facet_count : 0.0;
+}
+
+static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+{
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    const int32_t count = contact->list.node_count;
+    for (int32_t k = 0; k < count; k++) sum = shv_add(sum, node_velocity(bodies, &contact->list.nodes[k]));
+    contact->drift = count > 0 ? shv_scale(sum, 1.0 / count) : sum;
+}
+
+/* Lasts for many steps, but is not so far that every node has dozens of candidates unless the motion demands it. */
+static double skin_for(const ShvSurfaceContact *contact, double distance)
+{
+    const double far = 0.25 * contact->size, wanted = STEPS_TO_LAST * distance,
+                 needed = 4.0 * MOST_STEPS_BETWEEN_CHECKS * distance;
+    return fmax(needed, fmin(wanted, far));
+}
+
+/* Chooses the speed class; places are kept as if the frame had not moved since candidates were chosen. */
+void shv_surface_speed_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
+                            double step)
+{
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, node->fragment);
+    const double speed = coupled_body ? coupled_body_speed(contact, coupled_body)
+                                      : shv_norm(against_frame(contact, node_velocity(bodies, node)));
+    double wanted = skin_for(contact, step * speed);
+    if (coupled_body) wanted = fmax(wanted, 4.0 * contact->detection_interval * step * speed);
+    const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+    node->from = shv_madd(x, contact->built_time - bodies->state->time, contact->drift);
+    node->speed_class = 0;
+    while (node->speed_class < SHV_SURFACE_SPEED_CLASSES - 1 && !(contact->skin[node->speed_class] >= wanted))
+        node->speed_class++;
+    if (coupled_body) contact->fragments[node->fragment].speed_class = node->speed_class;
+}
+
+void shv_surface_speed_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+{
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    const ShvVec3 back = shv_scale(contact->drift, contact->built_time - bodies->state->time);
+    facet->box = (ShvBox){shv_add(facet->box.low, back), shv_add(facet->box.high, back)};
+    facet->speed_class = 0;
+    for (int k = 0; k < 3; k++) {
+        const uint8_t speed_class = contact->list.nodes[contact->list.slot[nodes[k]]].speed_class;
+        facet->speed_class = speed_class > facet->speed_class ? speed_class : facet->speed_class;
+    }
+}
+
+void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step)
+{
+    const double least = 0.04;
+    choose_frame(contact, bodies);
+    contact->built_time = bodies->state->time;
+    contact->rest = 1;
+    contact->age = 0;
+    contact->size = mean_size(contact);
+    for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
+        contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);
+    contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
+    contact->skin[SHV_SURFACE_OBSTACLES] =
+        fmax(contact->skin[0], skin_for(contact, step * contact->speed[SHV_SURFACE_OBSTACLES]));
+    for (int32_t k = 0; k < contact->list.node_count; k++)
+        shv_surface_speed_node(contact, bodies, &contact->list.nodes[k], step);
+    for (int32_t k = 0; k < contact->list.facet_count; k++)
+        shv_surface_speed_facet(contact, bodies, &contact->list.facets[k]);
+    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] = 0.0;
+}

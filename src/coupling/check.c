@@ -1,0 +1,240 @@
+#include "coupling/hybrid.h"
+
+#include <string.h>
+
+static ShvStatus reserve_nodal(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->nodal_capacity >= hybrid->state.node_capacity) return SHV_OK;
+    const size_t count = 6 * (size_t)hybrid->state.node_capacity;
+    double *nodal = shv_reallocate(hybrid->memory, SHV_PART_STRESS, hybrid->nodal, count, sizeof(double));
+    if (!nodal) return shv_fail_memory(error, "nodal stress", count * sizeof(double));
+    hybrid->nodal = nodal;
+    hybrid->nodal_capacity = hybrid->state.node_capacity;
+    return SHV_OK;
+}
+
+static ShvStatus nodal_stress(ShvHybrid *hybrid, ShvError *error)
+{
+    if (hybrid->scene->fracture.criterion != SHV_CRITERION_PRINCIPAL) return SHV_OK;
+    SHV_TRY(reserve_nodal(hybrid, error));
+#pragma omp parallel for schedule(static) num_threads(hybrid->model.threads)
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int32_t node = hybrid->awake.nodes[k];
+        shv_solid_nodal_stress(&hybrid->solid, &hybrid->state, hybrid->stress, node, hybrid->nodal + 6 * (int64_t)node);
+    }
+    return SHV_OK;
+}
+
+/* An impact loads a body from nothing to its strength within a few steps: until checks have shown how fast stress grows, each
+   step is looked at. The memory of the rate decays by a tenth a check. */
+void shv_check_clock_start(ShvCheckClock *clock)
+{
+    *clock = (ShvCheckClock){.due = 1, .rate = 1.0};
+}
+
+/* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. Where it has,
+   nothing need part all the same, as under a contact, or cracks are on their way: then it matters that no front outruns the
+   checks. */
+static void set_clock(ShvHybrid *hybrid, double largest)
+{
+    enum { RAREST = 10 };
+    ShvCheckClock *clock = &hybrid->clock;
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    clock->rate = fmax((largest - clock->last) / clock->since, 0.9 * clock->rate);
+    clock->last = largest;
+    clock->since = 0;
+    if (fracture->check_every > 0) {
+        clock->due = fracture->check_every;
+        return;
+    }
+    const double room = fmax(0.0, 1.05 * fracture->threshold - largest);
+    const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
+    const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->step);
+    clock->due = (int32_t)fmin(fmax(steps, fewest), RAREST);
+}
+
+/* The first insertion since a fragment woke is an event; every insertion starts its quiet count afresh. */
+static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *error)
+{
+    for (int32_t k = 0; k < count; k++) {
+        const int32_t element = hybrid->model.adjacency.facet_elements[2 * (int64_t)hybrid->candidates[k]];
+        const int32_t index = hybrid->state.element_fragment[element];
+        ShvFragment *fragment = &hybrid->fragments.items[index];
+        fragment->last_insertion = fragment->last_crack = hybrid->state.time;
+        fragment->impact = fragment->borne_impact = 0.0;
+        fragment->quiet = 0;
+        hybrid->missed += fragment->audited;
+        fragment->audited = false;
+        if (fragment->cracked) continue;
+        fragment->cracked = true;
+        const ShvEventView event = {.time = hybrid->state.time,
+                                    .kind = SHV_RUN_INSERTION,
+                                    .fragment = index,
+                                    .obstacle = -1,
+                                    .value = hybrid->overstress[k]};
+        SHV_TRY(shv_hybrid_log(hybrid, &event, error));
+    }
+    return SHV_OK;
+}
+
+/* Components of one awake fragment; its children carry on with its record. */
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvParting *parting, ShvError *error)
+{
+    int32_t parts = 0;
+    SHV_TRY(shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, parting, &parts, error));
+    if (parts < 2) return SHV_OK;
+    const ShvEventView event = {
+        .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+/* What has come apart is labelled at once, so that the present count of fragments does not depend on who looks when. Nodes of
+   fragments in which facets have just been inserted, copies included, are listed anew. */
+static ShvStatus relabel_cracked(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
+{
+    const int32_t count = hybrid->fragments.count;
+    const ShvParting parting = {.first_copy = first_copy};
+    for (int32_t i = 0; i < count; i++)
+        if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion == hybrid->state.time)
+            SHV_TRY(relabel_fragment(hybrid, i, &parting, error));
+    return shv_awake_follow(hybrid, error);
+}
+
+ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
+{
+    if (!hybrid->model.can_break) return SHV_OK;
+    const double start = shv_now();
+    ShvCohesive *cohesive = &hybrid->cohesive;
+    shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->ledger);
+    if (!hybrid->fragments.bonds) return SHV_OK; /* failed facets are counted, but it is nodes that join */
+    const int32_t before = hybrid->fragments.count;
+    const ShvParting parting = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
+    for (int32_t i = 0; i < cohesive->failed_count; i++) {
+        const int32_t *elements = cohesive->sides[cohesive->failed[i]].elements;
+        const int32_t *fragment = hybrid->state.element_fragment;
+        for (int side = 0; side < 2; side++)
+            hybrid->fragments.items[fragment[elements[side]]].last_crack = hybrid->state.time;
+        /* one search a fragment: those after it find its parts apart already, or whole */
+        if (fragment[elements[0]] != fragment[elements[1]]) continue;
+        if (fragment[elements[0]] >= before) continue;
+        ShvFragment *whole = &hybrid->fragments.items[fragment[elements[0]]];
+        if (whole->searched == hybrid->state.step + 1) continue;
+        whole->searched = hybrid->state.step + 1;
+        SHV_TRY(relabel_fragment(hybrid, fragment[elements[0]], &parting, error));
+    }
+    if (hybrid->fragments.count > before) SHV_TRY(shv_awake_follow(hybrid, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
+    return SHV_OK;
+}
+
+/* Internal forces of split nodes are shared among their copies. */
+static ShvStatus share_forces(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    const size_t most = 2 * (size_t)(state->node_count - first_copy);
+    int32_t *nodes = shv_allocate(hybrid->memory, SHV_PART_STRESS, most, sizeof *nodes), count = 0;
+    if (!nodes) return shv_fail_memory(error, "the nodes of an insertion", most * sizeof *nodes);
+    for (int32_t copy = first_copy; copy < state->node_count; copy++) {
+        const int32_t from = shv_state_split_from(state, copy);
+        if (from < first_copy) nodes[count++] = from;
+        nodes[count++] = copy;
+    }
+    shv_solid_put_internal_force(&hybrid->solid, state, nodes, count);
+    shv_release(nodes);
+    return SHV_OK;
+}
+
+static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
+{
+    double start = shv_now();
+    int32_t duplicated = 0;
+    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count,
+                                &duplicated, error));
+    hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
+    SHV_TRY(note_insertions(hybrid, count, error));
+    const int32_t first_copy = hybrid->state.node_count - duplicated;
+    if (duplicated > 0 && hybrid->forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
+    if (duplicated > 0) SHV_TRY(relabel_cracked(hybrid, first_copy, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
+    return SHV_OK;
+}
+
+static ShvStatus find_inverted(ShvHybrid *hybrid, ShvError *error)
+{
+    int32_t first = -1;
+    const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    if (inverted <= hybrid->inverted) return SHV_OK;
+    hybrid->inverted = inverted;
+    const ShvEventView event = {.time = hybrid->state.time,
+                                .kind = SHV_RUN_INVERSION,
+                                .obstacle = -1,
+                                .value = first,
+                                .fragment = hybrid->state.element_fragment[first]};
+    return shv_hybrid_log(hybrid, &event, error);
+}
+
+static void count_quiet(ShvHybrid *hybrid)
+{
+    hybrid->checks_since_rest++;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion <= hybrid->state.time)
+            hybrid->fragments.items[i].quiet++;
+}
+
+static ShvStatus check_nodes(ShvHybrid *hybrid, double *largest, int32_t *count, ShvError *error)
+{
+    const double start = shv_now();
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+    SHV_TRY(nodal_stress(hybrid, error));
+    *largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
+                                       hybrid->candidates, hybrid->overstress, count);
+    SHV_TRY(find_inverted(hybrid, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    return SHV_OK;
+}
+
+static void fill_stress(void *context, const int32_t *batches, int32_t count)
+{
+    const ShvHybrid *hybrid = context;
+    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->stress);
+}
+
+/* The internal forces of the step are found here: they know the stress as well, and where it is too low to matter. */
+static ShvStatus check_facets(ShvHybrid *hybrid, double *largest, int32_t *count, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    ShvCohesive *cohesive = &hybrid->cohesive;
+    const ShvStressSource source = {fill_stress, hybrid};
+    double start = shv_now();
+    const double floor = shv_cohesive_floor(cohesive, state, hybrid->stress, source);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    shv_motion_clear_force(state, hybrid->awake.nodes, hybrid->awake.node_count, hybrid->model.threads);
+    const bool inverted = shv_solid_add_internal_force_and_find_faces(&hybrid->solid, state, cohesive->face_weight,
+                                                                      floor, cohesive->faces);
+    hybrid->forces_begun = true;
+    start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
+    if (inverted) SHV_TRY(find_inverted(hybrid, error));
+    *largest = shv_cohesive_face_candidates(cohesive, state, hybrid->stress, source, hybrid->candidates,
+                                            hybrid->overstress, count);
+    shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
+{
+    if (++hybrid->clock.since < hybrid->clock.due) return SHV_OK;
+    count_quiet(hybrid);
+    if (!hybrid->model.can_break) {
+        set_clock(hybrid, 0.0);
+        return SHV_OK;
+    }
+    int32_t count = 0;
+    double largest = 0.0;
+    if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL)
+        SHV_TRY(check_nodes(hybrid, &largest, &count, error));
+    else
+        SHV_TRY(check_facets(hybrid, &largest, &count, error));
+    set_clock(hybrid, largest);
+    return count > 0 ? insert(hybrid, count, error) : SHV_OK;
+}

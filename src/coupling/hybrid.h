@@ -1,0 +1,291 @@
+/* The frame loop of the hybrid: rigid flight between impacts, fracture mode during them, and the hand-over both ways.
+
+       flight ──contact that may break it──► awake: substeps of the solid with insertion, cohesion, closure, contact
+         ▲                                     │ quiet
+         └───components, best-fit motion ◄─────┘
+
+   Time goes in rigid intervals. Fragments in flight cross an interval in one piece; those that hit something stop at
+   their own time of impact and wake there; awake fragments cross the same interval in substeps. Nothing is rolled back. */
+#ifndef SHV_COUPLING_HYBRID_H
+#define SHV_COUPLING_HYBRID_H
+
+#include "base/timer.h"
+#include "cohesive/cohesive.h"
+#include "conditions/imposed.h"
+#include "contact/node_contact.h"
+#include "contact/surface_contact.h"
+#include "fragment/fragment.h"
+#include "fragment/free_rotation.h"
+#include "model/ledger.h"
+#include "model/state.h"
+#include "pbd/bars.h"
+#include "pbd/pbd_backend.h"
+#include "pbd/relax.h"
+#include "probes/probes.h"
+#include "rigid/backend.h"
+#include "shape/obstacle.h"
+#include "shiver/simulation.h"
+#include "solid/motion.h"
+#include "solid/solid.h"
+
+/* What follows from the choice of steps: how stress grows between checks decides when to look next. */
+typedef struct ShvCheckClock {
+    int32_t since; /* steps since the last check */
+    int32_t due;   /* steps between the last check and the next */
+    double last;   /* largest criterion / strength at the last check */
+    double rate;   /* largest recent growth of it a step */
+} ShvCheckClock;
+
+typedef struct ShvAwake {
+    uint8_t *flags; /* per fragment index; capacity as the fragments' */
+    int32_t flag_capacity;
+    int32_t *nodes; /* nodes of awake fragments, fragment by fragment */
+    int32_t node_count, node_capacity;
+    int32_t count; /* awake fragments */
+    bool stale;    /* the lists must be rebuilt */
+} ShvAwake;
+
+typedef struct ShvEventLog {
+    ShvEventView *items;
+    int32_t count, capacity;
+} ShvEventLog;
+
+/* Fragments in flight that fracture mode moves with it (coupled_bodies.c). */
+typedef struct ShvCoupledBodies {
+    ShvCoupledBody *items, *kept; /* kept: while a ghost step is made */
+    ShvFreeRotation *rotations;
+    double *impulses;             /* N·s: Σ of magnitudes since the interval began */
+    int32_t *fragments;           /* index of each */
+    ShvCoupledBody **by_fragment; /* NULL where none */
+    ShvFragmentTouch *touches;    /* per fragment, of the step */
+    double *masses;               /* per fragment, kg */
+    uint8_t *wanted;              /* per fragment: it goes along */
+    int32_t count, room;
+    double since; /* s: when the sums of impulses began */
+} ShvCoupledBodies;
+
+/* Velocities around the present time, made by a step that is not taken (observe.c). */
+typedef struct ShvGhost {
+    double *before;       /* 3 per node: v(n−1/2) */
+    double *displacement; /* 3 per node, with bars only: they move nodes */
+    int64_t capacity;
+    ShvObstacle *obstacles; /* as they were before the ghost step */
+    double kinetic;         /* J, of awake nodes and coupled bodies: Σ ½ m v₋·v₊ */
+    double
+        obstacle_exchange; /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
+    ShvVec3 obstacle_momentum, obstacle_angular; /* kg m/s, kg m²/s: likewise, so that sums are those of one time */
+    double first[SHV_WORK_COUNT];                /* J: first halves of the works of the step to come */
+} ShvGhost;
+
+typedef struct ShvHybrid {
+    ShvMemory *memory;
+    const ShvSceneDefinition *scene;
+    double gravity[3];
+    ShvModel model;
+    ShvState state;
+    ShvSolid solid;
+    ShvCohesive cohesive; /* only with model.can_break */
+    ShvObstacles obstacles;
+    ShvNodeContact contact;
+    bool mutual; /* fragments meet one another: */
+    ShvSurfaceContact surface;
+    ShvCoupledBodies coupled_bodies;
+    ShvImposed imposed;
+    bool relaxed; /* fracture.stabiliser is bars: */
+    ShvBars bars;
+    ShvRelax relax;
+    bool bars_stale;
+    uint8_t *fixed; /* per node: components that conditions hold */
+    int64_t fixed_capacity;
+    double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
+    ShvProbes probes;
+    ShvFragments fragments;
+    ShvRigidBackend *backend;
+    uint8_t *waiting;                             /* per obstacle: it is not in the scene; NULL: all are */
+    ShvVec3 waiting_direction;                    /* whither they wait, of unit length */
+    double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
+
+    ShvAwake awake;
+    bool dormant;           /* what is awake is held, unmoved, and nothing is near it */
+    ShvRigidContact *wakes; /* pending in the present interval, by time */
+    int32_t wake_count, wake_next, wake_capacity;
+    double interval_end;       /* s; ≤ state.time: no interval is under way */
+    int32_t checks_since_rest; /* checks since fragments were last asked whether they may rest */
+    double obstacle_time;      /* s: time to which free obstacles have been moved */
+
+    double stable_step;     /* s: smallest exact element step of the whole model */
+    int32_t stable_element; /* that sets it */
+    double bulk_step;       /* s: stable step of the awake batches */
+    double step;            /* s: last step taken by something awake */
+    ShvCheckClock clock;
+    ShvVec3 contact_impulse;                          /* N s: by obstacles on nodes so far */
+    double contact_time, first_contact, last_contact; /* s: of the steps with such impulses; with contact_steps > 0 */
+    int64_t contact_steps;
+    int32_t inverted; /* most elements found inside out at once so far */
+    double
+        *stress; /* of the criterion, only with model.can_break; traction criterion: where a check has asked for it */
+    bool forces_begun; /* state.force holds the internal forces of the present time: a check has found them */
+    double *nodal;     /* principal criterion only; 6 per node */
+    int64_t nodal_capacity;
+    int32_t *candidates;
+    double *overstress;
+
+    /* audit of the wake rule: impacts taken for harmless that wake all the same; how many have, and how many of these broke
+       something before they came to rest */
+    int32_t audit_wakes, audited, missed;
+
+    ShvLedger ledger;
+    ShvCohesiveEnergy cohesive_energy;    /* of the last observed moment */
+    double least_spring_step;             /* s: of all frames so far; 0: none */
+    ShvLedgerView balance;                /* of the last observed moment */
+    double start_energy, start_potential; /* J */
+    double least_contact_work;            /* J: of contact, friction and closure together, so far */
+    bool balance_started;
+    int32_t since_observed; /* steps since the ledger was last looked at */
+    double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */
+    ShvGhost ghost;
+    ShvEventLog log;
+    int32_t next_event; /* of the scene's time line */
+    ShvCosts costs;
+    bool (*stop)(void *data);
+    void *stop_data;
+} ShvHybrid;
+
+/* The last step taken over the stable one of what is awake; 0 before anything was. */
+static inline double shv_hybrid_courant(const ShvHybrid *hybrid)
+{
+    return hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
+}
+
+/* Builds everything the scene needs and nothing else. `hybrid` must not move afterwards. On failure it owns nothing. */
+ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
+                            ShvError *error);
+void shv_hybrid_release(ShvHybrid *hybrid);
+
+/* Advances to `until`, or less when `steps` > 0 substeps of fracture mode have been taken first; *taken receives their
+   number. Stops with SHV_DIVERGED or SHV_INTERRUPTED at a consistent state. */
+ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int64_t *taken, ShvError *error);
+
+/* Brings fragments' motion and the ledger to the present time (hybrid->fragments, hybrid->balance); the state is
+   left as it was. Fails when the residual leaves the scene's bound or something is not finite. */
+ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
+
+/* ---- parts of the loop, one file each ---- */
+
+/* awake.c: lists of what is awake, rebuilt when stale; and after insertions, when the same elements are awake in other
+   fragments and with more nodes. */
+ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error);
+/* wake.c; and the sides of the solid box with a fragment's inertia, longest first. */
+bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
+ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
+void shv_hybrid_extents(const ShvFragment *fragment, double sides[3]);
+/* audit.c: an event with the fragment's mass and hulls; hulls as they are now; momenta of the rigid motion and of nodes, with
+   the sums of magnitudes into `scales` (may be NULL); strain, recoverable energy. `close` finds what was dropped, books and
+   logs it, and fails with SHV_DIVERGED above the scene's bounds. */
+ShvEventView shv_audit_event(const ShvHybrid *hybrid, ShvRunEvent kind, int32_t fragment);
+void shv_audit_hulls(const ShvFragment *fragment, ShvEventView *event);
+void shv_audit_rigid(const ShvFragment *fragment, double momentum[3], double angular[3]);
+void shv_audit_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, double momentum[3], double angular[3],
+                     ShvEventView *scales);
+double shv_audit_strain(const ShvHybrid *hybrid, const ShvFragment *fragment);
+double shv_audit_cohesive(const ShvHybrid *hybrid, const ShvFragment *fragment);
+ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *error);
+/* waking_contact.c: a fragment wakes by a contact; the touches of a step; whether that contact has carried its impulse, or has
+   been open for a transit of the bar wave, s. */
+void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
+void shv_waking_contact_follow(ShvHybrid *hybrid);
+bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
+/* rest.c; and between which moments an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
+   it). */
+/* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
+void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
+/* How long after its last crack a body that wakes now goes to rest at the latest, s. */
+double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
+ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
+/* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to
+   the latest moment, or `until`; others for the geometric mean of the least and the longest time. */
+ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error);
+/* substep.c: forces of the present time into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
+   `after` around it, all impulses and conditions, works booked; the length of the equal steps that fill what is left of
+   `limit` seconds; and one of them. */
+ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
+double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit);
+ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
+/* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
+ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error);
+ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error);
+void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
+/* coupled_bodies.c: room for the present fragments; who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
+   step, and back, with the kinetic energy of the time. */
+ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError *error);
+ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
+void shv_coupled_bodies_remove(ShvHybrid *hybrid, int32_t fragment);
+void shv_coupled_bodies_kick(ShvHybrid *hybrid, double kick);
+/* Before and after flight has crossed a rigid interval: it sees them as they are now, and the impulses of what meets them there
+   act on both at once. */
+void shv_coupled_bodies_to_flight(ShvHybrid *hybrid);
+void shv_coupled_bodies_from_flight(ShvHybrid *hybrid);
+void shv_coupled_bodies_drift(ShvHybrid *hybrid, double step);
+void shv_coupled_bodies_keep(ShvHybrid *hybrid);
+double shv_coupled_bodies_put_back(ShvHybrid *hybrid);
+/* Those that the step's touches wake. */
+ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error);
+void shv_coupled_bodies_release(ShvHybrid *hybrid);
+ShvSurfaceBodies shv_hybrid_bodies(ShvHybrid *hybrid);
+/* relaxed.c: the same kick with bars, which also moves the nodes to the next moment; set-up; and the largest |length/rest − 1|
+   over all edges. */
+ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error);
+double shv_hybrid_edge_strain(const ShvHybrid *hybrid);
+/* check.c: stress, criterion, insertion, when due; what has come apart is labelled at once. */
+ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
+/* Fragments come apart where their last bonds have failed; once a step, when its forces have been found. */
+ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error);
+/* The clock of a body that has just woken. */
+void shv_check_clock_start(ShvCheckClock *clock);
+/* time_line.c: scene events that are due. */
+ShvStatus shv_hybrid_time_line(ShvHybrid *hybrid, ShvError *error);
+double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
+/* The same things at the present time, between rigid intervals, for whoever drives the simulation: an event, an impulse (N s) at a
+   world point of one fragment in flight or awake. */
+ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error);
+ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t fragment, ShvVec3 impulse, ShvVec3 point, ShvError *error);
+/* dormant.c: whether what is awake at the start may be dormant until something comes; whether it stirs in the interval that begins. */
+void shv_hybrid_make_dormant(ShvHybrid *hybrid);
+void shv_hybrid_end_dormancy(ShvHybrid *hybrid);
+/* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
+double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
+/* Of a fragment in flight, as its engine has it, J. */
+double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment);
+/* enter.c: puts away the obstacles that wait; keeps them there, at the beginning of an interval; whether one waits. One comes, or
+   goes; an object's only fragment, put away, comes into flight; a fragment in flight is put away. Between rigid intervals,
+   with records and ledger of the time; works are booked. And the records alone, as a placement has them. */
+ShvStatus shv_hybrid_let_wait(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_hold_waiting(ShvHybrid *hybrid);
+bool shv_hybrid_waits(const ShvHybrid *hybrid, int32_t obstacle);
+void shv_hybrid_enter_obstacle(ShvHybrid *hybrid, int32_t obstacle, const ShvPlacement *placement);
+ShvStatus shv_hybrid_leave_obstacle(ShvHybrid *hybrid, int32_t obstacle, ShvError *error);
+ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t fragment, const ShvPlacement *placement,
+                                    ShvError *error);
+void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t fragment);
+void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvPlacement *placement);
+void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement);
+/* squeeze.c: events of bodies that obstacles which hold their place leave no room; asked at the end of a rigid interval. */
+ShvStatus shv_hybrid_find_squeeze(ShvHybrid *hybrid, ShvError *error);
+/* event_log.c */
+ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);
+/* observe.c: mean of the velocities around the present time into state.velocity, those of n − 1/2 into ghost.before; and the
+   latter back again. */
+ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_resume(ShvHybrid *hybrid);
+/* Velocities of the present time for a fragment that leaves the others: with elastic forces and gravity, without the impulses
+   of the step that it will not take, which nobody else will get from it either; likewise into state.velocity. */
+ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *error);
+
+#endif

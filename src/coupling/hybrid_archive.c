@@ -1,0 +1,108 @@
+#include "coupling/hybrid_archive.h"
+
+#include "cohesive/cohesive_archive.h"
+#include "contact/contact_archive.h"
+#include "model/state_archive.h"
+#include "pbd/pbd_archive.h"
+#include "rigid/rigid_archive.h"
+#include "shape/obstacle_archive.h"
+
+bool shv_hybrid_has_checkpoints(const ShvHybrid *hybrid)
+{
+    return hybrid->backend->functions->archive != NULL;
+}
+
+/* The rest of a solid follows from the scene. */
+static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
+{
+    return shv_archive_block(archive, (void **)&solid->batch_active) &&
+           shv_archive_block(archive, (void **)&solid->batch_exact);
+}
+
+static bool archive_probes(ShvProbes *probes, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvProbes, times, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvProbes, samples, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvProbes, memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvProbes, items, SHV_FIELD_KEPT),
+    };
+    return SHV_ARCHIVE_STRUCT(archive, probes, fields);
+}
+
+static bool archive_coupled_bodies(ShvCoupledBodies *coupled_bodies, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvCoupledBodies, items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, kept, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, rotations, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, impulses, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, fragments, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, touches, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, masses, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, wanted, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, by_fragment, SHV_FIELD_ROOM),
+    };
+    if (!SHV_ARCHIVE_STRUCT(archive, coupled_bodies, fields)) return false;
+    for (int32_t i = 0; i < coupled_bodies->count; i++)
+        coupled_bodies->by_fragment[coupled_bodies->fragments[i]] = &coupled_bodies->items[i];
+    return true;
+}
+
+/* What is not a part with a table of its own. */
+static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
+{
+    static const ShvField fields[] = {
+        SHV_FIELD_OF(ShvHybrid, awake.flags, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, awake.nodes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, wakes, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, stress, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, nodal, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, fixed, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, waiting, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, log.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, ghost.before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, ghost.displacement, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, ghost.obstacles, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, candidates, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, overstress, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, memory, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, scene, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, model, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, stop, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, stop_data, SHV_FIELD_KEPT),
+        /* parts */
+        SHV_FIELD_OF(ShvHybrid, costs, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, state, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, solid, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, cohesive, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, obstacles, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, contact, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, surface, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, coupled_bodies, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, imposed, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, bars, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, relax, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, probes, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, fragments, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, backend, SHV_FIELD_KEPT),
+    };
+    return SHV_ARCHIVE_STRUCT(archive, hybrid, fields);
+}
+
+bool shv_hybrid_archive(ShvHybrid *hybrid, ShvArchive *archive)
+{
+    const bool good =
+        archive_rest(hybrid, archive) && shv_state_archive(&hybrid->state, archive) &&
+        archive_solid(&hybrid->solid, archive) && shv_obstacles_archive(&hybrid->obstacles, archive) &&
+        shv_node_contact_archive(&hybrid->contact, archive) && shv_surface_contact_archive(&hybrid->surface, archive) &&
+        archive_coupled_bodies(&hybrid->coupled_bodies, archive) && shv_imposed_archive(&hybrid->imposed, archive) &&
+        archive_probes(&hybrid->probes, archive) && shv_fragments_archive(&hybrid->fragments, archive);
+    if (!good) return false;
+    if (hybrid->relaxed && !(shv_bars_archive(&hybrid->bars, archive) && shv_relax_archive(&hybrid->relax, archive)))
+        return false;
+    if (hybrid->model.can_break && !shv_cohesive_archive(&hybrid->cohesive, hybrid->awake.flags, archive)) return false;
+    /* Run times come last: all before is the same in equal runs. */
+    return hybrid->backend->functions->archive(hybrid->backend, archive) &&
+           shv_archive_bytes(archive, &hybrid->costs, sizeof hybrid->costs);
+}

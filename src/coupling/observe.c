@@ -1,0 +1,371 @@
+/* The state at one time. Velocities live at half steps; what they are at time n follows from a step of the same length
+   as the last that is made but not taken ("ghost"): kinetic energy is Σ ½ m v₋·v₊, momentum that of the mean. */
+#include "coupling/hybrid.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvGhost *ghost = &hybrid->ghost;
+    if (ghost->capacity < hybrid->state.node_capacity) {
+        const size_t count = 3 * (size_t)hybrid->state.node_capacity;
+        double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
+        if (!before) return shv_fail_memory(error, "velocities around a moment", count * sizeof(double));
+        ghost->before = before;
+        if (hybrid->relaxed) {
+            double *displacement =
+                shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
+            if (!displacement) return shv_fail_memory(error, "displacements at a moment", count * sizeof(double));
+            ghost->displacement = displacement;
+        }
+        ghost->capacity = hybrid->state.node_capacity;
+    }
+    if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
+    const size_t count = (size_t)hybrid->obstacles.count;
+    ghost->obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, count, sizeof(ShvObstacle));
+    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a moment", count * sizeof(ShvObstacle));
+}
+
+/* Momentum of a time is that of the mean velocity, for free obstacles as for nodes: half of the ghost step's impulses. */
+static void exchange_with_obstacles(ShvHybrid *hybrid)
+{
+    ShvGhost *ghost = &hybrid->ghost;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
+        const ShvObstacle *before = &ghost->obstacles[i], *after = &hybrid->obstacles.items[i];
+        if (before->motion != SHV_OBSTACLE_FREE) continue;
+        const ShvVec3 impulse = shv_scale(shv_sub(after->velocity, before->velocity), before->mass);
+        const ShvVec3 turn = shv_sub(shv_obstacle_angular_momentum(after), shv_obstacle_angular_momentum(before));
+        ghost->obstacle_momentum = shv_madd(ghost->obstacle_momentum, 0.5, impulse);
+        ghost->obstacle_angular = shv_madd(ghost->obstacle_angular, 0.5, turn);
+    }
+    /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
+    ghost->obstacle_exchange = hybrid->relaxed ? 0.5 * hybrid->relax.obstacle_work : hybrid->contact.obstacle_work[0];
+    if (hybrid->mutual) ghost->obstacle_exchange += hybrid->surface.obstacle_work[0];
+}
+
+/* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
+   ghost.before; first halves of works go to ghost.first; kinetic energy of awake nodes to ghost.kinetic. */
+ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    ShvGhost *ghost = &hybrid->ghost;
+    SHV_TRY(reserve_ghost(hybrid, error));
+    memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    shv_coupled_bodies_keep(hybrid);
+    memset(ghost->first, 0, sizeof ghost->first);
+    ghost->obstacle_exchange = 0.0;
+    ghost->obstacle_momentum = ghost->obstacle_angular = shv_vec3(0.0, 0.0, 0.0);
+    if (state->last_step > 0.0) {
+        const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
+        if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
+        const size_t moved = hybrid->relaxed ? 3 * (size_t)state->node_count * sizeof(double) : 0;
+        if (moved > 0) memcpy(ghost->displacement, state->displacement, moved);
+        const ShvLedger booked = hybrid->ledger;
+        SHV_TRY(shv_hybrid_forces(hybrid, error));
+        SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, state->last_step, error));
+        for (int i = 0; i < SHV_WORK_COUNT; i++)
+            ghost->first[i] = hybrid->ledger.booked[i] - booked.booked[i] - hybrid->ledger.pending[i];
+        hybrid->ledger = booked;
+        if (moved > 0) memcpy(state->displacement, ghost->displacement, moved);
+        exchange_with_obstacles(hybrid);
+        if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
+    }
+    ghost->kinetic = shv_coupled_bodies_put_back(hybrid);
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int64_t node = hybrid->awake.nodes[k];
+        const ShvVec3 before = shv_load3(ghost->before + 3 * node), after = shv_load3(state->velocity + 3 * node);
+        ghost->kinetic += 0.5 * state->mass[node] * shv_dot(before, after);
+        shv_store3(state->velocity + 3 * node, shv_scale(shv_add(before, after), 0.5));
+    }
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    SHV_TRY(reserve_ghost(hybrid, error));
+    memcpy(hybrid->ghost.before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    const double half = 0.5 * state->last_step;
+    if (half == 0.0) return SHV_OK;
+    SHV_TRY(shv_hybrid_forces(hybrid, error));
+    shv_motion_kick(state, hybrid->awake.nodes, hybrid->awake.node_count, half, hybrid->gravity, hybrid->model.threads);
+    return SHV_OK;
+}
+
+void shv_hybrid_resume(ShvHybrid *hybrid)
+{
+    memcpy(hybrid->state.velocity, hybrid->ghost.before, 3 * (size_t)hybrid->state.node_count * sizeof(double));
+}
+
+static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momentum, ShvVec3 spin)
+{
+    shv_add_to3(balance->momentum, momentum);
+    shv_add_to3(balance->angular_momentum, shv_add(spin, shv_cross(position, momentum)));
+}
+
+/* A fragment whose nodes are the state in flight. */
+static void add_flying_nodes(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    ShvVec3 momentum, angular;
+    double kinetic;
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    balance->kinetic += kinetic;
+    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    shv_add_to3(balance->momentum, momentum);
+    shv_add_to3(balance->angular_momentum, angular);
+}
+
+static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    const ShvVec3 spin = shv_apply(&inertia, fragment->angular_velocity);
+    if (!fragment->coupled) balance->kinetic += shv_fragment_kinetic(fragment);
+    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    add_momentum(balance, fragment->position, shv_scale(fragment->velocity, fragment->mass), spin);
+}
+
+static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    const ShvState *state = &hybrid->state;
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    balance->kinetic += hybrid->ghost.kinetic + hybrid->ghost.obstacle_exchange;
+    shv_add_to3(balance->momentum, hybrid->ghost.obstacle_momentum);
+    shv_add_to3(balance->angular_momentum, hybrid->ghost.obstacle_angular);
+    for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
+        const int32_t node = hybrid->awake.nodes[k];
+        const ShvVec3 x = shv_state_position(state, node);
+        const ShvVec3 momentum = shv_scale(shv_load3(state->velocity + 3 * (int64_t)node), state->mass[node]);
+        balance->gravity_potential -= state->mass[node] * shv_dot(gravity, x);
+        add_momentum(balance, x, momentum, shv_vec3(0.0, 0.0, 0.0));
+    }
+    balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
+}
+
+/* Strain that a deformed fragment keeps in flight; what of it lies in batches with awake elements has been counted. Nodes that
+   fly on their own, led by bars, have given theirs back when they went to rest and get another, or none, when they wake. */
+static void add_kept_strain(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    if (!fragment->deformed && !hybrid->backend->keeps_nodes) return;
+    if (fragment->deformed) balance->strain += fragment->strain;
+    for (int32_t k = 0; k < fragment->element_count && hybrid->awake.count > 0; k++) {
+        const int32_t element = hybrid->fragments.elements[fragment->element_begin + k];
+        if (hybrid->solid.batch_active[element / SHV_LANES])
+            balance->strain -= shv_solid_element_energy(&hybrid->solid, &hybrid->state, element);
+    }
+}
+
+/* Whatever is not awake. */
+static void add_fragment(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
+{
+    if (fragment->mode == SHV_MODE_BINNED)
+        balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    if (fragment->mode != SHV_MODE_FLIGHT) return;
+    (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, balance, fragment);
+    add_kept_strain(hybrid, balance, fragment);
+}
+
+static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, int32_t index)
+{
+    const ShvObstacle *obstacle = &hybrid->obstacles.items[index];
+    if (obstacle->motion != SHV_OBSTACLE_FREE || shv_hybrid_waits(hybrid, index)) return;
+    balance->kinetic += shv_obstacle_kinetic(obstacle);
+    balance->gravity_potential -= obstacle->mass * shv_dot(shv_load3(hybrid->gravity), obstacle->position);
+    shv_add_to3(balance->momentum, shv_scale(obstacle->velocity, obstacle->mass));
+    shv_add_to3(balance->angular_momentum, shv_obstacle_angular_momentum(obstacle)); /* about the origin already */
+}
+
+static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    double *booked = hybrid->ledger.booked;
+    booked[SHV_WORK_CONTACT] += hybrid->backend->contact_work - hybrid->backend_contact;
+    booked[SHV_WORK_FRICTION] += hybrid->backend->friction_work - hybrid->backend_friction;
+    hybrid->backend_contact = hybrid->backend->contact_work;
+    hybrid->backend_friction = hybrid->backend->friction_work;
+    booked[SHV_WORK_BARS] += hybrid->backend->bars_work - hybrid->backend_bars;
+    booked[SHV_WORK_DAMPING] += hybrid->backend->damping_work - hybrid->backend_damping;
+    hybrid->backend_bars = hybrid->backend->bars_work;
+    hybrid->backend_damping = hybrid->backend->damping_work;
+    double work[SHV_WORK_COUNT];
+    for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
+    balance->cohesive = work[SHV_WORK_COHESIVE];
+    balance->cohesive_released = hybrid->ledger.released;
+    balance->closure = work[SHV_WORK_CLOSURE];
+    balance->contact = work[SHV_WORK_CONTACT];
+    balance->friction = work[SHV_WORK_FRICTION];
+    balance->constraint = work[SHV_WORK_CONSTRAINT];
+    balance->traction = work[SHV_WORK_TRACTION];
+    balance->bars = work[SHV_WORK_BARS];
+    balance->damping = work[SHV_WORK_DAMPING];
+    balance->handover = work[SHV_WORK_HANDOVER];
+    balance->event = work[SHV_WORK_EVENT];
+}
+
+static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
+{
+    if (!hybrid->model.can_break) return;
+    const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
+    hybrid->cohesive_energy = energy;
+    balance->cohesive_recoverable = energy.recoverable;
+    balance->fracture_dissipation = energy.dissipated;
+    balance->inserted_area = energy.inserted_area;
+    balance->failed_area = energy.failed_area;
+    balance->fracture_energy_area = energy.failed_energy;
+}
+
+static double given_work(const ShvLedgerView *b)
+{
+    return b->cohesive + b->contact + b->friction + b->closure + b->constraint + b->traction + b->bars + b->damping +
+           b->handover + b->event;
+}
+
+static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
+{
+    const double energy = b->kinetic + b->strain + b->gravity_potential;
+    if (!hybrid->balance_started) {
+        hybrid->start_energy = energy;
+        hybrid->start_potential = b->gravity_potential;
+        hybrid->balance_started = true;
+    }
+    b->residual = energy - hybrid->start_energy - given_work(b);
+    b->cohesive_defect = b->cohesive + b->cohesive_recoverable + b->cohesive_released + b->fracture_dissipation;
+    const double sizes[] = {b->kinetic,
+                            b->strain,
+                            fabs(b->gravity_potential - hybrid->start_potential),
+                            fabs(b->contact),
+                            fabs(b->constraint),
+                            fabs(b->traction),
+                            b->fracture_dissipation};
+    b->largest = hybrid->balance.largest;
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) b->largest = fmax(b->largest, sizes[i]);
+}
+
+/* First awake node whose motion is not finite, seen through an element that owns it. */
+static int32_t first_lost_element(const ShvHybrid *hybrid)
+{
+    const ShvState *state = &hybrid->state;
+    for (int32_t e = 0; e < state->element_count; e++)
+        for (int32_t a = 0; a < 4; a++) {
+            const int64_t i = 3 * (int64_t)shv_state_node(state, e, a);
+            if (!shv_finite3(shv_load3(state->displacement + i)) || !shv_finite3(shv_load3(state->velocity + i)))
+                return e;
+        }
+    return -1;
+}
+
+/* Rounding of the potentials from which the balance is summed, J: what a body at rest, whose energies are nothing but rounding,
+   may be off by. */
+static double rounding_of_balance(const ShvHybrid *hybrid)
+{
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    double size = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_DEAD) size += fragment->mass * fabs(shv_dot(gravity, fragment->position));
+    }
+    return 1e-12 * (size + fabs(hybrid->start_energy));
+}
+
+/* By closing faces, what they hold still counted as theirs to give, J: it never rises. */
+static double given_by_closing(const ShvHybrid *hybrid, const ShvLedgerView *balance)
+{
+    return balance->closure + hybrid->cohesive_energy.held;
+}
+
+/* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven or overlaps are
+   the scene's; a balance cannot tell, since all that they do is booked. */
+static double contact_gain(const ShvHybrid *hybrid)
+{
+    const ShvLedgerView *b = &hybrid->balance;
+    if (hybrid->scene->overlaps == SHV_OVERLAPS_KEEP) return 0.0;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
+    return b->contact + b->friction + given_by_closing(hybrid, b) - hybrid->least_contact_work;
+}
+
+/* What it takes to lift every body by its radius, J: contacts may lift out what starts or wakes inside something else. */
+static double lift_of_bodies(const ShvHybrid *hybrid)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_DEAD) sum += fragment->mass * fragment->radius;
+    }
+    return sum * shv_norm(shv_load3(hybrid->gravity));
+}
+
+static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, double bound, ShvError *error)
+{
+    int32_t first = -1;
+    char inside_out[64] = "no tet inside out";
+    const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
+    if (inverted > 0)
+        snprintf(inside_out, sizeof inside_out, "%d tets inside out (first: %d)", (int)inverted, (int)first);
+    return shv_fail(
+        error, SHV_DIVERGED,
+        "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
+        "Courant number %.3g, %s; give a smaller fracture.time_step or fracture.safety, a finer mesh or a milder "
+        "impact, or raise the bound",
+        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), inside_out);
+}
+
+static ShvStatus not_finite(const ShvHybrid *hybrid, ShvError *error)
+{
+    const int32_t element = first_lost_element(hybrid);
+    const long long step = hybrid->state.step;
+    const double time = hybrid->state.time;
+    if (element < 0)
+        return shv_fail(error, SHV_DIVERGED,
+                        "the energy stopped being finite at step %lld, t = %.9g s; look for a speed or a size of the "
+                        "scene that is out of all proportion",
+                        step, time);
+    return shv_fail(
+        error, SHV_DIVERGED,
+        "a value stopped being finite at step %lld, t = %.9g s, in tet %d (Courant number %.3g); give a smaller "
+        "fracture.time_step or fracture.safety, or look at that tet's quality",
+        step, time, (int)element, shv_hybrid_courant(hybrid));
+}
+
+/* `largest`: the largest energy before, J, which nothing that has been gained since is part of. */
+static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError *error)
+{
+    const ShvLedgerView *b = &hybrid->balance;
+    const double rounding = rounding_of_balance(hybrid), share = hybrid->scene->fracture.energy_bound;
+    const double bound = share * b->largest + rounding;
+    if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential)) return not_finite(hybrid, error);
+    if (fabs(b->residual) > bound) return off_by(hybrid, "the energy balance is off", b->residual, bound, error);
+    /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
+    const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
+    if (!barred && fabs(b->cohesive_defect) > bound)
+        return off_by(hybrid, "the work of cohesive tractions is off the cohesive law", b->cohesive_defect, bound,
+                      error);
+    const double gain = contact_gain(hybrid);
+    const double most = share * fmax(largest, b->largest - gain) + lift_of_bodies(hybrid) + rounding;
+    return gain > most ? off_by(hybrid, "contacts have gained energy", gain, most, error) : SHV_OK;
+}
+
+ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    ShvLedgerView balance = {.time = state->time};
+    memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
+    if (hybrid->awake.count > 0) {
+        SHV_TRY(shv_hybrid_synchronise(hybrid, error));
+        for (int32_t i = 0; i < hybrid->fragments.count; i++)
+            if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);
+        add_awake(hybrid, &balance);
+        shv_hybrid_resume(hybrid);
+    }
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) add_fragment(hybrid, &balance, &hybrid->fragments.items[i]);
+    shv_add_to3(balance.momentum, shv_load3(hybrid->binned_momentum));
+    shv_add_to3(balance.angular_momentum, shv_load3(hybrid->binned_angular));
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, i);
+    add_cohesive(hybrid, &balance);
+    add_works(hybrid, &balance);
+    close_balance(hybrid, &balance);
+    const double largest = hybrid->balance.largest;
+    hybrid->balance = balance;
+    hybrid->least_contact_work =
+        fmin(hybrid->least_contact_work, balance.contact + balance.friction + given_by_closing(hybrid, &balance));
+    return judge_balance(hybrid, largest, error);
+}

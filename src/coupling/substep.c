@@ -1,0 +1,181 @@
+#include "coupling/hybrid.h"
+
+/* Friction between crack faces that have failed and closed again: none. Rough faces interlock through their own shape. */
+static const double crack_friction = 0.0;
+
+ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    const ShvAwake *awake = &hybrid->awake;
+    double start = shv_now();
+    if (!hybrid->forces_begun) {
+        shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
+        shv_solid_add_internal_force(&hybrid->solid, state);
+    }
+    hybrid->forces_begun = false;
+    start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
+    if (hybrid->relaxed)
+        hybrid->elastic_turnover += state->last_step * fabs(shv_motion_power(state, state->force, awake->nodes,
+                                                                             awake->node_count, hybrid->model.threads));
+    SHV_TRY(shv_imposed_add_force(&hybrid->imposed, state, error));
+    if (hybrid->model.can_break) {
+        shv_cohesive_begin(&hybrid->cohesive, state, awake->flags);
+        shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    }
+    return SHV_OK;
+}
+
+void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
+{
+    const ShvImposed *imposed = &hybrid->imposed;
+    ShvLedger *ledger = &hybrid->ledger;
+    if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
+    if (hybrid->mutual) {
+        const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+        shv_surface_contact_book(&hybrid->surface, &bodies);
+        shv_surface_contact_book_ledger(&hybrid->surface, ledger);
+    }
+    shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
+    shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
+}
+
+void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
+{
+    if (!hybrid->model.can_break) return;
+    shv_cohesive_pull(&hybrid->cohesive, &hybrid->state, kick, after);
+    shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after, crack_friction);
+}
+
+ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error)
+{
+    if (!hybrid->mutual) return SHV_OK;
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    return shv_surface_contact_begin(&hybrid->surface, &bodies, after, hybrid->gravity, error);
+}
+
+ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error)
+{
+    if (!hybrid->mutual) return SHV_OK;
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    const double start = shv_now();
+    SHV_TRY(shv_surface_contact_apply(&hybrid->surface, &bodies, after, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    return SHV_OK;
+}
+
+static void book_contact(ShvHybrid *hybrid)
+{
+    ShvNodeContact *contact = &hybrid->contact;
+    shv_node_contact_book(contact, &hybrid->state);
+    shv_node_contact_book_ledger(contact, &hybrid->ledger);
+    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
+}
+
+ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
+{
+    if (hybrid->relaxed) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
+    ShvState *state = &hybrid->state;
+    const ShvAwake *awake = &hybrid->awake;
+    const double kick = 0.5 * (before + after);
+    shv_ledger_begin_step(&hybrid->ledger);
+    double start = shv_now();
+    SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
+    SHV_TRY(shv_node_contact_begin(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, after,
+                                   hybrid->gravity, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
+    shv_coupled_bodies_kick(hybrid, kick);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
+    shv_hybrid_pull_and_close(hybrid, kick, after);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    SHV_TRY(shv_hybrid_resolve_contact(hybrid, after, error));
+    start = shv_now();
+    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
+                                   after, hybrid->gravity, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
+    if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
+    shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
+    shv_imposed_apply(&hybrid->imposed, state, before, after);
+    shv_hybrid_book_forces(hybrid, after);
+    book_contact(hybrid);
+    return SHV_OK;
+}
+
+/* No longer than the stable one. */
+double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
+{
+    const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    return limit / fmax(1.0, ceil(limit / longest * (1.0 - 1e-12)));
+}
+
+/* A diverging run is caught between frames too. */
+static ShvStatus observe_now_and_then(ShvHybrid *hybrid, ShvError *error)
+{
+    enum { STEPS = 1000 };
+    if (++hybrid->since_observed < STEPS) return SHV_OK;
+    hybrid->since_observed = 0;
+    return shv_hybrid_observe(hybrid, error);
+}
+
+/* Whether obstacles pushed nodes in the step just kicked, and with what impulse. */
+static bool pushed_by_obstacles(const ShvHybrid *hybrid, ShvVec3 *impulse)
+{
+    *impulse = hybrid->relaxed ? shv_vec3(0.0, 0.0, 0.0) : hybrid->contact.impulse;
+    if (!hybrid->relaxed) return hybrid->contact.touching > 0;
+    const ShvRelax *relax = &hybrid->relax;
+    for (int32_t i = 0; i < relax->touch_count; i++)
+        if (relax->touches[i].push > 0.0)
+            *impulse = shv_add(*impulse, shv_add(relax->touches[i].impulse, relax->touches[i].friction));
+    return relax->touching > 0;
+}
+
+static void count_contact(ShvHybrid *hybrid, double step)
+{
+    ShvVec3 impulse;
+    if (!pushed_by_obstacles(hybrid, &impulse)) return;
+    if (hybrid->contact_steps++ == 0) hybrid->first_contact = hybrid->state.time;
+    hybrid->contact_impulse = shv_add(hybrid->contact_impulse, impulse);
+    hybrid->contact_time += step;
+    hybrid->last_contact = hybrid->state.time + step;
+}
+
+static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
+{
+    const double before = hybrid->state.last_step;
+    const ShvProbeScene scene = {&hybrid->solid, &hybrid->state, &hybrid->fragments, &hybrid->obstacles};
+    const bool due = shv_probes_due(&hybrid->probes, &hybrid->state);
+    if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
+    SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
+    const ShvRelax *relax = hybrid->relaxed ? &hybrid->relax : NULL;
+    const ShvSurfaceContact *surface = hybrid->mutual ? &hybrid->surface : NULL;
+    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, surface, relax, &hybrid->imposed);
+    return SHV_OK;
+}
+
+ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
+{
+    ShvState *state = &hybrid->state;
+    SHV_TRY(observe_now_and_then(hybrid, error));
+    SHV_TRY(shv_hybrid_check(hybrid, error));
+    const double step = shv_hybrid_choose_step(hybrid, limit);
+    shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
+    SHV_TRY(shv_hybrid_forces(hybrid, error));
+    SHV_TRY(shv_hybrid_part(hybrid, error));
+    SHV_TRY(sampled_kick(hybrid, step, error));
+    count_contact(hybrid, step);
+    shv_waking_contact_follow(hybrid);
+    const double start = shv_now();
+    if (hybrid->relaxed)
+        hybrid->bars_turnover += fabs(hybrid->relax.work.bars[0] + hybrid->relax.work.bars[1]);
+    else
+        shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
+    shv_coupled_bodies_drift(hybrid, step);
+    shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
+    state->time += step;
+    state->last_step = step;
+    state->step++;
+    hybrid->step = step;
+    return shv_coupled_bodies_judge(hybrid, error);
+}

@@ -1,0 +1,238 @@
+/* Into fracture mode: which contacts wake a fragment, and its nodes get its rigid motion. Momentum and angular momentum pass
+   unchanged, since both sides use the lumped inertia. */
+#include "coupling/hybrid.h"
+
+/* A touch from a gap, or one that closes faster than resting and rolling bodies do: a body that stands on one edge may slam on
+   the other, and one may touch from the start. */
+static bool is_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
+    return contact->fresh || contact->closing_speed > 2.0 * rest_speed;
+}
+
+/* v √max(1, m_other/m_own); what is held fast counts as ratio 1, since the estimate's factor K already holds for a rigid
+   wall. */
+static double severity(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const double own = hybrid->fragments.items[contact->fragment].mass, other = contact->other_mass;
+    if (!is_impact(hybrid, contact)) return 0.0;
+    return contact->closing_speed * (isfinite(other) ? sqrt(fmax(1.0, other / own)) : 1.0);
+}
+
+/* Impact stress estimate K ρ c₀ × severity against the weakest facet. What it has borne once, without a facet inserted, does not
+   wake it again. */
+static bool wakes_by_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
+    const double speed = severity(hybrid, contact);
+    if (!(speed > 1.1 * fragment->borne_impact)) return false;
+    const double stress = hybrid->scene->rigid.wake_factor * material->density * material->bar_speed * speed;
+    return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
+}
+
+/* a² = 6 (I₂ + I₃ − I₁)/m. */
+void shv_hybrid_extents(const ShvFragment *fragment, double sides[3])
+{
+    double values[3];
+    shv_symmetric_eigen(&fragment->inertia, values, NULL);
+    const double trace = values[0] + values[1] + values[2];
+    for (int i = 0; i < 3; i++) sides[i] = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[i]) / fragment->mass));
+}
+
+/* F/A + F L/(4 W) of a simply supported beam: smallest section A = b h, W = b h²/6 of the box. */
+double shv_hybrid_load_stress(const ShvFragment *fragment, double load)
+{
+    double sides[3];
+    shv_hybrid_extents(fragment, sides);
+    const double area = sides[1] * sides[2], bending = area * sides[2] / 6.0;
+    return load / area + load * sides[0] / (4.0 * bending);
+}
+
+/* A load that it has borne once does not wake it again. */
+static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    if (!isfinite(fragment->strength) || !(contact->load > 1.1 * fragment->borne)) return false;
+    return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
+}
+
+static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
+    const double strength = hybrid->fragments.items[contact->fragment].strength;
+    if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
+    if (rigid->wake == SHV_WAKE_CONTACT)
+        return is_impact(hybrid, contact) && (isfinite(strength) || !hybrid->scene->fracture.enabled)
+                   ? SHV_REASON_CONTACT
+                   : SHV_REASON_NONE;
+    if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
+    if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
+    const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
+    const bool audit = hybrid->audited < hybrid->audit_wakes && contact->fresh && contact->closing_speed > rest_speed;
+    return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;
+}
+
+bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact)
+{
+    return reason_to_wake(hybrid, contact) != SHV_REASON_NONE;
+}
+
+/* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with
+   those of what is awake already. Under a stress that was kept they are taken the same: rigid motion and internal forces have
+   no power together, so that ½ m v₋·v₊ starts as the energy that the body had. */
+static void step_back(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        double *v = hybrid->state.velocity + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k];
+        shv_store3(v, shv_madd(shv_load3(v), -0.5 * hybrid->state.last_step, gravity));
+    }
+}
+
+/* A coupled body that wakes is still in the backend's list. */
+static void leave_flight(ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    if (!hybrid->fragments.items[contact->fragment].coupled) return;
+    shv_coupled_bodies_remove(hybrid, contact->fragment);
+    hybrid->backend->functions->remove(hybrid->backend, contact->fragment);
+}
+
+/* What it has met, if that is rigid still, goes along with it. */
+static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
+{
+    if (!hybrid->mutual || contact->other < 0) return SHV_OK;
+    const ShvFragment *other = &hybrid->fragments.items[contact->other];
+    bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
+    for (int32_t i = hybrid->wake_next; i < hybrid->wake_count; i++) /* its own turn is to come */
+        flies = flies && hybrid->wakes[i].fragment != contact->other;
+    return flies ? shv_coupled_bodies_add(hybrid, contact->other, error) : SHV_OK;
+}
+
+/* Its record is that of the impact, less than a step from now: it flies as far, or back. */
+static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double time)
+{
+    const double elapsed = hybrid->state.time - time;
+    if (elapsed == 0.0 || hybrid->backend->keeps_nodes) return;
+    const ShvVec3 gravity = shv_load3(hybrid->gravity);
+    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
+    const ShvVec3 spin = shv_free_rotation_momentum(&rotation, fragment->orientation, fragment->angular_velocity);
+    fragment->position =
+        shv_madd(shv_madd(fragment->position, elapsed, fragment->velocity), 0.5 * elapsed * elapsed, gravity);
+    fragment->velocity = shv_madd(fragment->velocity, elapsed, gravity);
+    /* Backwards is forwards with the momentum reversed. */
+    fragment->orientation = shv_free_rotation_advance(&rotation, fragment->orientation,
+                                                      elapsed > 0.0 ? spin : shv_scale(spin, -1.0), fabs(elapsed));
+    fragment->angular_velocity = shv_free_rotation_velocity(&rotation, fragment->orientation, spin);
+}
+
+/* Whether a fragment wakes in its shape at the start, though its nodes flew on their own. Bars hold lengths to about 1e-3, edge by
+   edge. That is nothing to see; but in a stiff solid it is energy out of nothing (½ E ε², 35 kJ/m³ in glass, which moves at
+   5 m/s with as much), in modes near the limit of stability, of which central difference loses a share up to (ω Δt)²/4 in its
+   first step. Bars in fracture mode take the deformation as it is. */
+static bool straightens(const ShvHybrid *hybrid)
+{
+    return hybrid->backend->keeps_nodes && !hybrid->relaxed;
+}
+
+/* Nodes get the rigid motion, on top of the deformation that was kept. */
+static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    if (hybrid->backend->keeps_nodes && !straightens(hybrid)) return;
+    if (fragment->deformed)
+        shv_fragment_unfold(fragment, &hybrid->fragments, &hybrid->state);
+    else
+        shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+}
+
+/* Where a fragment's nodes stand deepest in an obstacle; the way out of it. */
+static ShvVec3 separation(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double deepest = 0.0;
+    ShvVec3 apart = {0.0, 0.0, 0.0};
+    for (int32_t o = 0; o < hybrid->obstacles.count; o++)
+        for (int32_t k = 0; k < fragment->node_count; k++) {
+            const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
+            const ShvSurfacePoint at =
+                shv_obstacle_closest(&hybrid->obstacles.items[o], shv_state_position(&hybrid->state, node), 0.0);
+            if (!(at.gap < deepest)) continue;
+            deepest = at.gap;
+            apart = shv_scale(at.normal, -at.gap);
+        }
+    return apart;
+}
+
+/* Bars push out what is inside an obstacle, at once and with all the energy that takes; those of rigid mode when the body has
+   come to rest. Its nodes can be, by what its convex pieces leave out, or since they are back in its shape at the start: it
+   is moved out as a whole, and the potential energy of that is booked. */
+static void stand_outside(ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    const double largest_share = 0.1; /* of the radius; deeper overlaps are the scene's */
+    if (hybrid->relaxed == hybrid->backend->keeps_nodes) return;
+    const ShvVec3 apart = separation(hybrid, fragment);
+    if (!(shv_norm(apart) > 0.0) || shv_norm(apart) > largest_share * fragment->radius) return;
+    for (int32_t k = 0; k < fragment->node_count; k++)
+        shv_add_to3(hybrid->state.displacement + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k], apart);
+    fragment->position = shv_add(fragment->position, apart);
+    hybrid->ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), apart);
+}
+
+double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    ShvVec3 momentum, angular;
+    double kinetic;
+    if (!hybrid->backend->keeps_nodes) return shv_fragment_kinetic(fragment);
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    return kinetic;
+}
+
+/* What the switch gives is the elastic energy of nodes that flew on their own and keep their places, or what they had beside a
+   rigid motion where they do not, and what the deformation that was kept does to the inertia. */
+static void wake_energies(ShvHybrid *hybrid, ShvFragment *fragment, ShvEventView *event)
+{
+    const bool nodes = hybrid->backend->keeps_nodes;
+    shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, event);
+    ShvVec3 momentum, angular;
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &event->kinetic_after);
+    shv_audit_rigid(fragment, event->momentum_before, event->angular_before);
+    event->strain_before = fragment->strain;
+    if (fragment->deformed || (nodes && !straightens(hybrid))) event->strain_after = shv_audit_strain(hybrid, fragment);
+    if (fragment->deformed || straightens(hybrid)) event->cohesive_after = shv_audit_cohesive(hybrid, fragment);
+}
+
+ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
+{
+    ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const double start = shv_now();
+    ShvEventView event = shv_audit_event(hybrid, SHV_RUN_WAKE, contact->fragment);
+    event.obstacle = contact->obstacle;
+    event.value = contact->closing_speed;
+    event.reason = reason_to_wake(hybrid, contact);
+    fragment->audited = event.reason == SHV_REASON_AUDIT;
+    hybrid->audited += fragment->audited;
+    if (!fragment->coupled) shv_surface_contact_invalidate(&hybrid->surface);
+    const bool was_coupled_body = fragment->coupled;
+    leave_flight(hybrid, contact);
+    if (fragment->deformed || straightens(hybrid)) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
+    if (!was_coupled_body) bring_to_now(hybrid, fragment, contact->time);
+    event.kinetic_before = shv_hybrid_kinetic_in_flight(hybrid, fragment);
+    give_motion(hybrid, fragment);
+    stand_outside(hybrid, fragment);
+    wake_energies(hybrid, fragment, &event);
+    fragment->mode = SHV_MODE_FRACTURE;
+    fragment->quiet = 0;
+    fragment->strain = 0.0;
+    fragment->deformed = false;
+    fragment->wake_energy = event.kinetic_after / fragment->mass;
+    fragment->load = contact->load;
+    fragment->impact = severity(hybrid, contact);
+    shv_waking_contact_begin(hybrid, fragment, contact);
+    fragment->longest = shv_hybrid_longest(hybrid, fragment);
+    shv_hybrid_begin_growth(hybrid, fragment);
+    hybrid->awake.stale = true;
+    shv_check_clock_start(&hybrid->clock);
+    step_back(hybrid, fragment);
+    SHV_TRY(take_partner(hybrid, contact, error));
+    shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);
+    return shv_audit_close(hybrid, &event, error);
+}

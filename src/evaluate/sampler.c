@@ -1,0 +1,298 @@
+#include "evaluate/sampler.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/ledger_fields.h"
+#include "base/text.h"
+#include "evaluate/crack_surface.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+void shv_sampler_release(ShvSampler *sampler)
+{
+    shv_bodies_release(&sampler->bodies);
+    shv_pool_release(&sampler->pool);
+}
+
+/* ---- series ---- */
+
+static void add_probes(ShvOutcome *outcome, const ShvFrameView *frame)
+{
+    static const char *const names[SHV_PROBE_NUMBERS] = {
+        "displacement.x", "displacement.y", "displacement.z", "velocity.x", "velocity.y", "velocity.z",
+        "stress.xx",      "stress.yy",      "stress.zz",      "stress.yz",  "stress.xz",  "stress.xy",
+        "contact.x",      "contact.y",      "contact.z",      "reaction.x", "reaction.y", "reaction.z"};
+    const int64_t rows = frame->probe_row_count;
+    char name[96];
+    shv_outcome_add_all(outcome, "probe.time", SHV_CLOCK_PROBE, frame->probe_times, rows);
+    for (int32_t p = 0; p < frame->probe_count; p++)
+        for (int k = 0; k < SHV_PROBE_NUMBERS; k++) {
+            shv_format(name, sizeof name, "%.63s.%s", frame->probes[p].name, names[k]);
+            double *room = shv_outcome_room(outcome, name, SHV_CLOCK_PROBE, rows);
+            for (int64_t r = 0; r < rows && room; r++) {
+                double numbers[SHV_PROBE_NUMBERS];
+                memcpy(numbers, &frame->probe_samples[r * frame->probe_count + p], sizeof numbers);
+                room[r] = numbers[k];
+            }
+        }
+}
+
+static void add_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
+{
+#define NUMBER(member) shv_outcome_add(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
+#define VECTOR(member) shv_outcome_add_vector(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
+    SHV_LEDGER_FIELDS(NUMBER, VECTOR)
+#undef NUMBER
+#undef VECTOR
+}
+
+static void add_numbers(ShvOutcome *outcome, const ShvFrameView *frame)
+{
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"frame.time", frame->time},
+                   {"frame.step", frame->step},
+                   {"frame.courant", frame->courant},
+                   {"frame.inserted", frame->inserted},
+                   {"frame.failed", frame->failed},
+                   {"frame.alive", frame->alive_count},
+                   {"frame.steps", (double)frame->steps},
+                   {"frame.animation", frame->animation},
+                   {"frame.edge_strain", frame->edge_strain},
+                   {"frame.bar_share", frame->bar_work_share}};
+    for (size_t i = 0; i < COUNT(numbers); i++)
+        shv_outcome_add(outcome, numbers[i].name, SHV_CLOCK_FRAME, numbers[i].value);
+}
+
+static double length_of(const double v[3])
+{
+    return shv_norm(shv_load3(v));
+}
+
+/* Σ m|v|, and whether all numbers are finite. */
+static void add_motion(ShvOutcome *outcome, const ShvFrameView *frame)
+{
+    double scale = 0.0, all = frame->ledger.residual;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        const ShvFragmentView *fragment = &frame->fragments[i];
+        if (fragment->mode == SHV_FRAGMENT_DEAD) continue;
+        scale += fragment->mass * length_of(fragment->velocity);
+        all += length_of(fragment->position) + length_of(fragment->angular_velocity);
+    }
+    shv_outcome_add(outcome, "frame.momentum_scale", SHV_CLOCK_FRAME, scale);
+    shv_outcome_add(outcome, "frame.finite", SHV_CLOCK_FRAME, isfinite(scale + all) ? 1.0 : 0.0);
+}
+
+/* How far corners of tets reach: least and largest z; the largest distance from their fragment's centre. */
+static ShvStatus add_corners(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    const int64_t count = shv_simulation_mesh(simulation).element_count;
+    double lowest = HUGE_VAL, highest = -HUGE_VAL, radius = 0.0;
+    if (!sampler->corners) sampler->corners = shv_pool_take(&sampler->pool, 12 * (size_t)count, sizeof(double));
+    if (!sampler->fragments) sampler->fragments = shv_pool_take(&sampler->pool, (size_t)count, sizeof(int32_t));
+    if (!sampler->corners || !sampler->fragments) return shv_fail_memory(error, "corners", 100 * (size_t)count);
+    shv_simulation_corner_positions(simulation, sampler->corners);
+    shv_simulation_element_state(simulation, sampler->fragments, NULL);
+    for (int64_t i = 0; i < 4 * count; i++) {
+        const ShvVec3 x = shv_load3(sampler->corners + 3 * i);
+        const ShvVec3 centre = shv_load3(frame->fragments[sampler->fragments[i / 4]].position);
+        lowest = fmin(lowest, x.z);
+        highest = fmax(highest, x.z);
+        const double distance = shv_norm(shv_sub(x, centre));
+        if (!(distance <= radius)) radius = distance; /* also what is not a number */
+    }
+    shv_outcome_add(sampler->outcome, "frame.lowest", SHV_CLOCK_FRAME, lowest);
+    shv_outcome_add(sampler->outcome, "frame.highest", SHV_CLOCK_FRAME, highest);
+    shv_outcome_add(sampler->outcome, "frame.radius", SHV_CLOCK_FRAME, radius);
+    return SHV_OK;
+}
+
+/* ---- the tip of a crack ---- */
+
+static const double opened = 0.5; /* damage */
+
+/* Centroid of the face opposite to a corner, in the reference mesh. */
+static ShvVec3 face_centre(const ShvMeshView *mesh, int64_t element, int corner)
+{
+    ShvVec3 sum = shv_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < 4; k++)
+        if (k != corner) sum = shv_add(sum, shv_load3(mesh->positions + 3 * (int64_t)mesh->elements[4 * element + k]));
+    return shv_scale(sum, 1.0 / 3.0);
+}
+
+static ShvStatus find_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvVec3 *tip, double *length,
+                          ShvError *error)
+{
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    const size_t count = 4 * (size_t)mesh.element_count;
+    ShvCrackView crack;
+    SHV_TRY(shv_simulation_crack(simulation, &crack, error));
+    if (!sampler->damage) sampler->damage = shv_pool_take(&sampler->pool, count, sizeof(double));
+    if (!sampler->damage) return shv_fail_memory(error, "damage of facets", count * sizeof(double));
+    shv_simulation_element_state(simulation, NULL, sampler->damage);
+    const ShvVec3 origin = shv_load3(crack.origin);
+    for (int64_t i = 0; i < (int64_t)count; i++) {
+        if (sampler->damage[i] < opened) continue;
+        const ShvVec3 centre = face_centre(&mesh, i / 4, (int)(i % 4));
+        const double distance = shv_norm(shv_sub(centre, origin));
+        if (distance <= *length) continue;
+        *length = distance;
+        *tip = centre;
+    }
+    return SHV_OK;
+}
+
+/* The tip of the first crack: of the facets that are half opened the one that is farthest from where it began. */
+static ShvStatus add_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    ShvVec3 tip = shv_vec3((double)NAN, (double)NAN, (double)NAN);
+    double length = 0.0, place[3];
+    if (frame->inserted > 0) SHV_TRY(find_tip(sampler, simulation, &tip, &length, error));
+    shv_store3(place, tip);
+    shv_outcome_add_vector(sampler->outcome, "crack.tip", SHV_CLOCK_FRAME, place);
+    shv_outcome_add(sampler->outcome, "crack.length", SHV_CLOCK_FRAME, length);
+    return SHV_OK;
+}
+
+/* ---- events and bodies ---- */
+
+static void count_events(ShvOutcome *outcome, const ShvFrameView *frame)
+{
+    static const ShvRunEvent kinds[] = {SHV_RUN_WAKE, SHV_RUN_SLEEP, SHV_RUN_INVERSION, SHV_RUN_SQUEEZE};
+    static const char *const names[] = {"frame.wakes", "frame.rests", "frame.inversions", "frame.squeezes"};
+    for (size_t k = 0; k < COUNT(kinds); k++) {
+        double number = 0.0;
+        for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kinds[k];
+        shv_outcome_add(outcome, names[k], SHV_CLOCK_FRAME, number);
+    }
+}
+
+static void track(ShvSampler *sampler, const ShvFrameView *frame)
+{
+    const int64_t count = sampler->bodies.count;
+    double *room = shv_outcome_room(sampler->outcome, "track", SHV_CLOCK_NONE, count * SHV_BODY_NUMBERS);
+    for (int64_t i = 0; i < count && room; i++) {
+        const ShvBodyState state = shv_body_state(&sampler->bodies.items[i], frame);
+        memcpy(room + i * SHV_BODY_NUMBERS, &state, sizeof state);
+    }
+    shv_outcome_set(sampler->outcome, "track.bodies", (double)count);
+}
+
+ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    ShvOutcome *outcome = sampler->outcome;
+    if (sampler->tracked && !sampler->bodies.items)
+        SHV_TRY(shv_bodies_create(&sampler->bodies, sampler->scene, frame, outcome->memory, error));
+    add_numbers(outcome, frame);
+    add_motion(outcome, frame);
+    add_ledger(outcome, &frame->ledger);
+    SHV_TRY(add_corners(sampler, simulation, error));
+    SHV_TRY(add_tip(sampler, simulation, error));
+    add_probes(outcome, frame);
+    count_events(outcome, frame);
+    if (sampler->tracked) track(sampler, frame);
+    return outcome->failed ? shv_fail_memory(error, "what is kept of a run", 0) : SHV_OK;
+}
+
+/* ---- the end ---- */
+
+static int compare_doubles(const void *first, const void *second)
+{
+    const double a = *(const double *)first, b = *(const double *)second;
+    return (a > b) - (a < b);
+}
+
+void shv_sort_numbers(double *values, int64_t count)
+{
+    if (count > 1) qsort(values, (size_t)count, sizeof *values, compare_doubles);
+}
+
+/* Masses and momenta of living fragments; "pieces.mass" ascending. */
+static void add_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count)
+{
+    double mass = 0.0;
+    ShvVec3 momentum = shv_vec3(0.0, 0.0, 0.0);
+    const ShvFragmentView *largest = NULL;
+    shv_outcome_add_all(outcome, "pieces.mass", SHV_CLOCK_NONE, NULL, 0);
+    for (int32_t i = 0; i < count; i++) {
+        const ShvFragmentView *fragment = &fragments[i];
+        if (fragment->mode == SHV_FRAGMENT_DEAD) continue;
+        shv_outcome_add(outcome, "pieces.mass", SHV_CLOCK_NONE, fragment->mass);
+        momentum = shv_madd(momentum, fragment->mass, shv_load3(fragment->velocity));
+        mass += fragment->mass;
+        if (!largest || fragment->mass > largest->mass) largest = fragment;
+    }
+    const ShvOutcomeList *masses = shv_outcome_find(outcome, "pieces.mass");
+    if (outcome->failed) return;
+    shv_sort_numbers(masses->values, masses->count);
+    shv_outcome_set(outcome, "end.fragments", (double)masses->count);
+    shv_outcome_set(outcome, "end.mass", mass);
+    shv_outcome_set(outcome, "end.largest_mass", largest ? largest->mass : 0.0);
+    const double sum[3] = {momentum.x, momentum.y, momentum.z};
+    shv_outcome_add_vector(outcome, "end.momentum", SHV_CLOCK_NONE, sum);
+    if (!largest) return;
+    shv_outcome_add_vector(outcome, "end.position", SHV_CLOCK_NONE, largest->position);
+    shv_outcome_add_vector(outcome, "end.velocity", SHV_CLOCK_NONE, largest->velocity);
+    shv_outcome_set(outcome, "end.spin", length_of(largest->angular_velocity));
+}
+
+/* The failed facets. */
+static ShvStatus add_crack(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    ShvOutcome *outcome = sampler->outcome;
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    uint8_t *bonds = shv_pool_take(&sampler->pool, 4 * (size_t)mesh.element_count, 1);
+    if (!bonds) return shv_fail_memory(error, "bonds of facets", 4 * (size_t)mesh.element_count);
+    shv_simulation_bonds(simulation, bonds);
+    const ShvCrackSurface surface = shv_crack_surface(&mesh, bonds, &sampler->pool);
+    const double halves[2] = {(double)(uint32_t)(surface.mesh >> 32), (double)(uint32_t)surface.mesh};
+    shv_outcome_add_all(outcome, "crack.mesh", SHV_CLOCK_NONE, halves, 2);
+    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, surface.facets,
+                        (int64_t)surface.count * SHV_FACET_NUMBERS);
+    return outcome->failed || sampler->pool.failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
+}
+
+/* A double holds 53 bits of the hash: equal for equal runs. */
+static double hash_number(uint64_t hash)
+{
+    return (double)(hash >> 11);
+}
+
+static void add_end(ShvOutcome *outcome, const ShvFrameView *frame)
+{
+    static const char *const parts[] = {"adjacency", "stress", "cohesive"};
+    double bytes = 0.0;
+    for (int32_t i = 0; i < frame->bytes_count; i++)
+        for (size_t k = 0; k < COUNT(parts); k++)
+            if (strcmp(frame->bytes[i].name, parts[k]) == 0) bytes += (double)frame->bytes[i].peak;
+    shv_outcome_set(outcome, "run.cohesive_bytes", bytes);
+    shv_outcome_set(outcome, "end.worst_overshoot", frame->worst_overshoot);
+    shv_outcome_add_vector(outcome, "run.impulse", SHV_CLOCK_NONE, frame->contact_impulse);
+    shv_outcome_set(outcome, "run.contact_time", frame->contact_time);
+    shv_outcome_set(outcome, "run.first_contact", frame->first_contact);
+    shv_outcome_set(outcome, "run.audited", frame->audited);
+    shv_outcome_set(outcome, "run.missed", frame->missed);
+    for (int32_t i = 0; i < frame->cost_count; i++)
+        shv_outcome_add(outcome, "run.costs", SHV_CLOCK_NONE, frame->costs[i].seconds);
+}
+
+ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    ShvOutcome *outcome = sampler->outcome;
+    ShvCrackView crack;
+    SHV_TRY(shv_simulation_crack(simulation, &crack, error));
+    add_pieces(outcome, frame->fragments, frame->fragment_count);
+    shv_outcome_set(outcome, "end.crack_facets", crack.facets);
+    shv_outcome_add_vector(outcome, "end.crack_origin", SHV_CLOCK_NONE, crack.origin);
+    shv_outcome_add_vector(outcome, "end.crack_centre", SHV_CLOCK_NONE, crack.centre);
+    shv_outcome_add_vector(outcome, "end.crack_normal", SHV_CLOCK_NONE, crack.normal);
+    shv_outcome_set(outcome, "end.hash", hash_number(shv_simulation_hash(simulation)));
+    add_end(outcome, frame);
+    return add_crack(sampler, simulation, error);
+}

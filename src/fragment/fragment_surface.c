@@ -1,0 +1,84 @@
+#include "fragment/fragment.h"
+
+#include "mesh/facets.h"
+
+/* Whether the other side of a face uses the same three copies of the face's nodes. */
+static bool shares_face(const ShvState *state, int32_t element, int32_t face, int32_t other, int32_t other_face)
+{
+    for (int a = 0; a < 3; a++) {
+        const int32_t node = shv_state_node(state, element, shv_face_corners[face][a]);
+        bool found = false;
+        for (int b = 0; b < 3; b++) found |= shv_state_node(state, other, shv_face_corners[other_face][b]) == node;
+        if (!found) return false;
+    }
+    return true;
+}
+
+static bool is_open(const ShvFragments *fragments, const ShvModel *model, const ShvState *state, int32_t element,
+                    int32_t face)
+{
+    const ShvAdjacency *adjacency = &model->adjacency;
+    const int32_t facet = adjacency->element_facets[4 * (int64_t)element + face];
+    if (facet >= adjacency->interior_count) return true;
+    if (shv_fragments_bonded_neighbour(fragments, element, face) >= 0) return false;
+    const int side = adjacency->facet_elements[2 * (int64_t)facet] == element;
+    return !shares_face(state, element, face, adjacency->facet_elements[2 * (int64_t)facet + side],
+                        adjacency->facet_faces[2 * (int64_t)facet + side]);
+}
+
+enum { INSIDE = 0, ON_SURFACE = 1 };
+
+static void mark_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,
+                         const ShvFragment *fragment)
+{
+    const int32_t *nodes = fragments->nodes + fragment->node_begin;
+    for (int32_t i = 0; i < fragment->node_count; i++)
+        fragments->label[nodes[i]] =
+            fragments->boundary && fragments->boundary[state->origin[nodes[i]]] ? ON_SURFACE : INSIDE;
+    if (fragments->boundary) return;
+    const int32_t *elements = fragments->elements + fragment->element_begin;
+    for (int32_t i = 0; i < fragment->element_count; i++)
+        for (int32_t face = 0; face < 4; face++)
+            if (is_open(fragments, model, state, elements[i], face))
+                for (int a = 0; a < 3; a++)
+                    fragments->label[shv_state_node(state, elements[i], shv_face_corners[face][a])] = ON_SURFACE;
+}
+
+ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,
+                               int32_t fragment, int32_t **nodes, int32_t *count, ShvError *error)
+{
+    const ShvFragment *item = &fragments->items[fragment];
+    const int32_t *all = fragments->nodes + item->node_begin;
+    mark_surface(fragments, model, state, item);
+    *count = 0;
+    for (int32_t i = 0; i < item->node_count; i++) *count += fragments->label[all[i]] == ON_SURFACE;
+    *nodes = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)*count, sizeof(int32_t));
+    if (!*nodes) return shv_fail_memory(error, "the surface of a fragment", (size_t)*count * sizeof(int32_t));
+    int32_t end = 0;
+    for (int32_t i = 0; i < item->node_count; i++)
+        if (fragments->label[all[i]] == ON_SURFACE) (*nodes)[end++] = all[i];
+    return SHV_OK;
+}
+
+/* As a mesh of its own, whose nodes are numbered from 0. */
+ShvStatus shv_fragment_faces(const ShvFragments *fragments, const ShvState *state, int32_t fragment, int32_t **faces,
+                             int32_t *count, ShvError *error)
+{
+    const ShvFragment *item = &fragments->items[fragment];
+    const int32_t *own = fragments->elements + item->element_begin, *nodes = fragments->nodes + item->node_begin;
+    const size_t corners = 4 * (size_t)item->element_count;
+    *faces = NULL;
+    int32_t *elements = shv_allocate(fragments->memory, SHV_PART_RIGID, corners, sizeof *elements);
+    if (!elements) return shv_fail_memory(error, "the surface of a fragment", corners * sizeof *elements);
+    for (int32_t i = 0; i < item->node_count; i++) fragments->label[nodes[i]] = i;
+    for (int32_t i = 0; i < item->element_count; i++)
+        for (int k = 0; k < 4; k++) elements[4 * (int64_t)i + k] = fragments->label[shv_state_node(state, own[i], k)];
+    const ShvMesh mesh = {.memory = fragments->memory,
+                          .node_count = item->node_count,
+                          .element_count = item->element_count,
+                          .elements = elements};
+    const ShvStatus status = shv_boundary_faces(&mesh, fragments->memory, SHV_PART_RIGID, faces, count, error);
+    for (int32_t k = 0; status == SHV_OK && k < *count; k++) (*faces)[k] = 4 * own[(*faces)[k] / 4] + (*faces)[k] % 4;
+    shv_release(elements);
+    return status;
+}

@@ -1,0 +1,209 @@
+/* The check that goes with the internal force, against one that knows all stress; forces of nodes that were split. */
+#include "coupling/stage.h"
+
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "coupling/hybrid.h"
+
+typedef struct Body {
+    Stage stage;
+    ShvMemory *memory;
+    ShvHybrid hybrid;
+} Body;
+
+static void begin(Body *body, ShvKinematics kinematics, int32_t threads)
+{
+    ShvError error = {0};
+    const double size[3] = {0.2, 0.15, 0.05};
+    stage_make(&body->stage);
+    ShvObjectDefinition *object = stage_box(&body->stage, "bar", size, 0.02, 1.0);
+    object->mesh.jitter = 0.2;
+    object->placement.stretch_rate[0] = 1e-3; /* awake from the start */
+    body->stage.material.kinematics = kinematics;
+    body->stage.material.weibull_modulus = 7.0;
+    body->stage.scene.threads = threads;
+    body->memory = shv_memory_create();
+    check_ok(shv_hybrid_create(&body->hybrid, body->memory, &body->stage.scene, NULL, &error), error);
+}
+
+static void end(Body *body)
+{
+    shv_hybrid_release(&body->hybrid);
+    assert_int_equal(shv_memory_bytes(body->memory, SHV_PART_COUNT), 0);
+    shv_memory_destroy(body->memory);
+}
+
+/* A turn about x by `angle` on top of waves of strain. */
+static void deform(Body *body, double strain, double angle, uint64_t seed)
+{
+    ShvState *state = &body->hybrid.state;
+    for (int32_t node = 0; node < state->node_count; node++) {
+        const ShvVec3 x = shv_load3(state->reference + 3 * (int64_t)state->origin[node]);
+        double *u = state->displacement + 3 * (int64_t)node;
+        double v[3];
+        for (int c = 0; c < 3; c++) {
+            const double phase = 6.0 * shv_random_uniform(seed, (uint64_t)c);
+            v[c] = strain / 20.0 * sin(20.0 * x.x + 17.0 * x.y + 23.0 * x.z + phase);
+        }
+        const double y = x.y + v[1], z = x.z + v[2];
+        u[0] = v[0];
+        u[1] = cos(angle) * y - sin(angle) * z - x.y;
+        u[2] = sin(angle) * y + cos(angle) * z - x.z;
+    }
+}
+
+static void fill(void *context, const int32_t *batches, int32_t count)
+{
+    const ShvHybrid *hybrid = context;
+    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->stress);
+}
+
+typedef struct Found {
+    int32_t *facets, count;
+    double *values, largest;
+} Found;
+
+static Found room_for(const ShvHybrid *hybrid)
+{
+    const size_t facets = (size_t)hybrid->model.adjacency.interior_count;
+    return (Found){.facets = malloc(facets * sizeof(int32_t)), .values = malloc(facets * sizeof(double))};
+}
+
+static void release(Found *found)
+{
+    free(found->facets);
+    free(found->values);
+}
+
+static void check_all(ShvHybrid *hybrid, Found *found)
+{
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+    found->largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, found->facets,
+                                             found->values, &found->count);
+}
+
+/* Stress that nothing asks for is not a number. */
+static void check_hot(ShvHybrid *hybrid, Found *found, int32_t *looked_at)
+{
+    const ShvStressSource source = {fill, hybrid};
+    ShvCohesive *cohesive = &hybrid->cohesive;
+    const size_t slots = (size_t)hybrid->state.batch_count * 6 * SHV_LANES;
+    for (size_t i = 0; i < slots; i++) hybrid->stress[i] = nan("");
+    const double floor = shv_cohesive_floor(cohesive, &hybrid->state, hybrid->stress, source);
+    shv_motion_clear_force(&hybrid->state, NULL, 0, 1);
+    shv_solid_add_internal_force_and_find_faces(&hybrid->solid, &hybrid->state, cohesive->face_weight, floor,
+                                                cohesive->faces);
+    found->largest = shv_cohesive_face_candidates(cohesive, &hybrid->state, hybrid->stress, source, found->facets,
+                                                  found->values, &found->count);
+    *looked_at = cohesive->watched_count;
+}
+
+static void same_candidates(ShvKinematics kinematics)
+{
+    Body body;
+    begin(&body, kinematics, 1);
+    Found all = room_for(&body.hybrid), hot = room_for(&body.hybrid);
+    int32_t with = 0, without = 0, saved = 0;
+    for (int trial = 0; trial < 60; trial++) {
+        /* strengths are reached at strains near 1e-3; every tenth state is squeezed out of all proportion */
+        const double strain = trial % 10 == 9 ? 3.0 : 1e-4 * (1 + trial % 10);
+        int32_t looked_at;
+        deform(&body, strain, 0.4 * (trial % 4), (uint64_t)(1 + trial / 10));
+        check_hot(&body.hybrid, &hot, &looked_at);
+        check_all(&body.hybrid, &all);
+        assert_true(hot.largest == all.largest);
+        assert_int_equal(hot.count, all.count);
+        if (hot.count > 0) {
+            assert_memory_equal(hot.facets, all.facets, (size_t)all.count * sizeof(int32_t));
+            assert_memory_equal(hot.values, all.values, (size_t)all.count * sizeof(double));
+        }
+        with += hot.count > 0;
+        without += hot.count == 0;
+        saved += looked_at < body.hybrid.model.adjacency.interior_count / 4;
+    }
+    assert_true(with > 5 && without > 5 && saved > 5);
+    release(&all);
+    release(&hot);
+    end(&body);
+}
+
+static void candidates_are_those_of_the_whole_stress(void **unused)
+{
+    (void)unused;
+    same_candidates(SHV_GREEN_STRAIN);
+    same_candidates(SHV_COROTATIONAL);
+}
+
+static double *copy_forces(const ShvState *state)
+{
+    double *copy = malloc(3 * (size_t)state->node_count * sizeof *copy);
+    memcpy(copy, state->force, 3 * (size_t)state->node_count * sizeof *copy);
+    return copy;
+}
+
+/* With the search for faces, without it, and put node by node: the same bits, for one and two threads. */
+static void forces_have_the_same_bits(void **unused)
+{
+    (void)unused;
+    for (int32_t threads = 1; threads <= 2; threads++) {
+        Body body;
+        begin(&body, SHV_GREEN_STRAIN, threads);
+        ShvHybrid *hybrid = &body.hybrid;
+        ShvState *state = &hybrid->state;
+        Found hot = room_for(hybrid);
+        int32_t looked_at, duplicated = 0;
+        ShvError error = {0};
+        deform(&body, 2e-3, 0.3, 5);
+        check_hot(hybrid, &hot, &looked_at);
+        assert_true(hot.count > 10);
+        double *with = copy_forces(state);
+        shv_motion_clear_force(state, NULL, 0, 1);
+        shv_solid_add_internal_force(&hybrid->solid, state);
+        assert_memory_equal(with, state->force, 3 * (size_t)state->node_count * sizeof *with);
+        free(with);
+
+        check_ok(
+            shv_cohesive_insert(&hybrid->cohesive, state, hybrid->stress, hot.facets, hot.count, &duplicated, &error),
+            error);
+        assert_true(duplicated > 0);
+        int32_t *nodes = malloc((size_t)state->node_count * sizeof *nodes);
+        for (int32_t i = 0; i < state->node_count; i++) nodes[i] = i;
+        shv_solid_put_internal_force(&hybrid->solid, state, nodes, state->node_count);
+        double *put = copy_forces(state);
+        shv_motion_clear_force(state, NULL, 0, 1);
+        shv_solid_add_internal_force(&hybrid->solid, state);
+        for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i++) assert_true(put[i] == state->force[i]);
+        free(put);
+        free(nodes);
+        release(&hot);
+        end(&body);
+    }
+}
+
+/* What is inside out is told, and looked at. */
+static void inversion_is_told(void **unused)
+{
+    (void)unused;
+    Body body;
+    begin(&body, SHV_GREEN_STRAIN, 1);
+    ShvHybrid *hybrid = &body.hybrid;
+    deform(&body, 0.0, 0.2, 1);
+    assert_false(shv_solid_add_internal_force_and_find_faces(
+        &hybrid->solid, &hybrid->state, hybrid->cohesive.face_weight, 0.9, hybrid->cohesive.faces));
+    hybrid->state.displacement[3 * shv_state_node(&hybrid->state, 17, 0)] += 0.1;
+    assert_true(shv_solid_add_internal_force_and_find_faces(&hybrid->solid, &hybrid->state,
+                                                            hybrid->cohesive.face_weight, 0.9, hybrid->cohesive.faces));
+    assert_true(hybrid->cohesive.faces[17 / SHV_LANES] != 0);
+    end(&body);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(candidates_are_those_of_the_whole_stress),
+        cmocka_unit_test(forces_have_the_same_bits),
+        cmocka_unit_test(inversion_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,114 @@
+/* Obstacles smaller than an edge, and edges of larger ones: every hit is felt, in flight and in fracture mode. */
+#include "coupling/stage.h"
+
+#include "coupling/hybrid.h"
+#include "shape/feature.h"
+
+enum { SHAPES = 5 };
+static const double edge = 0.01;
+
+/* Box of 16 mm, spheres of 8, 3 and 1.5 mm radius, box of 1.6 mm, with their tops at z = 0. */
+static ShvObstacleDefinition obstacle_of(int shape)
+{
+    static const double sizes[SHAPES] = {0.016, 8e-3, 3e-3, 1.5e-3, 1.6e-3};
+    const double size = sizes[shape];
+    ShvObstacleDefinition obstacle = shv_obstacle_default();
+    obstacle.name = "anvil";
+    obstacle.friction = 0.4;
+    obstacle.shape = shape == 0 || shape == SHAPES - 1 ? SHV_OBSTACLE_BOX : SHV_OBSTACLE_SPHERE;
+    obstacle.radius = size;
+    for (int k = 0; k < 3; k++) obstacle.size[k] = size;
+    obstacle.placement.position[2] = obstacle.shape == SHV_OBSTACLE_BOX ? -0.5 * size : -size;
+    return obstacle;
+}
+
+/* A bar of 200 × 20 × 20 mm that comes down on the obstacle, off its own nodes. */
+static void stage_bar(Stage *stage, ShvRigidEngine engine, int shape, double speed)
+{
+    stage_make(stage);
+    ShvObjectDefinition *bar = stage_box(stage, "bar", (const double[3]){0.2, 0.02, 0.02}, edge, 0.0105);
+    bar->placement.position[0] = 2.1e-3;
+    bar->placement.position[1] = 2.7e-3;
+    bar->placement.velocity[2] = -speed;
+    stage->obstacles[stage->scene.obstacle_count++] = obstacle_of(shape);
+    stage->scene.rigid.engine = engine;
+    stage->scene.duration = 0.5e-3 / speed + 0.012;
+}
+
+/* How deep facets of awake pieces, or of what flies as it was made, are in the obstacle between their nodes, m. */
+static double deepest(const ShvHybrid *hybrid)
+{
+    const ShvObstacle *obstacle = &hybrid->obstacles.items[0];
+    double depth = 0.0;
+    for (int32_t k = 0; k < hybrid->contact.boundary_count; k++) {
+        const int32_t element = hybrid->contact.boundary[k] / 4, face = hybrid->contact.boundary[k] % 4;
+        if (!hybrid->awake.flags[hybrid->state.element_fragment[element]]) continue;
+        ShvFacetShape facet = {.apex =
+                                   shv_state_position(&hybrid->state, shv_state_node(&hybrid->state, element, face))};
+        for (int c = 0; c < 3; c++)
+            facet.corners[c] =
+                shv_state_position(&hybrid->state, shv_state_node(&hybrid->state, element, shv_face_corners[face][c]));
+        for (int32_t f = 0; f < obstacle->feature_count; f++) {
+            ShvFeaturePoint points[3];
+            const int count = shv_feature_meet(obstacle, &obstacle->features[f], &facet, 0.0, points);
+            for (int i = 0; i < count; i++) depth = fmax(depth, -points[i].gap);
+        }
+    }
+    return depth;
+}
+
+/* The whole bar as it moves now. */
+static ShvFragment now(const ShvHybrid *hybrid)
+{
+    ShvFragment bar = hybrid->fragments.items[0];
+    if (bar.mode == SHV_MODE_FRACTURE) shv_fragment_fit(&bar, &hybrid->fragments, &hybrid->state);
+    return bar;
+}
+
+/* Whether the bar breaks; it never goes into the obstacle by more than 2 % of an edge, and its middle stays above it as long as
+   the bar is whole. */
+static bool breaks(ShvRigidEngine engine, int shape, double speed)
+{
+    Stage stage;
+    ShvHybrid hybrid;
+    ShvError error = {SHV_OK, ""};
+    stage_bar(&stage, engine, shape, speed);
+    check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
+    for (int part = 1; part <= 60; part++) {
+        int64_t taken = 0;
+        check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration * part / 60.0, 0, &taken, &error), error);
+        assert_true(deepest(&hybrid) <= 0.02 * edge);
+        if (hybrid.fragments.count == 1) assert_true(now(&hybrid).position.z > 0.0095);
+    }
+    assert_true(fabs(hybrid.balance.residual) <= 1e-3 * hybrid.balance.largest);
+    const bool broken = hybrid.fragments.count > 1;
+    if (!broken) assert_true(now(&hybrid).velocity.z > 0.0); /* it has been thrown back */
+    shv_hybrid_release(&hybrid);
+    return broken;
+}
+
+static void check_engine(ShvRigidEngine engine)
+{
+    for (int shape = 0; shape < SHAPES; shape++) {
+        assert_false(breaks(engine, shape, 0.1));
+        assert_true(breaks(engine, shape, 1.0));
+    }
+}
+
+static void test_analytic(void **state)
+{
+    (void)state;
+    check_engine(SHV_RIGID_ANALYTIC);
+}
+
+static void test_bullet(void **state)
+{
+    (void)state;
+    check_engine(SHV_RIGID_BULLET);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_analytic), cmocka_unit_test(test_bullet)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
