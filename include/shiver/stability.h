@@ -2,6 +2,8 @@
 #ifndef SHIVER_STABILITY_H
 #define SHIVER_STABILITY_H
 
+#include <stdio.h>
+
 #include "shiver/simulation.h"
 
 #ifdef __cplusplus
@@ -9,6 +11,11 @@ extern "C" {
 #endif
 
 enum { SHV_MOST_STABILITY_VALUES = 16, SHV_MOST_STABILITY_POINTS = 12 };
+
+typedef struct ShvStabilityValues {
+    double values[SHV_MOST_STABILITY_VALUES];
+    int32_t count;
+} ShvStabilityValues;
 
 typedef enum ShvStabilityClass {
     SHV_STABLE,   /* energy bounded for all steps */
@@ -21,19 +28,17 @@ const char *shv_stability_class_name(ShvStabilityClass outcome);
 /* The product of all stiffnesses, numbers of iterations and moduli is measured, and each modulus without bars. */
 typedef struct ShvStabilityOptions {
     uint32_t cookie;
-    double stiffness[SHV_MOST_STABILITY_VALUES]; /* k of a bar, 0…1 */
-    int32_t stiffness_count;
-    int32_t iterations[SHV_MOST_STABILITY_VALUES];
-    int32_t iterations_count;
-    double moduli[SHV_MOST_STABILITY_VALUES];        /* Young's moduli of all materials, Pa */
-    int32_t modulus_count;                           /* 0: the scene's own */
-    double multiples[SHV_MOST_STABILITY_POINTS - 1]; /* where errors are measured, in stable steps, if stable there; */
-    int32_t multiple_count;                          /* and at the limit */
-    int32_t steps;                                   /* that a stable step must last; ≥ 100 */
-    double most;                                     /* largest multiple tried */
-    uint64_t seed;                                   /* of the velocities at the start */
-    const char *folder;                              /* what relative file names of the scene start from */
-    struct ShvMemory *memory;                        /* may be NULL */
+    ShvStabilityValues stiffness;  /* k of a bar, 0…1 */
+    ShvStabilityValues iterations; /* whole numbers */
+    ShvStabilityValues moduli;     /* Young's moduli of all materials, Pa; none: the scene's own */
+    ShvStabilityValues
+        multiples;            /* where errors are measured, in stable steps, if stable there; and at the limit; at most
+                                      SHV_MOST_STABILITY_POINTS − 1 */
+    int32_t steps;            /* that a stable step must last; ≥ 100 */
+    double most;              /* largest multiple tried */
+    uint64_t seed;            /* of the velocities at the start */
+    const char *folder;       /* what relative file names of the scene start from */
+    struct ShvMemory *memory; /* may be NULL */
     /* Told before every setting; iterations 0: no bars. May be NULL. */
     void (*begins)(void *data, double modulus, double stiffness, int32_t iterations);
     void *data;
@@ -83,12 +88,15 @@ void shv_stability_destroy(ShvStability *stability);
 int32_t shv_stability_count(const ShvStability *stability);
 const ShvStabilityRow *shv_stability_row(const ShvStability *stability, int32_t index);
 
-/* A row a point. SHV_BAD_INPUT when the file exists and `force` is false. */
-ShvStatus shv_stability_write_csv(const ShvStability *stability, const char *path, bool force, ShvError *error);
-/* PREFIX_limit.svg: largest step against iterations, a line a k; PREFIX_stiffness.svg and PREFIX_error.svg: static stiffness and
-   displacement error against the step, for some settings: without bars, the first four k with the middle number of iterations
-   of the list, the first with the last. Of the first modulus. */
-ShvStatus shv_stability_write_svg(const ShvStability *stability, const char *prefix, bool force, ShvError *error);
+/* As `shiver stability` prints it, and with --json. */
+void shv_stability_print(const ShvStability *stability, FILE *stream);
+void shv_stability_print_json(const ShvStability *stability, FILE *stream);
+/* `csv` (NULL: none): a row a point. `svg` (NULL: none): PREFIX_limit.svg: largest step against iterations, a line a k;
+   PREFIX_stiffness.svg and PREFIX_error.svg: static stiffness and displacement error against the step, for some settings:
+   without bars, the first four k with the middle number of iterations of the list, the first with the last; of the first modulus.
+   SHV_BAD_INPUT when a file exists and `force` is false. */
+ShvStatus shv_stability_write(const ShvStability *stability, const char *csv, const char *svg, bool force,
+                              ShvError *error);
 ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error);
 
 #ifdef __cplusplus

@@ -31,7 +31,9 @@ typedef struct ShvStudyOptions {
 } ShvStudyOptions;
 ShvStudyOptions shv_study_default(void);
 
-/* A setting of a study beside the others. Arrays are by measure, shv_study_measure_count of them. */
+enum { SHV_STUDY_MOST_MEASURES = 32, SHV_STUDY_MOST_COSTS = 16 };
+
+/* A setting of a study beside the others. Arrays are by measure. */
 typedef struct ShvStudyRow {
     const char *name;           /* "fracture.stabiliser=bars step=4" */
     const char *series, *label; /* of its line and point in plots */
@@ -40,13 +42,27 @@ typedef struct ShvStudyRow {
     bool is_reference;
     double seconds;                         /* run time of one run: median of repeats and members, without set-up */
     double seconds_low, seconds_high;       /* least and most of them */
-    const double *values;                   /* median over the members of an ensemble; NaN: has none */
-    const double *errors;                   /* likewise; NaN where it cannot be said */
-    const double *errors_low, *errors_high; /* least and most of the members */
-    const bool *on_front; /* nothing cheaper is as good: an error is only smaller by more than the scatter */
-    double stable_step, step, courant; /* s, s, –; of the first member */
-    const double *costs;               /* s by part, of the first member, as ShvFrameView.costs */
+    double values[SHV_STUDY_MOST_MEASURES]; /* median over the members of an ensemble; NaN: has none */
+    double errors[SHV_STUDY_MOST_MEASURES]; /* likewise; NaN where it cannot be said */
+    double errors_low[SHV_STUDY_MOST_MEASURES], errors_high[SHV_STUDY_MOST_MEASURES]; /* least, most of the members */
+    bool on_front
+        [SHV_STUDY_MOST_MEASURES]; /* nothing cheaper is as good: an error is only smaller by more than the scatter */
+    double stable_step, step, courant;  /* s, s, –; of the first member */
+    double costs[SHV_STUDY_MOST_COSTS]; /* s by part, of the first member, as ShvFrameView.costs */
 } ShvStudyRow;
+
+/* What came out of a study; no rows before it has been measured. */
+typedef struct ShvStudyView {
+    const ShvStudyRow *rows;
+    int32_t row_count, measure_count;
+    const char *measures[SHV_STUDY_MOST_MEASURES];
+    const char *error_units[SHV_STUDY_MOST_MEASURES]; /* "m", "J"; "" of shares and counts */
+    double scatter
+        [SHV_STUDY_MOST_MEASURES]; /* errors of the members of the reference's ensemble against each other, median of
+                                                all pairs; 0 without an ensemble */
+    char reference[256];           /* what errors are taken from, in words */
+    bool timings_valid;            /* run times can be compared: one run at a time, all on processors of one kind */
+} ShvStudyView;
 
 typedef struct ShvStudy ShvStudy;
 /* Reads scene and study, and all scenes that the study makes of them. SHV_BAD_INPUT says file and line. docs/study.md tells
@@ -54,9 +70,6 @@ typedef struct ShvStudy ShvStudy;
 ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, const ShvStudyOptions *options,
                          ShvError *error);
 void shv_study_close(ShvStudy *study);
-/* Runs of all settings and members; and those that are missing in the folder. */
-int32_t shv_study_run_count(const ShvStudy *study);
-int32_t shv_study_missing(const ShvStudy *study);
 /* Runs what is missing (of the task, if one is given); each finished run is a file of its own at once. SHV_INTERRUPTED when it
    was told to stop: going on later begins where it ended. */
 ShvStatus shv_study_run(ShvStudy *study, ShvError *error);
@@ -67,18 +80,7 @@ ShvStatus shv_study_write(const ShvStudy *study, ShvError *error);
 /* The content of study.json. */
 void shv_study_print_json(const ShvStudy *study, FILE *stream);
 
-int32_t shv_study_row_count(const ShvStudy *study);
-const ShvStudyRow *shv_study_row(const ShvStudy *study, int32_t index);
-/* What errors are taken from, in words. */
-const char *shv_study_reference(const ShvStudy *study);
-/* Whether run times can be compared: one run at a time, all on processors of one kind. */
-bool shv_study_timings_valid(const ShvStudy *study);
-int32_t shv_study_measure_count(const ShvStudy *study);
-const char *shv_study_measure_name(const ShvStudy *study, int32_t measure);
-/* "m", "J"; "" of shares and counts. */
-const char *shv_study_error_unit(const ShvStudy *study, int32_t measure);
-/* Errors of the members of the reference's ensemble against each other, median of all pairs; 0 without an ensemble. */
-double shv_study_scatter(const ShvStudy *study, int32_t measure);
+const ShvStudyView *shv_study_view(const ShvStudy *study);
 /* Index of the cheapest row whose error in that measure is at most `error`, −1 if there is none. Not the reference. */
 int32_t shv_study_pick(const ShvStudy *study, int32_t measure, double largest);
 

@@ -35,6 +35,7 @@ typedef struct ShvVerifyRow {
     bool strict;                               /* below or above: and not equal */
     bool absolute;                             /* error and tolerance: in the unit; else shares of |reference| */
     double value, reference, error, tolerance; /* error: value − reference; NaN: does not apply */
+    double step;                               /* what goes to zero over the runs; NaN: nothing */
     double seconds;                            /* run time of the run; of an order of convergence: NaN */
 } ShvVerifyRow;
 
@@ -54,30 +55,24 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count);
 
 typedef struct ShvVerifyOptions {
     uint32_t cookie;
-    bool full; /* also the runs that the short set leaves out */
+    bool full;      /* also the runs that the short set leaves out */
+    bool short_set; /* a case that is not of the short set is left out: *verification is NULL */
     struct ShvMemory *memory;
-    bool (*stop)(void *data); /* as in ShvSimulationOptions */
-    void *stop_data;
 } ShvVerifyOptions;
 ShvVerifyOptions shv_verify_default(void);
 
 typedef struct ShvVerification ShvVerification;
 /* Runs a case. What goes wrong within a run is a row; faults of the case file or its scenes are SHV_BAD_INPUT, and
-   *diagnostics (may be NULL) lists those of the case file. SHV_INTERRUPTED when asked to stop. On failure *verification is
+   *diagnostics (may be NULL) lists those of the case file. On failure *verification is
    NULL. */
 ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const ShvVerifyOptions *options,
                          ShvDiagnostics **diagnostics, ShvError *error);
 void shv_verify_destroy(ShvVerification *verification);
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification);
 
-/* Whether a case belongs to the short set. */
-ShvStatus shv_verify_in_short_set(const char *path, bool *in_short, ShvDiagnostics **diagnostics, ShvError *error);
-
-/* All cases as a page of HTML, or as the tables of a Markdown page; `force` replaces an existing file. */
-ShvStatus shv_verify_write_html(const char *path, bool force, const ShvVerifyCase *const *cases, int32_t count,
-                                ShvError *error);
-ShvStatus shv_verify_write_markdown(const char *path, bool force, const ShvVerifyCase *const *cases, int32_t count,
-                                    ShvError *error);
+/* All cases as a page of HTML, or else as the tables of a Markdown page; `force` replaces an existing file. */
+ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,
+                           ShvError *error);
 
 #ifdef __cplusplus
 }

@@ -106,6 +106,15 @@ ShvStatus shv_cli_scene_output(char path[SHV_CLI_PATH], const ShvArguments *argu
 ShvStatus shv_cli_scenes(char path[SHV_CLI_PATH], const char *folder, ShvError *error);
 /* SHV_BAD_INPUT when the output is the input, which no --force may replace. */
 ShvStatus shv_cli_keep_input(const char *output, const char *input, ShvError *error);
+/* study.c: runs the study of options->plan with the scene named first, writes its folder and prints its table. Returns the exit
+   status. */
+int shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json);
+/* verify.c: as `shiver verify --folder`; `markdown` may be NULL. Returns the exit status. */
+int shv_cli_verify_folder(const ShvArguments *arguments, const char *folder, bool full, const char *markdown);
+/* Numbers from zero on with commas between, at most `most`; `what` says what the option needs. *count and the values stay where
+   it was not given (NULL). */
+ShvStatus shv_cli_read_numbers(const char *text, const char *option, const char *what, double *values, int32_t most,
+                               int32_t *count, ShvError *error);
 /* The number of --every, 1 or more; *every stays where it was not given (NULL). */
 ShvStatus shv_cli_every(const char *text, int32_t *every, ShvError *error);
 /* Tells on standard error that what was read of the file is not its end: another process is writing it. */

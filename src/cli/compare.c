@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/names.h"
 #include "base/text.h"
 #include "cli/command.h"
-#include "cli/study.h"
 
 enum { STEPS, ENGINES, OUTPUT, FORCE, JSON };
 
@@ -24,45 +24,33 @@ typedef struct Choice {
 
 static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
 {
-    for (const char *at = text;; at++) {
-        if (choice->step_count == MOST_STEPS)
-            return shv_fail(error, SHV_BAD_INPUT, "--steps takes at most %d time steps", (int)MOST_STEPS);
-        char *end = NULL;
-        double step = 0.0;
-        if (strspn(at, "0123456789.") > 0) step = shv_text_to_double(at, &end);
-        if (!end || (*end && *end != ',') || !(step > 0.0) || !isfinite(step))
+    SHV_TRY(shv_cli_read_numbers(text, "--steps", "times in seconds, as in 1e-2,1e-3", choice->steps, MOST_STEPS,
+                                 &choice->step_count, error));
+    for (int32_t i = 0; i < choice->step_count; i++) {
+        if (!(choice->steps[i] > 0.0))
             return shv_fail(error, SHV_BAD_INPUT, "--steps needs times in seconds, as in 1e-2,1e-3, not '%s'", text);
-        for (int32_t i = 0; i < choice->step_count; i++)
-            if (choice->steps[i] == step)
-                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);
-        choice->steps[choice->step_count++] = step;
-        at = end;
-        if (!*at) return SHV_OK;
+        for (int32_t k = 0; k < i; k++)
+            if (choice->steps[k] == choice->steps[i])
+                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", choice->steps[i]);
     }
-}
-
-static ShvStatus read_engine(const char *word, Choice *choice, ShvError *error)
-{
-    for (int i = 0; i < ENGINE_COUNT; i++) {
-        if (strcmp(word, engines[i]) != 0) continue;
-        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
-        choice->engine[i] = true;
-        return SHV_OK;
-    }
-    const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
-    return shv_fail(error, SHV_BAD_INPUT,
-                    "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
-                    near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
+    return SHV_OK;
 }
 
 static ShvStatus read_engines(const char *text, Choice *choice, ShvError *error)
 {
     for (const char *at = text;; at++) {
-        const size_t length = strcspn(at, ",");
+        const int length = (int)strcspn(at, ",");
         char word[64];
-        snprintf(word, sizeof word, "%.*s", length < sizeof word ? (int)length : (int)sizeof word - 1, at);
-        const ShvStatus status = read_engine(word, choice, error);
-        if (status != SHV_OK) return status;
+        int i = 0;
+        snprintf(word, sizeof word, "%.*s", length < 63 ? length : 63, at);
+        while (i < ENGINE_COUNT && strcmp(word, engines[i]) != 0) i++;
+        const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
+        if (i == ENGINE_COUNT)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
+                            near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
+        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
+        choice->engine[i] = true;
         at += length;
         if (!*at) return SHV_OK;
     }
@@ -154,8 +142,8 @@ static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const 
     return put_reference(stream, scene, choice, error);
 }
 
-static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, const Choice *choice, const char *folder,
-                         ShvError *error)
+/* The exit status. */
+static int compare(const ShvArguments *arguments, const ShvScene *scene, const Choice *choice, const char *folder)
 {
     /* Of runs that take less than this the best of up to three counts, in s. */
     static const double short_run = 0.1;
@@ -163,12 +151,11 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, c
     ShvStudyOptions options = shv_study_default();
     char *text = NULL, command[SHV_CLI_PATH];
     size_t length = 0;
-    ShvStatus status = check(definition, choice, error);
-    if (status != SHV_OK) return status;
+    ShvError error;
     FILE *stream = open_memstream(&text, &length);
-    if (!stream) return shv_fail(error, SHV_NO_MEMORY, "out of memory for a study");
-    status = put_study(stream, definition, choice, error);
-    fclose(stream);
+    ShvStatus status = stream ? check(definition, choice, &error) : shv_fail_memory(&error, "a study", 0);
+    if (status == SHV_OK) status = put_study(stream, definition, choice, &error);
+    if (stream) fclose(stream);
     snprintf(command, sizeof command, "shiver compare %s", arguments->positional[0]);
     options.output = folder;
     options.plan = text;
@@ -178,9 +165,10 @@ static ShvStatus compare(const ShvArguments *arguments, const ShvScene *scene, c
     options.force = arguments->values[FORCE] != NULL;
     options.overrides = arguments->overrides;
     options.override_count = arguments->override_count;
-    if (status == SHV_OK) status = shv_cli_study(arguments, &options, arguments->values[JSON] != NULL, error);
+    const int result = status == SHV_OK ? shv_cli_study(arguments, &options, arguments->values[JSON] != NULL)
+                                        : shv_cli_failed(status, &error);
     free(text);
-    return status;
+    return result;
 }
 
 static int run(const ShvArguments *arguments)
@@ -195,11 +183,10 @@ static int run(const ShvArguments *arguments)
     ShvArguments loading = *arguments;
     if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = "rigid.engine=pbd";
     ShvScene *scene;
-    const int loaded = shv_cli_load_scene(&scene, &loading);
-    if (!scene) return loaded;
-    status = compare(arguments, scene, &choice, folder, &error);
+    int result = shv_cli_load_scene(&scene, &loading);
+    if (scene) result = compare(arguments, scene, &choice, folder);
     shv_scene_destroy(scene);
-    return status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    return result;
 }
 
 const ShvCommand shv_command_compare = {

@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "cli/reserve.h"
 
 /* What a scene is called that comes through standard input. */
@@ -299,6 +300,22 @@ void shv_cli_print_materials_json(ShvMaterialList materials)
         printf("}");
     }
     printf("}");
+}
+
+ShvStatus shv_cli_read_numbers(const char *text, const char *option, const char *what, double *values, int32_t most,
+                               int32_t *count, ShvError *error)
+{
+    if (!text) return SHV_OK;
+    *count = 0;
+    for (const char *at = text;; at++) {
+        char *end = NULL;
+        if (*count == most) return shv_fail(error, SHV_BAD_INPUT, "%s takes at most %d values", option, (int)most);
+        if (strspn(at, "0123456789.") > 0) values[(*count)++] = shv_text_to_double(at, &end);
+        if (!end || (*end && *end != ',') || !isfinite(values[*count - 1]))
+            return shv_fail(error, SHV_BAD_INPUT, "%s needs %s, not '%s'", option, what, text);
+        if (!*end) return SHV_OK;
+        at = end;
+    }
 }
 
 ShvStatus shv_cli_every(const char *text, int32_t *every, ShvError *error)

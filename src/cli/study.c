@@ -5,9 +5,8 @@
 #include "base/file.h"
 #include "cli/command.h"
 #include "cli/jobs.h"
-#include "cli/study.h"
 
-enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
+enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON, OPTIONS };
 
 static void say_run(void *data, const char *setting)
 {
@@ -37,12 +36,12 @@ static void print_number(double value)
     printf("  %12s", text);
 }
 
-static void print_row(const ShvStudy *study, const ShvStudyRow *row, int width)
+static void print_row(const ShvStudyView *study, const ShvStudyRow *row, int width)
 {
     printf("%-*s", width, row->name);
     print_number(row->seconds);
     print_number(row->courant > 0.0 ? row->courant : (double)NAN);
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
+    for (int32_t i = 0; i < study->measure_count; i++) {
         print_number(row->errors[i]);
         printf("%s", row->on_front[i] ? "*" : " ");
     }
@@ -50,46 +49,45 @@ static void print_row(const ShvStudy *study, const ShvStudyRow *row, int width)
     printf("%s\n", row->is_reference ? "  (reference)" : "");
 }
 
-static void print_table(const ShvStudy *study)
+static void print_table(const ShvStudyView *study)
 {
     int width = 8;
-    for (int32_t i = 0; i < shv_study_row_count(study); i++) {
-        const int length = (int)strlen(shv_study_row(study, i)->name);
+    bool any = false;
+    for (int32_t i = 0; i < study->row_count; i++) {
+        const int length = (int)strlen(study->rows[i].name);
         width = length > width ? length : width;
     }
-    printf("errors from %s; * on the Pareto front%s\n", shv_study_reference(study),
-           shv_study_timings_valid(study) ? "" : "; run times are not valid");
+    printf("errors from %s; * on the Pareto front%s\n", study->reference,
+           study->timings_valid ? "" : "; run times are not valid");
     printf("%-*s  %12s  %12s", width, "setting", "run time, s", "Courant");
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) printf("  %12.12s ", shv_study_measure_name(study, i));
+    for (int32_t i = 0; i < study->measure_count; i++) printf("  %12.12s ", study->measures[i]);
     printf("\n");
-    for (int32_t i = 0; i < shv_study_row_count(study); i++) print_row(study, shv_study_row(study, i), width);
-    bool any = false;
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) any |= shv_study_scatter(study, i) > 0.0;
+    for (int32_t i = 0; i < study->row_count; i++) print_row(study, &study->rows[i], width);
+    for (int32_t i = 0; i < study->measure_count; i++) any |= study->scatter[i] > 0.0;
     if (!any) return;
     printf("%-*s  %12s  %12s", width, "scatter", "", "");
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
-        print_number(shv_study_scatter(study, i));
+    for (int32_t i = 0; i < study->measure_count; i++) {
+        print_number(study->scatter[i]);
         printf(" ");
     }
     printf("\n");
 }
 
 /* "error=0.05" takes the study's first measure. */
-static ShvStatus read_pick(const ShvStudy *study, const char *text, int32_t *measure, double *largest, ShvError *error)
+static ShvStatus read_pick(const ShvStudyView *study, const char *text, int32_t *measure, double *largest,
+                           ShvError *error)
 {
     const char *equals = strchr(text, '=');
     const size_t length = equals ? (size_t)(equals - text) : 0;
     if (!equals || shv_parse_double(equals + 1, strlen(equals + 1), false, largest, NULL) != SHV_OK)
         return shv_fail(error, SHV_BAD_INPUT, "--pick needs error=LARGEST or MEASURE=LARGEST, not '%.60s'", text);
     *measure = length == 5 && strncmp(text, "error", 5) == 0 ? 0 : -1;
-    for (int32_t i = 0; i < shv_study_measure_count(study); i++) {
-        const char *name = shv_study_measure_name(study, i);
-        if (strlen(name) == length && strncmp(name, text, length) == 0) *measure = i;
-    }
+    for (int32_t i = 0; i < study->measure_count; i++)
+        if (strlen(study->measures[i]) == length && strncmp(study->measures[i], text, length) == 0) *measure = i;
     if (*measure < 0)
         return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on",
-                        (int)length, text, shv_study_measure_name(study, 0));
-    if (!shv_study_timings_valid(study))
+                        (int)length, text, study->measures[0]);
+    if (!study->timings_valid)
         return shv_fail(error, SHV_BAD_INPUT,
                         "run times of this study are not valid, so that nothing can be called cheapest; run it without "
                         "-j, on one machine");
@@ -102,21 +100,21 @@ static int pick(const ShvStudy *study, const char *text, bool quiet)
     int32_t measure = 0;
     double largest = 0.0;
     ShvError error;
-    const ShvStatus status = read_pick(study, text, &measure, &largest, &error);
+    const ShvStudyView *view = shv_study_view(study);
+    const ShvStatus status = read_pick(view, text, &measure, &largest, &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     const int32_t best = shv_study_pick(study, measure, largest);
-    const char *name = shv_study_measure_name(study, measure), *unit = shv_study_error_unit(study, measure);
+    const char *name = view->measures[measure], *unit = view->error_units[measure];
     if (best < 0) {
         fprintf(stderr, "shiver: no setting has an error of %s of at most %g\n", name, largest);
         return SHV_EXIT_FAILED;
     }
-    const ShvStudyRow *row = shv_study_row(study, best);
+    const ShvStudyRow *row = &view->rows[best];
     FILE *stream = quiet ? stderr : stdout;
     fprintf(stream, "pick: %s: error of %s %.3g%s%s in %.3g s\n", row->name, name, row->errors[measure],
             unit[0] ? " " : "", unit, row->seconds);
-    const double scatter = shv_study_scatter(study, measure);
-    if (scatter > largest)
-        fprintf(stream, "the scatter, %.3g, is more than that: such an error says little\n", scatter);
+    if (view->scatter[measure] > largest)
+        fprintf(stream, "the scatter, %.3g, is more than that: such an error says little\n", view->scatter[measure]);
     return SHV_EXIT_DONE;
 }
 
@@ -141,31 +139,47 @@ static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
     return status == SHV_OK ? shv_study_run(study, error) : status;
 }
 
+static ShvStatus make_runs(ShvStudy *study, const Share *share, bool merge, ShvError *error)
+{
+    if (merge) return SHV_OK;
+    const ShvStatus status =
+        share->jobs > 1 ? shv_jobs_run(share->jobs, run_share, share, error) : shv_study_run(study, error);
+    return status == SHV_INTERRUPTED ? shv_cli_why_stopped(error) : status;
+}
+
 static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
 {
-    ShvStatus status = shv_study_measure(study, error);
-    if (status == SHV_OK) status = shv_study_write(study, error);
-    if (status != SHV_OK) return status;
+    SHV_TRY(shv_study_measure(study, error));
+    SHV_TRY(shv_study_write(study, error));
     if (json)
         shv_study_print_json(study, stdout);
     else
-        print_table(study);
+        print_table(shv_study_view(study));
     return SHV_OK;
 }
 
-ShvStatus shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json, ShvError *error)
+/* The study in `file`, or that of options->plan; `what` of its own options, as far as there are such. Returns the exit status. */
+static int conduct(const Share *share, const char *file, const char *const what[OPTIONS], bool json)
 {
+    ShvError error;
     ShvStudy *study = NULL;
+    shv_jobs_catch_signals();
+    ShvStatus status = shv_study_open(&study, share->arguments->positional[0], file, share->options, &error);
+    if (status == SHV_OK) status = make_runs(study, share, what[MERGE] != NULL, &error);
+    if (status == SHV_OK && !what[TASK]) status = show(study, json, &error);
+    int result = status != SHV_OK ? shv_cli_failed(status, &error) : SHV_EXIT_DONE;
+    if (status == SHV_OK && what[PICK]) result = pick(study, what[PICK], json);
+    if (result == SHV_EXIT_DONE && !what[TASK] && !json) printf("wrote %s/report.html\n", share->options->output);
+    shv_study_close(study);
+    return result;
+}
+
+int shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json)
+{
+    static const char *const none[OPTIONS] = {NULL};
     options->begins = arguments->quiet ? NULL : say_run;
     options->stop = shv_jobs_asked_to_stop;
-    shv_jobs_catch_signals();
-    ShvStatus status = shv_study_open(&study, arguments->positional[0], NULL, options, error);
-    if (status == SHV_OK) status = shv_study_run(study, error);
-    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(error);
-    if (status == SHV_OK) status = show(study, json, error);
-    if (status == SHV_OK && !json) printf("wrote %s/report.html\n", options->output);
-    shv_study_close(study);
-    return status;
+    return conduct(&(Share){.arguments = arguments, .options = options}, NULL, none, json);
 }
 
 static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
@@ -190,32 +204,15 @@ static int run(const ShvArguments *arguments)
 {
     char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
     ShvError error;
-    int32_t jobs;
-    ShvStudy *study = NULL;
     ShvStudyOptions options = shv_study_default();
-    ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    Share share = {.arguments = arguments, .options = &options};
+    ShvStatus status = read_options(arguments, &options, &share.jobs, &error);
     if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[1], false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     write_command(arguments, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
-    shv_jobs_catch_signals();
-    status = shv_study_open(&study, arguments->positional[0], arguments->positional[1], &options, &error);
-    const Share share = {.arguments = arguments, .options = &options, .jobs = jobs};
-    if (status == SHV_OK && jobs > 1) status = shv_jobs_run(jobs, run_share, &share, &error);
-    if (status == SHV_OK && jobs <= 1 && !arguments->values[MERGE]) status = shv_study_run(study, &error);
-    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
-    int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
-    if (status == SHV_OK && !arguments->values[TASK]) {
-        const bool json = arguments->values[JSON] != NULL;
-        status = show(study, json, &error);
-        result = status != SHV_OK          ? shv_cli_failed(status, &error)
-                 : arguments->values[PICK] ? pick(study, arguments->values[PICK], json)
-                                           : SHV_EXIT_DONE;
-        if (result == SHV_EXIT_DONE && !arguments->values[JSON]) printf("wrote %s/report.html\n", options.output);
-    }
-    shv_study_close(study);
-    return result;
+    return conduct(&share, arguments->positional[1], arguments->values, arguments->values[JSON] != NULL);
 }
 
 const ShvCommand shv_command_study = {

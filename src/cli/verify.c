@@ -9,95 +9,10 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "cli/verify.h"
 
 enum { FULL, JSON, HTML, MARKDOWN, FOLDER, FORCE };
 
 static const char ending[] = ".case.yaml";
-
-/* ---- which cases ---- */
-
-typedef struct Paths {
-    char **items;
-    int32_t count, capacity;
-} Paths;
-
-static ShvStatus add_path(Paths *paths, const char *folder, const char *name, const char *with, ShvError *error)
-{
-    char path[SHV_CLI_PATH];
-    if (paths->count == paths->capacity) {
-        const size_t capacity = 2 * (size_t)paths->capacity + 16;
-        char **grown = shv_reallocate(NULL, SHV_PART_GENERAL, paths->items, capacity, sizeof *grown);
-        if (!grown) return shv_fail_memory(error, "the list of cases", capacity * sizeof *grown);
-        paths->items = grown;
-        paths->capacity = (int32_t)capacity;
-    }
-    if (shv_format(path, sizeof path, "%s%s%s%s", folder, folder[0] ? "/" : "", name, with) >= (int)sizeof path)
-        return shv_fail(error, SHV_BAD_INPUT, "the name of case '%.80s…' is too long", name);
-    char *copy = shv_copy_text(NULL, SHV_PART_GENERAL, path);
-    if (!copy) return shv_fail_memory(error, "the list of cases", strlen(path));
-    paths->items[paths->count++] = copy;
-    return SHV_OK;
-}
-
-static void release_paths(Paths *paths)
-{
-    for (int32_t i = 0; i < paths->count; i++) shv_release(paths->items[i]);
-    shv_release(paths->items);
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t length = strlen(text), wanted = strlen(end);
-    return length > wanted && strcmp(text + length - wanted, end) == 0;
-}
-
-static ShvStatus list_folder(Paths *paths, const char *folder, ShvError *error)
-{
-    DIR *stream = opendir(folder);
-    ShvStatus status = SHV_OK;
-    if (!stream)
-        return shv_fail(error, SHV_BAD_INPUT, "the folder '%s' cannot be read; give the folder of cases with --folder",
-                        folder);
-    for (struct dirent *entry = readdir(stream); entry && status == SHV_OK; entry = readdir(stream))
-        if (ends_with(entry->d_name, ending)) status = add_path(paths, folder, entry->d_name, "", error);
-    closedir(stream);
-    if (status == SHV_OK && paths->count == 0)
-        return shv_fail(error, SHV_BAD_INPUT, "the folder '%s' has no files *%s", folder, ending);
-    if (status == SHV_OK) qsort(paths->items, (size_t)paths->count, sizeof *paths->items, by_name);
-    return status;
-}
-
-static ShvStatus find_folder(const ShvArguments *arguments, char folder[SHV_CLI_PATH], ShvError *error)
-{
-    const char *given = arguments->values[FOLDER];
-    return given ? shv_cli_path(folder, error, "%s", given) : shv_cli_scenes(folder, "verification", error);
-}
-
-/* A case is named by its file, or by the name of a file in the folder. */
-static ShvStatus list_cases(const ShvArguments *arguments, Paths *paths, ShvError *error)
-{
-    char folder[SHV_CLI_PATH] = "";
-    if (arguments->positional_count == 0) {
-        SHV_TRY(find_folder(arguments, folder, error));
-        return list_folder(paths, folder, error);
-    }
-    for (int i = 0; i < arguments->positional_count; i++) {
-        const char *name = arguments->positional[i];
-        const bool file = strchr(name, '/') || ends_with(name, ".yaml");
-        if (!file) SHV_TRY(find_folder(arguments, folder, error));
-        SHV_TRY(add_path(paths, file ? "" : folder, name, file ? "" : ending, error));
-        if (access(paths->items[i], R_OK) != 0)
-            return shv_fail(error, SHV_BAD_INPUT, "there is no case '%s' (the file %s cannot be read)", name,
-                            paths->items[i]);
-    }
-    return SHV_OK;
-}
 
 /* ---- text ---- */
 
@@ -182,58 +97,109 @@ static void print_json(const ShvVerifyCase *const *cases, int32_t count)
 
 typedef struct Work {
     const ShvArguments *arguments;
-    Paths paths;
-    ShvVerification **made; /* per path; NULL: left out */
+    ShvVerification **made;
     const ShvVerifyCase **cases;
     int32_t count;
     bool told; /* what is wrong with a case has been printed */
 } Work;
 
-static ShvStatus run_case(Work *work, int32_t index, ShvError *error)
+static bool ends_with(const char *text, const char *end)
 {
-    const char *path = work->paths.items[index];
-    const bool named = work->arguments->positional_count > 0;
+    const size_t length = strlen(text), wanted = strlen(end);
+    return length > wanted && strcmp(text + length - wanted, end) == 0;
+}
+
+static int is_case(const struct dirent *entry)
+{
+    return ends_with(entry->d_name, ending);
+}
+
+static ShvStatus find_folder(const ShvArguments *arguments, char folder[SHV_CLI_PATH], ShvError *error)
+{
+    const char *given = arguments->values[FOLDER];
+    return given ? shv_cli_path(folder, error, "%s", given) : shv_cli_scenes(folder, "verification", error);
+}
+
+/* A case is named by its file, or by the name of a file in the folder. */
+static ShvStatus find_case(const ShvArguments *arguments, const char *name, char path[SHV_CLI_PATH], ShvError *error)
+{
+    char folder[SHV_CLI_PATH];
+    const bool file = strchr(name, '/') || ends_with(name, ".yaml");
+    if (!file) SHV_TRY(find_folder(arguments, folder, error));
+    SHV_TRY(file ? shv_cli_path(path, error, "%s", name) : shv_cli_path(path, error, "%s/%s%s", folder, name, ending));
+    if (access(path, R_OK) == 0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "there is no case '%s' (the file %s cannot be read)", name, path);
+}
+
+static ShvStatus run_case(Work *work, const char *path, ShvError *error)
+{
     ShvDiagnostics *diagnostics = NULL;
     ShvVerifyOptions options = shv_verify_default();
     options.full = work->arguments->values[FULL] != NULL;
-    bool wanted = options.full || named;
-    ShvStatus status = SHV_OK;
-    if (!wanted) status = shv_verify_in_short_set(path, &wanted, &diagnostics, error);
-    if (status == SHV_OK && wanted) {
-        shv_diagnostics_destroy(diagnostics);
-        status = shv_verify_run(&work->made[index], path, &options, &diagnostics, error);
-    }
+    options.short_set = !options.full && work->arguments->positional_count == 0;
+    ShvVerification *made = NULL;
+    const ShvStatus status = shv_verify_run(&made, path, &options, &diagnostics, error);
     work->told = shv_cli_print_faults(diagnostics);
     shv_diagnostics_destroy(diagnostics);
-    if (status != SHV_OK || !wanted) return status;
-    const ShvVerifyCase *verified = work->cases[work->count++] = shv_verification_case(work->made[index]);
-    if (!work->arguments->values[JSON]) print_case(verified);
+    if (status != SHV_OK || !made) return status;
+    work->made[work->count] = made;
+    work->cases[work->count] = shv_verification_case(made);
+    if (!work->arguments->values[JSON]) print_case(work->cases[work->count]);
+    work->count++;
     return SHV_OK;
 }
 
-static ShvStatus run_cases(Work *work, ShvError *error)
+static ShvStatus reserve(Work *work, int count, ShvError *error)
 {
-    ShvStatus status = list_cases(work->arguments, &work->paths, error);
-    if (status != SHV_OK) return status;
-    const size_t count = (size_t)work->paths.count;
-    work->made = shv_allocate(NULL, SHV_PART_GENERAL, count, sizeof *work->made);
-    work->cases = shv_allocate(NULL, SHV_PART_GENERAL, count, sizeof *work->cases);
-    if (!work->made || !work->cases) return shv_fail_memory(error, "cases", count * 16);
-    for (int32_t i = 0; i < work->paths.count && status == SHV_OK; i++) status = run_case(work, i, error);
+    work->made = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)count, sizeof *work->made);
+    work->cases = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)count, sizeof *work->cases);
+    return work->made && work->cases ? SHV_OK : shv_fail_memory(error, "cases", (size_t)count * 16);
+}
+
+static ShvStatus run_folder(Work *work, ShvError *error)
+{
+    char folder[SHV_CLI_PATH], path[SHV_CLI_PATH];
+    struct dirent **entries = NULL;
+    SHV_TRY(find_folder(work->arguments, folder, error));
+    const int count = scandir(folder, &entries, is_case, alphasort);
+    ShvStatus status = count > 0 ? reserve(work, count, error) : SHV_BAD_INPUT;
+    if (count < 0)
+        shv_fail(error, status, "the folder '%s' cannot be read; give the folder of cases with --folder", folder);
+    else if (count == 0)
+        shv_fail(error, status, "the folder '%s' has no files *%s", folder, ending);
+    for (int i = 0; i < count; i++) {
+        if (status == SHV_OK) status = shv_cli_path(path, error, "%s/%s", folder, entries[i]->d_name);
+        if (status == SHV_OK) status = run_case(work, path, error);
+        free(entries[i]);
+    }
+    free(entries);
     return status;
+}
+
+/* All that are named must be there before the first is run. */
+static ShvStatus run_named(Work *work, ShvError *error)
+{
+    char path[SHV_CLI_PATH];
+    const ShvArguments *arguments = work->arguments;
+    const int count = arguments->positional_count;
+    SHV_TRY(reserve(work, count, error));
+    for (int i = 0; i < count; i++) SHV_TRY(find_case(arguments, arguments->positional[i], path, error));
+    for (int i = 0; i < count; i++) {
+        SHV_TRY(find_case(arguments, arguments->positional[i], path, error));
+        SHV_TRY(run_case(work, path, error));
+    }
+    return SHV_OK;
 }
 
 static ShvStatus write_pages(const Work *work, ShvError *error)
 {
     const bool force = work->arguments->values[FORCE] != NULL;
     const char *html = work->arguments->values[HTML], *markdown = work->arguments->values[MARKDOWN];
-    ShvStatus status = SHV_OK;
-    if (html) status = shv_verify_write_html(html, force, work->cases, work->count, error);
-    if (status == SHV_OK && markdown)
-        status = shv_verify_write_markdown(markdown, force, work->cases, work->count, error);
-    if (status == SHV_OK && !work->arguments->json && (html || markdown))
+    if (html) SHV_TRY(shv_verify_write(html, true, force, work->cases, work->count, error));
+    if (markdown) SHV_TRY(shv_verify_write(markdown, false, force, work->cases, work->count, error));
+    if (!work->arguments->json && (html || markdown))
         printf("wrote %s%s%s\n", html ? html : "", html && markdown ? " and " : "", markdown ? markdown : "");
-    return status;
+    return SHV_OK;
 }
 
 static int32_t finish(const Work *work)
@@ -251,7 +217,7 @@ static int run(const ShvArguments *arguments)
 {
     Work work = {.arguments = arguments};
     ShvError error;
-    ShvStatus status = run_cases(&work, &error);
+    ShvStatus status = arguments->positional_count > 0 ? run_named(&work, &error) : run_folder(&work, &error);
     if (status == SHV_OK) status = write_pages(&work, &error);
     int exit_status = SHV_EXIT_DONE;
     if (status == SHV_BAD_INPUT && work.told)
@@ -260,10 +226,9 @@ static int run(const ShvArguments *arguments)
         exit_status = shv_cli_failed(status, &error);
     else if (finish(&work) > 0)
         exit_status = SHV_EXIT_MISSED;
-    for (int32_t i = 0; work.made && i < work.paths.count; i++) shv_verify_destroy(work.made[i]);
+    for (int32_t i = 0; i < work.count; i++) shv_verify_destroy(work.made[i]);
     shv_release(work.made);
     shv_release(work.cases);
-    release_paths(&work.paths);
     return exit_status;
 }
 

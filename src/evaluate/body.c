@@ -66,26 +66,23 @@ void shv_bodies_release(ShvBodies *bodies)
     *bodies = (ShvBodies){NULL, 0};
 }
 
-ShvBodyState shv_body_state(const ShvBody *body, const ShvFrameView *frame)
+static ShvBodyState state_from(const double *position, const double *orientation, const double *velocity,
+                               const double *angular_velocity)
 {
-    const double *position, *orientation, *velocity, *angular;
-    if (body->fragment >= 0) {
-        const ShvFragmentView *view = &frame->fragments[body->fragment];
-        position = view->position;
-        orientation = view->orientation;
-        velocity = view->velocity;
-        angular = view->angular_velocity;
-    } else {
-        const ShvObstacleView *view = &frame->obstacles[body->obstacle];
-        position = view->position;
-        orientation = view->orientation;
-        velocity = view->velocity;
-        angular = view->angular_velocity;
-    }
     return (ShvBodyState){shv_load3(position),
                           {orientation[0], orientation[1], orientation[2], orientation[3]},
                           shv_load3(velocity),
-                          shv_load3(angular)};
+                          shv_load3(angular_velocity)};
+}
+
+ShvBodyState shv_body_state(const ShvBody *body, const ShvFrameView *frame)
+{
+    if (body->fragment < 0) {
+        const ShvObstacleView *view = &frame->obstacles[body->obstacle];
+        return state_from(view->position, view->orientation, view->velocity, view->angular_velocity);
+    }
+    const ShvFragmentView *view = &frame->fragments[body->fragment];
+    return state_from(view->position, view->orientation, view->velocity, view->angular_velocity);
 }
 
 ShvVec3 shv_body_spin_momentum(const ShvBody *body, const ShvBodyState *state)

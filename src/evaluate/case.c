@@ -13,20 +13,19 @@ static const ShvRange version = {1.0, 1.0, false, false}, not_negative = {0.0, (
 
 #define RUN(member) offsetof(ShvCaseRun, member)
 static const ShvKey run_keys[] = {
-    {"title", SHV_KEY_TEXT, .offset = RUN(title), .sentence = "What the tables call it; its name unless given."},
-    {"scene", SHV_KEY_TEXT, .offset = RUN(scene), .sentence = "Another scene file than the case's."},
-    {"set", SHV_KEY_TEXT, .offset = RUN(set), .sentence = "Overrides of the scene, one a line."},
-    {"expect", SHV_KEY_TEXT, .offset = RUN(expect), .sentence = "What must hold of this run, one a line."},
-    {"explained", SHV_KEY_TEXT, .offset = RUN(explained), .sentence = "Why it does not."},
-    {"let", SHV_KEY_TEXT, .offset = RUN(let), .sentence = "Variables of this run, one a line."},
-    {"full", SHV_KEY_BOOLEAN, .offset = RUN(full), .sentence = "Left out of the short set."},
+    {"title", SHV_KEY_TEXT, .offset = RUN(title)},
+    {"scene", SHV_KEY_TEXT, .offset = RUN(scene)},
+    {"set", SHV_KEY_TEXT, .offset = RUN(set)},
+    {"expect", SHV_KEY_TEXT, .offset = RUN(expect)},
+    {"explained", SHV_KEY_TEXT, .offset = RUN(explained)},
+    {"let", SHV_KEY_TEXT, .offset = RUN(let)},
+    {"full", SHV_KEY_BOOLEAN, .offset = RUN(full)},
 };
 static void start_run(void *item)
 {
     *(ShvCaseRun *)item = (ShvCaseRun){.full = false};
 }
 static const ShvTable run_table = {.name = "runs.<name>",
-                                   .sentence = "One run of the scene.",
                                    .keys = run_keys,
                                    .key_count = LENGTH_OF(run_keys),
                                    .size = sizeof(ShvCaseRun),
@@ -40,26 +39,20 @@ static const ShvChoice compare_choices[] = {{"near", SHV_VERIFY_NEAR},
                                             {NULL, 0}};
 static const ShvChoice judge_choices[] = {{"all", SHV_JUDGE_ALL}, {"last", SHV_JUDGE_LAST}, {NULL, 0}};
 static const ShvKey quantity_keys[] = {
-    {"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(name), .sentence = "What it is."},
-    {"measure", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(measure),
-     .sentence = "Formula: what the run gave."},
-    {"reference", SHV_KEY_TEXT, .offset = QUANTITY(reference), .sentence = "Formula: what it should be."},
-    {"unit", SHV_KEY_TEXT, .offset = QUANTITY(unit), .sentence = "Unit of both."},
-    {"compare", SHV_KEY_CHOICE, .choices = compare_choices, .offset = QUANTITY(compare),
-     .sentence = "How it is judged."},
-    {"tolerance", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(tolerance), .absent = "",
-     .sentence = "Share of the reference."},
-    {"tolerance_absolute", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(tolerance_absolute), .absent = "",
-     .sentence = "The same in the unit."},
-    {"judge", SHV_KEY_CHOICE, .choices = judge_choices, .offset = QUANTITY(judge),
-     .sentence = "Which runs are judged."},
-    {"order", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order), .absent = "",
-     .sentence = "Expected order of convergence over the runs."},
-    {"order_tolerance", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order_tolerance), .absent = "",
-     .sentence = "How far the observed order may be from it."},
-    {"step", SHV_KEY_TEXT, .offset = QUANTITY(step), .sentence = "Formula: what goes to zero over the runs."},
-    {"source", SHV_KEY_TEXT, .offset = QUANTITY(source), .sentence = "Where the reference comes from."},
-    {"explained", SHV_KEY_TEXT, .offset = QUANTITY(explained), .sentence = "Why it misses."},
+    {"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(name)},
+    {"measure", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(measure)},
+    {"reference", SHV_KEY_TEXT, .offset = QUANTITY(reference)},
+    {"unit", SHV_KEY_TEXT, .offset = QUANTITY(unit)},
+    {"compare", SHV_KEY_CHOICE, .choices = compare_choices, .offset = QUANTITY(compare)},
+    {"tolerance", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(tolerance), .absent = ""},
+    {"tolerance_absolute", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(tolerance_absolute),
+     .absent = ""},
+    {"judge", SHV_KEY_CHOICE, .choices = judge_choices, .offset = QUANTITY(judge)},
+    {"order", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order), .absent = ""},
+    {"order_tolerance", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order_tolerance), .absent = ""},
+    {"step", SHV_KEY_TEXT, .offset = QUANTITY(step)},
+    {"source", SHV_KEY_TEXT, .offset = QUANTITY(source)},
+    {"explained", SHV_KEY_TEXT, .offset = QUANTITY(explained)},
 };
 static void start_quantity(void *item)
 {
@@ -69,7 +62,6 @@ static void start_quantity(void *item)
                                                  .order_tolerance = (double)NAN};
 }
 static const ShvTable quantity_table = {.name = "quantities.<index>",
-                                        .sentence = "A number that is compared.",
                                         .keys = quantity_keys,
                                         .key_count = LENGTH_OF(quantity_keys),
                                         .size = sizeof(ShvCaseQuantity),
@@ -77,24 +69,22 @@ static const ShvTable quantity_table = {.name = "quantities.<index>",
 
 #define CASE(member) offsetof(ShvCaseItem, member)
 static const ShvKey case_keys[] = {
-    {"verification", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = CASE(version), .absent = "",
-     .sentence = "Version of the format."},
-    {"title", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(title), .sentence = "What is shown."},
-    {"scene", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(scene), .sentence = "Scene file."},
-    {"source", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(source),
-     .sentence = "Where references come from."},
-    {"remark", SHV_KEY_TEXT, .offset = CASE(remark), .sentence = "What to know when reading the table."},
-    {"short", SHV_KEY_BOOLEAN, .offset = CASE(in_short), .sentence = "Part of the short set."},
-    {"let", SHV_KEY_TEXT, .offset = CASE(let), .sentence = "Variables, one a line."},
-    {"runs", SHV_KEY_NAMED, .table = &run_table, .offset = CASE(runs), .sentence = "Runs by name."},
-    {"quantities", SHV_KEY_LIST, .table = &quantity_table, .offset = CASE(quantities), .sentence = "What is compared."},
+    {"verification", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = CASE(version),
+     .absent = ""},
+    {"title", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(title)},
+    {"scene", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(scene)},
+    {"source", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = CASE(source)},
+    {"remark", SHV_KEY_TEXT, .offset = CASE(remark)},
+    {"short", SHV_KEY_BOOLEAN, .offset = CASE(in_short)},
+    {"let", SHV_KEY_TEXT, .offset = CASE(let)},
+    {"runs", SHV_KEY_NAMED, .table = &run_table, .offset = CASE(runs)},
+    {"quantities", SHV_KEY_LIST, .table = &quantity_table, .offset = CASE(quantities)},
 };
 static void start_case(void *item)
 {
     *(ShvCaseItem *)item = (ShvCaseItem){.version = 0};
 }
 static const ShvTable case_table = {.name = "the verification case",
-                                    .sentence = "The top level.",
                                     .keys = case_keys,
                                     .key_count = LENGTH_OF(case_keys),
                                     .size = sizeof(ShvCaseItem),

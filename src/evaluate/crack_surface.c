@@ -12,7 +12,7 @@
 /* The face opposite to a corner. */
 static const int faces[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
 
-static int compare_nodes(const int32_t a[3], const int32_t b[3])
+static int compare_nodes(const double a[3], const double b[3])
 {
     for (int i = 0; i < 3; i++)
         if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
@@ -25,34 +25,33 @@ static int compare_facets(const void *first, const void *second)
     return compare_nodes(a->nodes, b->nodes);
 }
 
-static void sort_nodes(int32_t nodes[3])
+static void swap_descending(int32_t *a, int32_t *b)
 {
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2 - i; k++)
-            if (nodes[k] > nodes[k + 1]) {
-                const int32_t swap = nodes[k];
-                nodes[k] = nodes[k + 1];
-                nodes[k + 1] = swap;
-            }
+    const int32_t low = *a < *b ? *a : *b;
+    *b = *a < *b ? *b : *a;
+    *a = low;
 }
 
 static ShvCrackFacet facet_of(const ShvMeshView *mesh, int64_t element, int face)
 {
     ShvCrackFacet facet;
-    for (int i = 0; i < 3; i++) facet.nodes[i] = mesh->elements[4 * element + faces[face][i]];
-    sort_nodes(facet.nodes);
-    for (int i = 0; i < 3; i++) facet.corners[i] = shv_load3(mesh->positions + 3 * (int64_t)facet.nodes[i]);
+    int32_t nodes[3];
+    for (int i = 0; i < 3; i++) nodes[i] = mesh->elements[4 * element + faces[face][i]];
+    for (int i = 0; i < 3; i++) swap_descending(&nodes[i % 2], &nodes[i % 2 + 1]);
+    for (int i = 0; i < 3; i++) {
+        facet.nodes[i] = nodes[i];
+        facet.corners[i] = shv_load3(mesh->positions + 3 * (int64_t)nodes[i]);
+    }
     return facet;
 }
 
-/* Both sides of a failed facet show it, and one stays; the outside of the mesh has one side. */
-static void keep_one_of_two(ShvCrackSurface *surface)
+/* Both sides of a failed facet show it, and one stays; the outside of the mesh has one side. Returns how many stay. */
+static int32_t keep_one_of_two(ShvCrackFacet *facets, int32_t count)
 {
     int32_t kept = 0;
-    for (int32_t i = 1; i < surface->count; i++)
-        if (compare_nodes(surface->facets[i].nodes, surface->facets[i - 1].nodes) == 0)
-            surface->facets[kept++] = surface->facets[i];
-    surface->count = kept;
+    for (int32_t i = 1; i < count; i++)
+        if (compare_nodes(facets[i].nodes, facets[i - 1].nodes) == 0) facets[kept++] = facets[i];
+    return kept;
 }
 
 static uint64_t hash_of(const ShvMeshView *mesh)
@@ -61,26 +60,17 @@ static uint64_t hash_of(const ShvMeshView *mesh)
     return shv_hash_bytes(hash, mesh->elements, 16 * (size_t)mesh->element_count);
 }
 
-ShvStatus shv_crack_surface_create(ShvCrackSurface *surface, const ShvMeshView *mesh, const uint8_t *bonds,
-                                   ShvMemory *memory, ShvError *error)
+ShvCrackSurface shv_crack_surface(const ShvMeshView *mesh, const uint8_t *bonds, ShvPool *pool)
 {
     const int64_t slots = 4 * (int64_t)mesh->element_count;
-    int64_t most = 0;
+    size_t most = 1;
+    int32_t count = 0;
     for (int64_t i = 0; i < slots; i++) most += !bonds[i];
-    *surface = (ShvCrackSurface){.mesh = hash_of(mesh)};
-    surface->facets = shv_allocate(memory, SHV_PART_RECORD, (size_t)most, sizeof *surface->facets);
-    if (!surface->facets) return shv_fail_memory(error, "failed facets", (size_t)most * sizeof *surface->facets);
-    for (int64_t i = 0; i < slots; i++)
-        if (!bonds[i]) surface->facets[surface->count++] = facet_of(mesh, i / 4, (int)(i % 4));
-    if (surface->count > 1) qsort(surface->facets, (size_t)surface->count, sizeof *surface->facets, compare_facets);
-    keep_one_of_two(surface);
-    return SHV_OK;
-}
-
-void shv_crack_surface_release(ShvCrackSurface *surface)
-{
-    shv_release(surface->facets);
-    *surface = (ShvCrackSurface){0, NULL, 0};
+    ShvCrackFacet *facets = shv_pool_take(pool, most, sizeof *facets);
+    for (int64_t i = 0; i < slots && facets; i++)
+        if (!bonds[i]) facets[count++] = facet_of(mesh, i / 4, (int)(i % 4));
+    if (count > 1) qsort(facets, (size_t)count, sizeof *facets, compare_facets);
+    return (ShvCrackSurface){hash_of(mesh), facets, facets ? keep_one_of_two(facets, count) : 0};
 }
 
 /* ---- overlap ---- */
@@ -89,13 +79,6 @@ static double area_of(const ShvCrackFacet *facet)
 {
     return 0.5 * shv_norm(shv_cross(shv_sub(facet->corners[1], facet->corners[0]),
                                     shv_sub(facet->corners[2], facet->corners[0])));
-}
-
-double shv_crack_surface_area(const ShvCrackSurface *surface)
-{
-    double area = 0.0;
-    for (int32_t i = 0; i < surface->count; i++) area += area_of(&surface->facets[i]);
-    return area;
 }
 
 double shv_crack_overlap(const ShvCrackSurface *a, const ShvCrackSurface *b)
@@ -118,11 +101,6 @@ double shv_crack_overlap(const ShvCrackSurface *a, const ShvCrackSurface *b)
 
 /* ---- distance ---- */
 
-double shv_distance_to_facet(ShvVec3 point, const ShvCrackFacet *facet)
-{
-    return shv_norm(shv_sub(point, shv_triangle_closest(point, facet->corners).point));
-}
-
 static ShvVec3 centroid(const ShvCrackFacet *facet)
 {
     return shv_scale(shv_add(shv_add(facet->corners[0], facet->corners[1]), facet->corners[2]), 1.0 / 3.0);
@@ -144,7 +122,8 @@ static double distance_to_surface(ShvVec3 point, const ShvCrackSurface *surface)
     for (int32_t i = 0; i < surface->count; i++) {
         const ShvCrackFacet *facet = &surface->facets[i];
         if (shv_norm(shv_sub(point, centroid(facet))) - reach(facet) >= nearest) continue;
-        nearest = fmin(nearest, shv_distance_to_facet(point, facet));
+        const ShvVec3 corners[3] = {facet->corners[0], facet->corners[1], facet->corners[2]};
+        nearest = fmin(nearest, shv_norm(shv_sub(point, shv_triangle_closest(point, corners).point)));
     }
     return nearest;
 }

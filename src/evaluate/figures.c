@@ -27,6 +27,10 @@ static const struct {
     {"run.inserted", "last(frame.inserted)"},
     {"run.failed", "last(frame.failed)"},
     {"run.finite", "min(frame.finite)"},
+    {"run.wakes", "sum(frame.wakes)"},
+    {"run.rests", "sum(frame.rests)"},
+    {"run.inversions", "sum(frame.inversions)"},
+    {"run.squeezes", "sum(frame.squeezes)"},
     {"run.residual", "max(0, max(abs(ledger.residual) / ledger.largest))"},
     {"run.gain", "max(0, max((" ENERGY " - first(" ENERGY ")) / ledger.largest))"},
     {"run.kept", "last(" MOTION ") / first(" MOTION ")"},
@@ -41,6 +45,7 @@ static const struct {
     {"end.wall_seconds", "run.setup + run.seconds"},
 };
 
+/* Those that follow bodies come first, in the order of ShvTrajectoryMeasure. */
 static const ShvMeasure measures[] = {
     {"position", NULL, "m", NULL, "position(reference)", "largest distance of a body's centre over the run"},
     {"orientation", NULL, "rad", NULL, "orientation(reference)", "largest angle of a body over the run"},
@@ -126,6 +131,13 @@ const ShvMeasure *shv_measure_named(const char *name)
     for (int32_t i = 0; i < COUNT(measures); i++)
         if (strcmp(measures[i].name, name) == 0) return &measures[i];
     return NULL;
+}
+
+int shv_trajectory_measure_index(const char *name)
+{
+    for (int i = 0; i < SHV_TRAJECTORY_MEASURES; i++)
+        if (strcmp(measures[i].name, name) == 0) return i;
+    return -1;
 }
 
 bool shv_measure_tracks(const ShvMeasure *measure)

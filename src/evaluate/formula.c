@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/reduction.h"
 
 enum { LONGEST_NAME = 128, DEEPEST = 64 };
 
@@ -144,22 +143,6 @@ static ShvStatus measure(Parser *parser, const ShvReduction *found, const ShvFor
     return SHV_OK;
 }
 
-/* The series itself, with what is outside the window not recorded. */
-static ShvStatus cut(Parser *parser, const ShvFormulaValue *arguments, int count, ShvFormulaValue *value)
-{
-    if (count != 3 || !arguments[0].series || arguments[1].series || arguments[2].series)
-        return fail(parser, "window takes a series and two times");
-    double *values = shv_pool_take(parser->names->pool, (size_t)arguments[0].count, sizeof *values);
-    if (!values) return shv_fail_memory(parser->error, "a series", (size_t)arguments[0].count * sizeof *values);
-    *value = arguments[0];
-    value->values = values;
-    for (int64_t i = 0; i < value->count; i++) {
-        const bool inside = value->times[i] >= arguments[1].number && value->times[i] <= arguments[2].number;
-        values[i] = inside ? arguments[0].values[i] : (double)NAN;
-    }
-    return SHV_OK;
-}
-
 static ShvStatus parse_call(Parser *parser, const char *name, ShvFormulaValue *value)
 {
     ShvFormulaValue arguments[SHV_MOST_ARGUMENTS];
@@ -170,7 +153,6 @@ static ShvStatus parse_call(Parser *parser, const char *name, ShvFormulaValue *v
         *value = (ShvFormulaValue){.number = pairs[i].of(arguments[0].number, arguments[1].number)};
         return SHV_OK;
     }
-    if (strcmp(name, "window") == 0) return cut(parser, arguments, count, value);
     const ShvReduction *found = shv_reduction_find(name);
     if (found) return measure(parser, found, arguments, count, value);
     for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {

@@ -8,7 +8,6 @@
      nonzero(a, b)                  a, or b where a is 0 or not a number
      min max mean rms slope integral sum rise fall (s [, from, to])
                                     slope: least squares, 1/s; integral: trapezia; rise, fall: Σ of changes up, down
-     window(s, from, to)            the series, as if nothing else had been recorded
      first last (s)  at(s, time)
      arrival departure duration (s, level)   first and last time on the other side of `level` than the first value or, where that
                                              is the level itself, off it; duration: departure − arrival; linear in between
@@ -39,5 +38,21 @@ typedef struct ShvFormulaNames {
 ShvStatus shv_formula_evaluate(const char *text, const ShvFormulaNames *names, ShvFormulaValue *value, ShvError *error);
 /* The same where a number is needed. */
 ShvStatus shv_formula_number(const char *text, const ShvFormulaNames *names, double *number, ShvError *error);
+
+/* reduction.c: numbers from series. */
+enum { SHV_MOST_ARGUMENTS = 3 };
+
+typedef struct ShvReduction {
+    const char *name;
+    int least, most; /* arguments, the series counted */
+    size_t part;     /* of what sums up a window, unless `take` is given */
+    double (*take)(const ShvFormulaValue *series, const double *arguments, int count);
+} ShvReduction;
+
+/* NULL when there is none of that name. */
+const ShvReduction *shv_reduction_find(const char *name);
+/* NaN when the series does not have what is asked for. */
+double shv_reduction_take(const ShvReduction *reduction, const ShvFormulaValue *series, const double *arguments,
+                          int count);
 
 #endif

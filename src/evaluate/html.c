@@ -2,23 +2,6 @@
 
 #include "base/text.h"
 
-void shv_html_text(FILE *stream, const char *text)
-{
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '&')
-            shv_print(stream, "&amp;");
-        else if (c == '<')
-            shv_print(stream, "&lt;");
-        else if (c == '>')
-            shv_print(stream, "&gt;");
-        else if (c == '"')
-            shv_print(stream, "&quot;");
-        else
-            shv_print(stream, "%c", (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f ? ' ' : c);
-    }
-}
-
 static void put_element(FILE *stream, const char *name, const char *text)
 {
     shv_print(stream, "<%s>", name);
@@ -108,9 +91,28 @@ void shv_html_table_end(FILE *stream)
     shv_print(stream, "</tbody>\n</table></div>\n");
 }
 
+/* A bar would end a cell of Markdown. */
+static void put_markdown_cell(FILE *stream, const char *text)
+{
+    shv_print(stream, " ");
+    for (; *text; text++) shv_print(stream, *text == '|' ? "\\|" : *text == '\n' ? " " : "%c", *text);
+    shv_print(stream, " |");
+}
+
+void shv_table_row(FILE *stream, bool html, const char *const *texts, const char *const *classes, int32_t count)
+{
+    shv_print(stream, html ? "<tr>" : "|");
+    for (int32_t i = 0; i < count; i++)
+        if (html)
+            shv_html_cell(stream, texts[i], classes[i]);
+        else
+            put_markdown_cell(stream, texts[i]);
+    shv_print(stream, html ? "</tr>\n" : "\n");
+}
+
 void shv_html_plot(FILE *stream, const ShvPlot *plot)
 {
     shv_print(stream, "<figure>\n");
-    shv_plot_write_inline(stream, plot);
+    shv_plot_write(stream, plot, true);
     shv_print(stream, "</figure>\n");
 }

@@ -14,7 +14,7 @@
      shv_html_command(stream, "shiver study scene.yaml study.yaml");
      shv_html_end(stream);
 
-   All texts are plain text in UTF-8 and are escaped here. Errors of writing are the stream's. */
+   All texts are plain text in UTF-8, one line each, and are escaped here. Errors of writing are the stream's. */
 #ifndef SHV_EVALUATE_HTML_H
 #define SHV_EVALUATE_HTML_H
 
@@ -27,7 +27,7 @@ void shv_html_end(FILE *stream);
 /* `level` 2 to 6. */
 void shv_html_heading(FILE *stream, int level, const char *text);
 void shv_html_paragraph(FILE *stream, const char *text);
-/* A line, or several, as typed: a command. */
+/* A line as typed: a command. */
 void shv_html_command(FILE *stream, const char *text);
 
 /* A table: begin, then rows of cells, then end. The page has colours for the classes "pass" (green), "miss" (red), "warn"
@@ -38,10 +38,10 @@ void shv_html_cell(FILE *stream, const char *text, const char *class);
 void shv_html_row_end(FILE *stream);
 void shv_html_table_end(FILE *stream);
 
+/* A row of texts at once: of HTML with classes (NULL: none), or of Markdown. */
+void shv_table_row(FILE *stream, bool html, const char *const *texts, const char *const *classes, int32_t count);
+
 /* The plot as a figure within the page. */
 void shv_html_plot(FILE *stream, const ShvPlot *plot);
-
-/* Any other text, escaped: for writers of own elements. */
-void shv_html_text(FILE *stream, const char *text);
 
 #endif

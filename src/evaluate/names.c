@@ -32,24 +32,14 @@ static double masses(const ShvOutcome *a, const ShvOutcome *b)
     return x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
 }
 
-/* The failed facets of a run, in memory of the pool; of no mesh where nothing is known. */
-static ShvCrackSurface crack_of(const ShvOutcome *outcome, ShvPool *pool)
+/* The failed facets of a run; of no mesh where nothing is known. */
+static ShvCrackSurface crack_of(const ShvOutcome *outcome)
 {
     const ShvOutcomeList *mesh = shv_outcome_find(outcome, "crack.mesh"),
                          *list = shv_outcome_find(outcome, "crack.facets");
-    ShvCrackSurface surface = {0, NULL, 0};
-    if (!mesh || mesh->count != 2 || !list) return surface;
-    surface.mesh = (uint64_t)mesh->values[0] << 32 | (uint64_t)mesh->values[1];
-    surface.count = (int32_t)(list->count / SHV_FACET_NUMBERS);
-    surface.facets = shv_pool_take(pool, (size_t)surface.count + 1, sizeof *surface.facets);
-    for (int32_t i = 0; surface.facets && i < surface.count; i++) {
-        const double *numbers = list->values + (int64_t)i * SHV_FACET_NUMBERS;
-        for (int k = 0; k < 3; k++) {
-            surface.facets[i].nodes[k] = (int32_t)numbers[k];
-            surface.facets[i].corners[k] = shv_load3(numbers + 3 + 3 * k);
-        }
-    }
-    return surface;
+    if (!mesh || mesh->count != 2 || !list) return (ShvCrackSurface){0, NULL, 0};
+    return (ShvCrackSurface){(uint64_t)mesh->values[0] << 32 | (uint64_t)mesh->values[1], (const void *)list->values,
+                             (int32_t)(list->count / SHV_FACET_NUMBERS)};
 }
 
 static bool crack_function(ShvNames *names, const char *function, const ShvOutcome *other, double *number)
@@ -58,8 +48,8 @@ static bool crack_function(ShvNames *names, const char *function, const ShvOutco
     if (!overlap && !mean && strcmp(function, "crack_distance") != 0) return false;
     *number = (double)NAN;
     if (!other) return true;
-    const ShvCrackSurface a = crack_of(names->run->outcome, names->pool), b = crack_of(other, names->pool);
-    if (a.mesh == 0 || b.mesh == 0 || !a.facets || !b.facets) return true;
+    const ShvCrackSurface a = crack_of(names->run->outcome), b = crack_of(other);
+    if (a.mesh == 0 || b.mesh == 0) return true;
     if (overlap) {
         *number = shv_crack_overlap(&a, &b);
         return true;
@@ -85,10 +75,9 @@ static double trajectory_function(ShvNames *names, int index, const ShvOutcome *
 
 static const ShvNamedRun *run_named(const ShvNames *names, const char *name, size_t length)
 {
-    for (int32_t i = 0; i < names->other_count; i++)
-        if (strlen(names->others[i].name) == length && strncmp(names->others[i].name, name, length) == 0)
-            return &names->others[i];
-    return NULL;
+    const ShvNamedRun *run = names->run->before;
+    while (run && (strlen(run->name) != length || strncmp(run->name, name, length) != 0)) run = run->before;
+    return run;
 }
 
 static bool call(void *data, const char *function, const char *name, ShvFormulaValue *value)
@@ -162,9 +151,9 @@ static bool find(void *data, const char *name, ShvFormulaValue *value)
 {
     ShvNames *names = data;
     const ShvNamedRun *run = names->run;
-    for (int32_t i = run->variable_count - 1; i >= 0; i--) {
-        if (strcmp(run->variables[i].name, name) != 0) continue;
-        *value = run->variables[i].value;
+    for (const ShvVariable *variable = run->variables; variable; variable = variable->before) {
+        if (strcmp(variable->name, name) != 0) continue;
+        *value = variable->value;
         return true;
     }
     return find_list(run->outcome, name, value) || find_other(names, name, value) || find_figure(names, name, value);

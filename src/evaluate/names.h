@@ -8,20 +8,19 @@
 typedef struct ShvVariable {
     const char *name;
     ShvFormulaValue value;
+    struct ShvVariable *before;
 } ShvVariable;
 
 typedef struct ShvNamedRun {
     const char *name;
-    const ShvOutcome *outcome; /* NULL: the closed form */
-    ShvVariable *variables;
-    int32_t variable_count;
+    const ShvOutcome *outcome;        /* NULL: the closed form */
+    ShvVariable *variables;           /* the last one defined */
+    const struct ShvNamedRun *before; /* another run, for runs.NAME.x and f(NAME) */
 } ShvNamedRun;
 
 typedef struct ShvNames {
-    ShvPool *pool;             /* of intermediate series */
-    const ShvNamedRun *run;    /* what names are of; the most recent of variables of one name counts */
-    const ShvNamedRun *others; /* for runs.NAME.x and f(NAME) */
-    int32_t other_count;
+    ShvPool *pool;                  /* of intermediate series */
+    const ShvNamedRun *run;         /* what names are of; the most recent of variables of one name counts */
     ShvTrajectoryError *trajectory; /* NULL: bodies are not followed, and those functions give NaN */
     ShvStatus status;               /* of what a function needed and could not do; */
     ShvError error;                 /* why */

@@ -74,15 +74,22 @@ static bool reserve(ShvOutcome *outcome, ShvOutcomeList *list, int64_t more)
     return true;
 }
 
-void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const double *values, int64_t count)
+double *shv_outcome_room(ShvOutcome *outcome, const char *name, ShvClock clock, int64_t count)
 {
     const int32_t i = index_of(outcome, name, outcome->cursor);
     ShvOutcomeList *list = i < 0 ? make_list(outcome, name, clock) : &outcome->lists[i];
     outcome->failed |= !list || !reserve(outcome, list, count);
-    if (outcome->failed) return;
+    if (outcome->failed) return NULL;
     outcome->cursor = (int32_t)(list - outcome->lists) + 1;
-    if (count > 0) memcpy(list->values + list->count, values, (size_t)count * sizeof *values);
+    double *room = list->values ? list->values + list->count : NULL;
     list->count += count;
+    return room;
+}
+
+void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const void *values, int64_t count)
+{
+    double *room = shv_outcome_room(outcome, name, clock, count);
+    if (room && count > 0) memcpy(room, values, (size_t)count * sizeof *room);
 }
 
 void shv_outcome_add(ShvOutcome *outcome, const char *name, ShvClock clock, double value)

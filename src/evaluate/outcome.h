@@ -41,21 +41,42 @@ const double *shv_outcome_times(const ShvOutcome *outcome, const ShvOutcomeList 
 double shv_outcome_number(const ShvOutcome *outcome, const char *name);
 /* Adds to the end of a list, which is made where it is missing. Quick where lists are added to in the same order again. */
 void shv_outcome_add(ShvOutcome *outcome, const char *name, ShvClock clock, double value);
-void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const double *values, int64_t count);
+void shv_outcome_add_all(ShvOutcome *outcome, const char *name, ShvClock clock, const void *values, int64_t count);
+/* The same with the values left to the caller; NULL when memory is out. */
+double *shv_outcome_room(ShvOutcome *outcome, const char *name, ShvClock clock, int64_t count);
 /* A list of this one number. */
 void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */
 void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3]);
 
-/* outcome_file.c: words and hexadecimal numbers in lines, so that reading gives the same bits. */
+/* outcome_file.c */
 void shv_outcome_put(const ShvOutcome *outcome, FILE *stream);
 /* Writes whole or not at all. */
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error);
-/* SHV_BAD_INPUT for a text that is not whole; `name` stands for it in messages. On failure nothing is owned. */
-ShvStatus shv_outcome_parse(ShvOutcome *outcome, char *text, size_t size, const char *name, ShvMemory *memory,
+/* SHV_BAD_INPUT for what is not whole; `name` stands for it in messages. On failure nothing is owned. */
+ShvStatus shv_outcome_parse(ShvOutcome *outcome, const char *data, size_t size, const char *name, ShvMemory *memory,
                             ShvError *error);
 ShvStatus shv_outcome_load(ShvOutcome *outcome, const char *path, ShvMemory *memory, ShvError *error);
-/* Of a run file: what it does not hold is missing. */
-ShvStatus shv_outcome_of_run_file(ShvOutcome *outcome, const char *path, ShvMemory *memory, ShvError *error);
+
+/* run.c: one run of a scene, and what is kept of it. */
+typedef struct ShvRunOrder {
+    const ShvSceneDefinition *scene;
+    const char *folder;
+    ShvMemory *memory;
+    double multiple;     /* fracture.time_step in stable steps; NaN: as the scene says */
+    int32_t repeats;     /* for the run time alone, the first one counted; ≥ 1 */
+    double repeat_below; /* s: no further repeats once the run times add up to this; 0: all */
+    int32_t audit_wakes;
+    bool tracked; /* also the way of all bodies */
+    /* Checkpoints: "CHECKPOINT.checkpoint-1" and "-2", of a run with this key. NULL: none. */
+    const char *checkpoint;
+    uint64_t key;
+    bool (*stop)(void *data);
+    void *stop_data;
+} ShvRunOrder;
+
+/* A run that fails by its own fault is an outcome with that status and the frames until then; returned are SHV_INTERRUPTED and
+   SHV_NO_MEMORY. The caller releases the outcome in every case. */
+ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError *error);
 
 #endif

@@ -92,22 +92,22 @@ static void fit(Page *page)
 
 /* ---- marks ---- */
 
-static void put_text(FILE *stream, const char *text)
+void shv_html_text(FILE *stream, const char *text)
 {
     for (; *text; text++) {
-        const char *form = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '>' ? "&gt;" : NULL;
-        const bool control = (unsigned char)*text < 0x20 || *text == 0x7f;
+        const char c = *text;
+        const char *form = c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : NULL;
         if (form)
             shv_print(stream, "%s", form);
         else
-            shv_print(stream, "%c", control ? ' ' : *text);
+            shv_print(stream, "%c", (unsigned char)c < 0x20 || c == 0x7f ? ' ' : c);
     }
 }
 
 static void put_label(FILE *stream, double x, double y, const char *attributes, const char *text)
 {
     shv_print(stream, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
-    put_text(stream, text);
+    shv_html_text(stream, text);
     shv_print(stream, "</text>\n");
 }
 
@@ -162,9 +162,11 @@ static void put_point_label(FILE *stream, double x, double y, int32_t line, cons
               left ? "text-anchor=\"end\" class=\"point\"" : "class=\"point\"", label);
 }
 
-static void put_strokes(const Page *page, const ShvPlotLine *line, const char *colour)
+/* `attributes`: what the stroke looks like. */
+static void put_strokes(const Page *page, const ShvPlotLine *line, const char *attributes, const char *colour)
 {
-    shv_print(page->stream, "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.6\" points=\"", colour);
+    shv_print(page->stream, "<polyline %sfill=\"none\" stroke=\"%s\" %s points=\"",
+              line == page->plot->front ? "class=\"front\" " : "", colour, attributes);
     for (int32_t i = 0; i < line->count; i++)
         if (shown(page->plot, &line->points[i]))
             shv_print(page->stream, "%.1f,%.1f ", place_x(page, line->points[i].x), place_y(page, line->points[i].y));
@@ -174,7 +176,7 @@ static void put_strokes(const Page *page, const ShvPlotLine *line, const char *c
 static void put_line(const Page *page, int32_t index)
 {
     const ShvPlotLine *line = &page->plot->lines[index];
-    if (line->style != SHV_PLOT_MARKERS) put_strokes(page, line, colours[index % COLOURS]);
+    if (line->style != SHV_PLOT_MARKERS) put_strokes(page, line, "stroke-width=\"1.6\"", colours[index % COLOURS]);
     for (int32_t i = 0; i < line->count && line->style != SHV_PLOT_PLAIN_LINE; i++) {
         if (!shown(page->plot, &line->points[i])) continue;
         const double x = place_x(page, line->points[i].x), y = place_y(page, line->points[i].y);
@@ -196,12 +198,7 @@ static void put_span(const Page *page, const ShvPlotSpan *span)
 static void put_front(const Page *page)
 {
     const ShvPlotLine *front = page->plot->front;
-    shv_print(page->stream, "<polyline class=\"front\" fill=\"none\" stroke=\"#2c2a26\" stroke-width=\"1.2\" "
-                            "stroke-dasharray=\"5 4\" points=\"");
-    for (int32_t i = 0; i < front->count; i++)
-        if (shown(page->plot, &front->points[i]))
-            shv_print(page->stream, "%.1f,%.1f ", place_x(page, front->points[i].x), place_y(page, front->points[i].y));
-    shv_print(page->stream, "\"/>\n");
+    put_strokes(page, front, "stroke-width=\"1.2\" stroke-dasharray=\"5 4\"", "#2c2a26");
     for (int32_t i = 0; i < front->count; i++)
         if (shown(page->plot, &front->points[i]))
             shv_print(page->stream,
@@ -226,17 +223,23 @@ static void put_legend(const Page *page)
     put_label(page->stream, x + 16, TOP - 28, "class=\"tick\"", page->plot->front->name);
 }
 
-/* `space`: the declaration of the name space, which a page of HTML does without. */
-static void put_picture(FILE *stream, const ShvPlot *plot, const char *space)
+void shv_plot_begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes)
+{
+    if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    shv_print(stream,
+              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
+              "font-family=\"Helvetica, Arial, sans-serif\"%s>\n<title>",
+              within ? "" : "xmlns=\"http://www.w3.org/2000/svg\" ", width, height, width, height, attributes);
+    shv_html_text(stream, title);
+    shv_print(stream, "</title>\n");
+}
+
+void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within)
 {
     Page page = {.stream = stream, .plot = plot};
     fit(&page);
-    shv_print(stream,
-              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
-              "font-family=\"Helvetica, Arial, sans-serif\">\n<title>",
-              space, WIDTH, HEIGHT, WIDTH, HEIGHT);
-    put_text(stream, plot->title);
-    shv_print(stream, "</title>\n<style>.tick{font-size:13px;fill:#4a463f}.point{font-size:11px;fill:#6b665d}"
+    shv_plot_begin(stream, WIDTH, HEIGHT, within, plot->title, "");
+    shv_print(stream, "<style>.tick{font-size:13px;fill:#4a463f}.point{font-size:11px;fill:#6b665d}"
                       ".name{font-size:14px;fill:#2c2a26}</style>\n"
                       "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n");
     put_label(stream, LEFT, 30, "class=\"name\" font-weight=\"bold\"", plot->title);
@@ -255,15 +258,4 @@ static void put_picture(FILE *stream, const ShvPlot *plot, const char *space)
     for (int32_t i = 0; i < plot->line_count; i++) put_line(&page, i);
     put_legend(&page);
     shv_print(stream, "</svg>\n");
-}
-
-void shv_plot_write(FILE *stream, const ShvPlot *plot)
-{
-    shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    put_picture(stream, plot, "xmlns=\"http://www.w3.org/2000/svg\" ");
-}
-
-void shv_plot_write_inline(FILE *stream, const ShvPlot *plot)
-{
-    put_picture(stream, plot, "");
 }

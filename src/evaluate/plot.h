@@ -36,11 +36,14 @@ typedef struct ShvPlot {
     int32_t span_count;
 } ShvPlot;
 
-/* Writes the whole document. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
+/* Writes the whole document, or an element `within` a page of HTML. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
    them. Errors of writing are the stream's. */
-void shv_plot_write(FILE *stream, const ShvPlot *plot);
-/* The same as an element within a page of HTML. */
-void shv_plot_write_inline(FILE *stream, const ShvPlot *plot);
+void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within);
+/* Head and title of a drawing; `attributes` (" name=value") of its element. The caller ends it with "</svg>". */
+void shv_plot_begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes);
+
+/* A text within XML or HTML: escaped, its control characters made spaces. */
+void shv_html_text(FILE *stream, const char *text);
 
 typedef struct ShvPlotAxis {
     double low, high; /* of the data, widened to whole ticks; decimal exponents when `log` */

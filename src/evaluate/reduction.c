@@ -1,4 +1,4 @@
-#include "evaluate/reduction.h"
+#include "evaluate/formula.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "evaluate/run.h"
+#include "evaluate/outcome.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -47,9 +47,9 @@ static ShvStatus save(Pull *pull, ShvError *error)
     ShvStatus status = fclose(stream) == 0 ? SHV_OK : shv_fail_memory(error, "a checkpoint", size);
     ShvCheckpointMark mark = mark_of(pull);
     mark.sequence = ++pull->sequence;
-    if (status == SHV_OK) /* with the end of the text */
-        status = shv_checkpoint_write(pull->order->checkpoint, pull->order->memory, pull->simulation, &mark, note,
-                                      size + 1, error);
+    if (status == SHV_OK)
+        status = shv_checkpoint_write(pull->order->checkpoint, pull->order->memory, pull->simulation, &mark, note, size,
+                                      error);
     free(note);
     return status;
 }
@@ -71,19 +71,12 @@ static bool ask(void *data)
     return stops;
 }
 
-static bool fits(void *data, const ShvCheckpointMark *mark)
-{
-    (void)data, (void)mark;
-    return true;
-}
-
 /* What was gathered until then takes the place of the first frame. */
 static bool take_note(Pull *pull, const ShvCheckpoint *found)
 {
     ShvOutcome before;
     ShvError ignored;
-    if (found->note_size == 0 || found->note[found->note_size - 1] != '\0') return false;
-    if (shv_outcome_parse(&before, (char *)found->note, found->note_size - 1, "a checkpoint", pull->order->memory,
+    if (shv_outcome_parse(&before, (const char *)found->note, found->note_size, "a checkpoint", pull->order->memory,
                           &ignored) != SHV_OK)
         return false;
     const double bodies = shv_outcome_number(&before, "track.bodies");
@@ -108,7 +101,7 @@ static ShvStatus go_on(Pull *pull, ShvError *error)
     ShvCheckpoint found;
     ShvError ignored;
     const ShvCheckpointMark own = mark_of(pull);
-    ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, fits, NULL, &ignored);
+    ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, NULL, NULL, &ignored);
     const bool goes_on = status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found);
     if (goes_on) {
         pull->sequence = found.mark.sequence;
@@ -220,7 +213,8 @@ ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError 
 {
     *outcome = (ShvOutcome){.memory = order->memory};
     Pull pull = {.order = order, .scene = *order->scene, .outcome = outcome, .own = {SHV_OK, ""}};
-    pull.sampler = (ShvSampler){.outcome = outcome, .scene = order->scene, .tracked = order->tracked};
+    pull.sampler = (ShvSampler){
+        .outcome = outcome, .scene = order->scene, .tracked = order->tracked, .pool = {.memory = order->memory}};
     shv_processor_name(outcome->processor, sizeof outcome->processor);
     SHV_TRY(run_first(&pull, error));
     outcome->key = order->key;

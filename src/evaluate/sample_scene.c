@@ -11,82 +11,71 @@ typedef struct Field {
 } Field;
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-#define MATERIAL(member)                                                                                               \
+#define NUMBER(type, name, member)                                                                                     \
     {                                                                                                                  \
-#member, offsetof(ShvMaterialDefinition, member), false                                                        \
+        name, offsetof(type, member), false                                                                            \
+    }
+#define VECTOR(type, name, member)                                                                                     \
+    {                                                                                                                  \
+        name, offsetof(type, member), true                                                                             \
     }
 static const Field material_fields[] = {
-    MATERIAL(density),
-    MATERIAL(youngs_modulus),
-    MATERIAL(poissons_ratio),
-    MATERIAL(fracture_energy),
-    MATERIAL(cohesive_strength),
-    MATERIAL(fracture_energy_shear),
-    MATERIAL(cohesive_strength_shear),
-    MATERIAL(ppr_shape),
-    MATERIAL(ppr_shape_shear),
-    MATERIAL(weibull_modulus),
-    MATERIAL(weibull_volume),
-    {"friction_angle", offsetof(ShvMaterialDefinition, friction_angle_degrees), false}};
-#define OBJECT(name, member, vector)                                                                                   \
-    {                                                                                                                  \
-        name, offsetof(ShvObjectDefinition, member), vector                                                            \
-    }
-static const Field object_fields[] = {OBJECT("size", mesh.size, true),
-                                      OBJECT("radius", mesh.radius, false),
-                                      OBJECT("inner_radius", mesh.inner_radius, false),
-                                      OBJECT("height", mesh.height, false),
-                                      OBJECT("edge", mesh.edge, false),
-                                      OBJECT("notch_depth", mesh.notch_depth, false),
-                                      OBJECT("notch_offset", mesh.notch_offset, false),
-                                      OBJECT("position", placement.position, true),
-                                      OBJECT("rotation_degrees", placement.rotation_degrees, false),
-                                      OBJECT("velocity", placement.velocity, true),
-                                      OBJECT("angular_velocity", placement.angular_velocity, true),
-                                      OBJECT("stretch_rate", placement.stretch_rate, true)};
-#define PREFLIGHT(member)                                                                                              \
-    {                                                                                                                  \
-#member, offsetof(ShvPreflight, member), false                                                                 \
-    }
-static const Field preflight_fields[] = {PREFLIGHT(mass),
-                                         PREFLIGHT(volume),
-                                         PREFLIGHT(mean_edge),
-                                         PREFLIGHT(shortest_edge),
-                                         PREFLIGHT(longest_edge),
-                                         PREFLIGHT(smallest_altitude),
-                                         PREFLIGHT(stable_step),
-                                         PREFLIGHT(bar_speed),
-                                         PREFLIGHT(cohesive_zone),
-                                         PREFLIGHT(snap_back),
-                                         PREFLIGHT(dilatational_speed),
-                                         {"effective_strength", offsetof(ShvPreflight, cohesion.strength), false},
-                                         {"effective_energy", offsetof(ShvPreflight, cohesion.energy), false},
-                                         {"tip_toughness", offsetof(ShvPreflight, cohesion.tip_toughness), false}};
-#define OBSTACLE(name, member, vector)                                                                                 \
-    {                                                                                                                  \
-        name, offsetof(ShvObstacleDefinition, member), vector                                                          \
-    }
-static const Field obstacle_fields[] = {OBSTACLE("radius", radius, false),
-                                        OBSTACLE("size", size, true),
-                                        OBSTACLE("mass", mass, false),
-                                        OBSTACLE("friction", friction, false),
-                                        OBSTACLE("restitution", restitution, false),
-                                        OBSTACLE("offset", plane_offset, false),
-                                        OBSTACLE("normal", plane_normal, true),
-                                        OBSTACLE("position", placement.position, true),
-                                        OBSTACLE("velocity", placement.velocity, true)};
-#define CONDITION(name, member, vector)                                                                                \
-    {                                                                                                                  \
-        name, offsetof(ShvConditionDefinition, member), vector                                                         \
-    }
-static const Field condition_fields[] = {CONDITION("value", value, true), CONDITION("ramp_time", ramp_time, false),
-                                         CONDITION("start", start, false), CONDITION("end", end, false)};
-static const Field scene_fields[] = {{"duration", offsetof(ShvSceneDefinition, duration), false},
-                                     {"gravity", offsetof(ShvSceneDefinition, gravity), true},
-                                     {"rigid_step", offsetof(ShvSceneDefinition, rigid.time_step), false},
-                                     {"safety", offsetof(ShvSceneDefinition, fracture.safety), false},
-                                     {"threshold", offsetof(ShvSceneDefinition, fracture.threshold), false},
-                                     {"regularisation", offsetof(ShvSceneDefinition, fracture.regularisation), false}};
+    NUMBER(ShvMaterialDefinition, "density", density),
+    NUMBER(ShvMaterialDefinition, "youngs_modulus", youngs_modulus),
+    NUMBER(ShvMaterialDefinition, "poissons_ratio", poissons_ratio),
+    NUMBER(ShvMaterialDefinition, "fracture_energy", fracture_energy),
+    NUMBER(ShvMaterialDefinition, "cohesive_strength", cohesive_strength),
+    NUMBER(ShvMaterialDefinition, "fracture_energy_shear", fracture_energy_shear),
+    NUMBER(ShvMaterialDefinition, "cohesive_strength_shear", cohesive_strength_shear),
+    NUMBER(ShvMaterialDefinition, "ppr_shape", ppr_shape),
+    NUMBER(ShvMaterialDefinition, "ppr_shape_shear", ppr_shape_shear),
+    NUMBER(ShvMaterialDefinition, "weibull_modulus", weibull_modulus),
+    NUMBER(ShvMaterialDefinition, "weibull_volume", weibull_volume),
+    NUMBER(ShvMaterialDefinition, "friction_angle", friction_angle_degrees)};
+static const Field object_fields[] = {VECTOR(ShvObjectDefinition, "size", mesh.size),
+                                      NUMBER(ShvObjectDefinition, "radius", mesh.radius),
+                                      NUMBER(ShvObjectDefinition, "inner_radius", mesh.inner_radius),
+                                      NUMBER(ShvObjectDefinition, "height", mesh.height),
+                                      NUMBER(ShvObjectDefinition, "edge", mesh.edge),
+                                      NUMBER(ShvObjectDefinition, "notch_depth", mesh.notch_depth),
+                                      NUMBER(ShvObjectDefinition, "notch_offset", mesh.notch_offset),
+                                      VECTOR(ShvObjectDefinition, "position", placement.position),
+                                      NUMBER(ShvObjectDefinition, "rotation_degrees", placement.rotation_degrees),
+                                      VECTOR(ShvObjectDefinition, "velocity", placement.velocity),
+                                      VECTOR(ShvObjectDefinition, "angular_velocity", placement.angular_velocity),
+                                      VECTOR(ShvObjectDefinition, "stretch_rate", placement.stretch_rate)};
+static const Field preflight_fields[] = {NUMBER(ShvPreflight, "mass", mass),
+                                         NUMBER(ShvPreflight, "volume", volume),
+                                         NUMBER(ShvPreflight, "mean_edge", mean_edge),
+                                         NUMBER(ShvPreflight, "shortest_edge", shortest_edge),
+                                         NUMBER(ShvPreflight, "longest_edge", longest_edge),
+                                         NUMBER(ShvPreflight, "smallest_altitude", smallest_altitude),
+                                         NUMBER(ShvPreflight, "stable_step", stable_step),
+                                         NUMBER(ShvPreflight, "bar_speed", bar_speed),
+                                         NUMBER(ShvPreflight, "cohesive_zone", cohesive_zone),
+                                         NUMBER(ShvPreflight, "snap_back", snap_back),
+                                         NUMBER(ShvPreflight, "dilatational_speed", dilatational_speed),
+                                         NUMBER(ShvPreflight, "effective_strength", cohesion.strength),
+                                         NUMBER(ShvPreflight, "effective_energy", cohesion.energy),
+                                         NUMBER(ShvPreflight, "tip_toughness", cohesion.tip_toughness)};
+static const Field obstacle_fields[] = {NUMBER(ShvObstacleDefinition, "radius", radius),
+                                        VECTOR(ShvObstacleDefinition, "size", size),
+                                        NUMBER(ShvObstacleDefinition, "mass", mass),
+                                        NUMBER(ShvObstacleDefinition, "friction", friction),
+                                        NUMBER(ShvObstacleDefinition, "restitution", restitution),
+                                        NUMBER(ShvObstacleDefinition, "offset", plane_offset),
+                                        VECTOR(ShvObstacleDefinition, "normal", plane_normal),
+                                        VECTOR(ShvObstacleDefinition, "position", placement.position),
+                                        VECTOR(ShvObstacleDefinition, "velocity", placement.velocity)};
+static const Field condition_fields[] = {
+    VECTOR(ShvConditionDefinition, "value", value), NUMBER(ShvConditionDefinition, "ramp_time", ramp_time),
+    NUMBER(ShvConditionDefinition, "start", start), NUMBER(ShvConditionDefinition, "end", end)};
+static const Field scene_fields[] = {NUMBER(ShvSceneDefinition, "duration", duration),
+                                     VECTOR(ShvSceneDefinition, "gravity", gravity),
+                                     NUMBER(ShvSceneDefinition, "rigid_step", rigid.time_step),
+                                     NUMBER(ShvSceneDefinition, "safety", fracture.safety),
+                                     NUMBER(ShvSceneDefinition, "threshold", fracture.threshold),
+                                     NUMBER(ShvSceneDefinition, "regularisation", fracture.regularisation)};
 
 /* Where several things have one name, the first one has it. */
 static void put_fact(ShvOutcome *outcome, const char *owner, const char *field, const char *axis, const void *at)

@@ -11,12 +11,7 @@
 void shv_sampler_release(ShvSampler *sampler)
 {
     shv_bodies_release(&sampler->bodies);
-    shv_release(sampler->corners);
-    shv_release(sampler->fragments);
-    shv_release(sampler->damage);
-    sampler->damage = NULL;
-    sampler->corners = NULL;
-    sampler->fragments = NULL;
+    shv_pool_release(&sampler->pool);
 }
 
 /* ---- series ---- */
@@ -33,17 +28,16 @@ static void add_probes(ShvOutcome *outcome, const ShvFrameView *frame)
     for (int32_t p = 0; p < frame->probe_count; p++)
         for (int k = 0; k < SHV_PROBE_NUMBERS; k++) {
             shv_format(name, sizeof name, "%.63s.%s", frame->probes[p].name, names[k]);
-            if (rows == 0) shv_outcome_add_all(outcome, name, SHV_CLOCK_PROBE, NULL, 0);
-            for (int64_t r = 0; r < rows; r++) {
+            double *room = shv_outcome_room(outcome, name, SHV_CLOCK_PROBE, rows);
+            for (int64_t r = 0; r < rows && room; r++) {
                 double numbers[SHV_PROBE_NUMBERS];
                 memcpy(numbers, &frame->probe_samples[r * frame->probe_count + p], sizeof numbers);
-                if (r > 0) outcome->cursor--; /* the same list again */
-                shv_outcome_add(outcome, name, SHV_CLOCK_PROBE, numbers[k]);
+                room[r] = numbers[k];
             }
         }
 }
 
-void shv_sample_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
+static void add_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
 {
 #define NUMBER(member, unit) shv_outcome_add(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
 #define VECTOR(member, unit) shv_outcome_add_vector(outcome, "ledger." #member, SHV_CLOCK_FRAME, ledger->member);
@@ -98,9 +92,8 @@ static ShvStatus add_corners(ShvSampler *sampler, const ShvSimulation *simulatio
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     const int64_t count = shv_simulation_mesh(simulation).element_count;
     double lowest = HUGE_VAL, highest = -HUGE_VAL, radius = 0.0;
-    ShvMemory *memory = sampler->outcome->memory;
-    if (!sampler->corners) sampler->corners = shv_allocate(memory, SHV_PART_RECORD, 12 * (size_t)count, sizeof(double));
-    if (!sampler->fragments) sampler->fragments = shv_allocate(memory, SHV_PART_RECORD, (size_t)count, sizeof(int32_t));
+    if (!sampler->corners) sampler->corners = shv_pool_take(&sampler->pool, 12 * (size_t)count, sizeof(double));
+    if (!sampler->fragments) sampler->fragments = shv_pool_take(&sampler->pool, (size_t)count, sizeof(int32_t));
     if (!sampler->corners || !sampler->fragments) return shv_fail_memory(error, "corners", 100 * (size_t)count);
     shv_simulation_corner_positions(simulation, sampler->corners);
     shv_simulation_element_state(simulation, sampler->fragments, NULL);
@@ -118,40 +111,76 @@ static ShvStatus add_corners(ShvSampler *sampler, const ShvSimulation *simulatio
     return SHV_OK;
 }
 
-/* ---- numbers of the run so far ---- */
+/* ---- the tip of a crack ---- */
+
+static const double opened = 0.5; /* damage */
+
+/* Centroid of the face opposite to a corner, in the reference mesh. */
+static ShvVec3 face_centre(const ShvMeshView *mesh, int64_t element, int corner)
+{
+    ShvVec3 sum = shv_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < 4; k++)
+        if (k != corner) sum = shv_add(sum, shv_load3(mesh->positions + 3 * (int64_t)mesh->elements[4 * element + k]));
+    return shv_scale(sum, 1.0 / 3.0);
+}
+
+static ShvStatus find_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvVec3 *tip, double *length,
+                          ShvError *error)
+{
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    const size_t count = 4 * (size_t)mesh.element_count;
+    ShvCrackView crack;
+    SHV_TRY(shv_simulation_crack(simulation, &crack, error));
+    if (!sampler->damage) sampler->damage = shv_pool_take(&sampler->pool, count, sizeof(double));
+    if (!sampler->damage) return shv_fail_memory(error, "damage of facets", count * sizeof(double));
+    shv_simulation_element_state(simulation, NULL, sampler->damage);
+    const ShvVec3 origin = shv_load3(crack.origin);
+    for (int64_t i = 0; i < (int64_t)count; i++) {
+        if (sampler->damage[i] < opened) continue;
+        const ShvVec3 centre = face_centre(&mesh, i / 4, (int)(i % 4));
+        const double distance = shv_norm(shv_sub(centre, origin));
+        if (distance <= *length) continue;
+        *length = distance;
+        *tip = centre;
+    }
+    return SHV_OK;
+}
+
+/* The tip of the first crack: of the facets that are half opened the one that is farthest from where it began. */
+static ShvStatus add_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    ShvVec3 tip = shv_vec3((double)NAN, (double)NAN, (double)NAN);
+    double length = 0.0, place[3];
+    if (frame->inserted > 0) SHV_TRY(find_tip(sampler, simulation, &tip, &length, error));
+    shv_store3(place, tip);
+    shv_outcome_add_vector(sampler->outcome, "crack.tip", SHV_CLOCK_FRAME, place);
+    shv_outcome_add(sampler->outcome, "crack.length", SHV_CLOCK_FRAME, length);
+    return SHV_OK;
+}
+
+/* ---- events and bodies ---- */
 
 static void count_events(ShvOutcome *outcome, const ShvFrameView *frame)
 {
-    static const struct {
-        ShvRunEvent kind;
-        const char *name;
-    } counted[] = {{SHV_RUN_WAKE, "run.wakes"},
-                   {SHV_RUN_SLEEP, "run.rests"},
-                   {SHV_RUN_INVERSION, "run.inversions"},
-                   {SHV_RUN_SQUEEZE, "run.squeezes"}};
-    if (!shv_outcome_find(outcome, "run.first_wake")) shv_outcome_set(outcome, "run.first_wake", (double)NAN);
-    for (size_t k = 0; k < COUNT(counted); k++) {
-        const double before = shv_outcome_number(outcome, counted[k].name);
-        double number = isnan(before) ? 0.0 : before;
-        for (int32_t i = 0; i < frame->event_count; i++) {
-            if (frame->events[i].kind != counted[k].kind) continue;
-            if (k == 0 && number == 0.0) shv_outcome_set(outcome, "run.first_wake", frame->events[i].time);
-            number += 1.0;
-        }
-        shv_outcome_set(outcome, counted[k].name, number);
+    static const ShvRunEvent kinds[] = {SHV_RUN_WAKE, SHV_RUN_SLEEP, SHV_RUN_INVERSION, SHV_RUN_SQUEEZE};
+    static const char *const names[] = {"frame.wakes", "frame.rests", "frame.inversions", "frame.squeezes"};
+    for (size_t k = 0; k < COUNT(kinds); k++) {
+        double number = 0.0;
+        for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kinds[k];
+        shv_outcome_add(outcome, names[k], SHV_CLOCK_FRAME, number);
     }
 }
 
 static void track(ShvSampler *sampler, const ShvFrameView *frame)
 {
-    for (int32_t i = 0; i < sampler->bodies.count; i++) {
+    const int64_t count = sampler->bodies.count;
+    double *room = shv_outcome_room(sampler->outcome, "track", SHV_CLOCK_NONE, count * SHV_BODY_NUMBERS);
+    for (int64_t i = 0; i < count && room; i++) {
         const ShvBodyState state = shv_body_state(&sampler->bodies.items[i], frame);
-        double numbers[SHV_BODY_NUMBERS];
-        memcpy(numbers, &state, sizeof numbers);
-        if (i > 0) sampler->outcome->cursor--;
-        shv_outcome_add_all(sampler->outcome, "track", SHV_CLOCK_NONE, numbers, SHV_BODY_NUMBERS);
+        memcpy(room + i * SHV_BODY_NUMBERS, &state, sizeof state);
     }
-    shv_outcome_set(sampler->outcome, "track.bodies", sampler->bodies.count);
+    shv_outcome_set(sampler->outcome, "track.bodies", (double)count);
 }
 
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
@@ -162,9 +191,9 @@ ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation,
         SHV_TRY(shv_bodies_create(&sampler->bodies, sampler->scene, frame, outcome->memory, error));
     add_numbers(outcome, frame);
     add_motion(outcome, frame);
-    shv_sample_ledger(outcome, &frame->ledger);
+    add_ledger(outcome, &frame->ledger);
     SHV_TRY(add_corners(sampler, simulation, error));
-    SHV_TRY(shv_sample_crack_tip(sampler, simulation, error));
+    SHV_TRY(add_tip(sampler, simulation, error));
     add_probes(outcome, frame);
     count_events(outcome, frame);
     if (sampler->tracked) track(sampler, frame);
@@ -184,7 +213,8 @@ void shv_sort_numbers(double *values, int64_t count)
     if (count > 1) qsort(values, (size_t)count, sizeof *values, compare_doubles);
 }
 
-void shv_sample_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count)
+/* Masses and momenta of living fragments; "pieces.mass" ascending. */
+static void add_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, int32_t count)
 {
     double mass = 0.0;
     ShvVec3 momentum = shv_vec3(0.0, 0.0, 0.0);
@@ -212,37 +242,20 @@ void shv_sample_pieces(ShvOutcome *outcome, const ShvFragmentView *fragments, in
     shv_outcome_set(outcome, "end.spin", length_of(largest->angular_velocity));
 }
 
-ShvStatus shv_sample_crack(ShvOutcome *outcome, const ShvMeshView *mesh, const uint8_t *bonds, ShvError *error)
+/* The failed facets. */
+static ShvStatus add_crack(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
-    ShvCrackSurface surface;
-    SHV_TRY(shv_crack_surface_create(&surface, mesh, bonds, outcome->memory, error));
+    ShvOutcome *outcome = sampler->outcome;
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    uint8_t *bonds = shv_pool_take(&sampler->pool, 4 * (size_t)mesh.element_count, 1);
+    if (!bonds) return shv_fail_memory(error, "bonds of facets", 4 * (size_t)mesh.element_count);
+    shv_simulation_bonds(simulation, bonds);
+    const ShvCrackSurface surface = shv_crack_surface(&mesh, bonds, &sampler->pool);
     const double halves[2] = {(double)(uint32_t)(surface.mesh >> 32), (double)(uint32_t)surface.mesh};
     shv_outcome_add_all(outcome, "crack.mesh", SHV_CLOCK_NONE, halves, 2);
-    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, NULL, 0);
-    for (int32_t i = 0; i < surface.count; i++) {
-        const ShvCrackFacet *facet = &surface.facets[i];
-        double numbers[SHV_FACET_NUMBERS];
-        for (int k = 0; k < 3; k++) {
-            numbers[k] = facet->nodes[k];
-            shv_store3(numbers + 3 + 3 * k, facet->corners[k]);
-        }
-        shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, numbers, SHV_FACET_NUMBERS);
-        outcome->cursor--;
-    }
-    shv_crack_surface_release(&surface);
-    return outcome->failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
-}
-
-static ShvStatus add_bonds(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
-{
-    const ShvMeshView mesh = shv_simulation_mesh(simulation);
-    const size_t count = 4 * (size_t)mesh.element_count;
-    uint8_t *bonds = shv_allocate(sampler->outcome->memory, SHV_PART_RECORD, count, sizeof *bonds);
-    if (!bonds) return shv_fail_memory(error, "bonds of facets", count * sizeof *bonds);
-    shv_simulation_bonds(simulation, bonds);
-    const ShvStatus status = shv_sample_crack(sampler->outcome, &mesh, bonds, error);
-    shv_release(bonds);
-    return status;
+    shv_outcome_add_all(outcome, "crack.facets", SHV_CLOCK_NONE, surface.facets,
+                        (int64_t)surface.count * SHV_FACET_NUMBERS);
+    return outcome->failed || sampler->pool.failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
 }
 
 /* A double holds 53 bits of the hash: equal for equal runs. */
@@ -275,13 +288,12 @@ ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, S
     ShvOutcome *outcome = sampler->outcome;
     ShvCrackView crack;
     SHV_TRY(shv_simulation_crack(simulation, &crack, error));
-    shv_sample_pieces(outcome, frame->fragments, frame->fragment_count);
+    add_pieces(outcome, frame->fragments, frame->fragment_count);
     shv_outcome_set(outcome, "end.crack_facets", crack.facets);
     shv_outcome_add_vector(outcome, "end.crack_origin", SHV_CLOCK_NONE, crack.origin);
     shv_outcome_add_vector(outcome, "end.crack_centre", SHV_CLOCK_NONE, crack.centre);
     shv_outcome_add_vector(outcome, "end.crack_normal", SHV_CLOCK_NONE, crack.normal);
     shv_outcome_set(outcome, "end.hash", hash_number(shv_simulation_hash(simulation)));
-    shv_outcome_set(outcome, "run.threads", shv_simulation_threads(simulation));
     add_end(outcome, frame);
-    return add_bonds(sampler, simulation, error);
+    return add_crack(sampler, simulation, error);
 }

@@ -10,8 +10,7 @@
 #include "base/random.h"
 #include "base/text.h"
 #include "evaluate/inputs.h"
-#include "evaluate/run.h"
-#include "evaluate/trajectory_error.h"
+
 #include "record/checkpoint.h"
 #include "scene/source.h"
 #include "shiver/version.h"
@@ -88,7 +87,7 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 {
     const int32_t members = study->plan.members;
     const size_t count = (size_t)study->setting_count * (size_t)members;
-    study->keys = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *study->keys);
+    study->keys = shv_pool_take(&study->pool, count, sizeof *study->keys);
     if (!study->keys) return shv_fail_memory(error, "the runs of a study", count * sizeof *study->keys);
     for (int32_t s = 0; s < study->setting_count; s++) {
         const ShvStudySetting *setting = shv_study_setting(study, s);
@@ -106,52 +105,42 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 
 /* ---- files ---- */
 
-ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error)
+ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
+                         ShvError *error)
 {
     char name[64];
     if (run >= 0) shv_format(name, sizeof name, "runs/%016llx.run", (unsigned long long)study->keys[run]);
-    return shv_path_join(study->memory, SHV_PART_GENERAL, study->options.output, run >= 0 ? name : file, path, error);
+    if (shv_format(path, SHV_STUDY_PATH, "%s/%s", study->options.output, run >= 0 ? name : file) < SHV_STUDY_PATH)
+        return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "the name of the folder '%.80s…' is too long", study->options.output);
 }
 
 /* A report that is not ours stays. */
-static ShvStatus check_folder(const ShvStudy *study, const char *runs, ShvError *error)
-{
-    struct stat about;
-    char *report;
-    if (study->options.force || stat(runs, &about) == 0) return SHV_OK;
-    SHV_TRY(shv_study_path(study, -1, "report.html", &report, error));
-    const bool there = stat(report, &about) == 0;
-    shv_release(report);
-    if (!there) return SHV_OK;
-    return shv_fail(error, SHV_BAD_INPUT, "'%s' has a report but no runs of a study; name another folder, or --force",
-                    study->options.output);
-}
-
 static ShvStatus make_folders(const ShvStudy *study, ShvError *error)
 {
-    char *runs;
-    SHV_TRY(shv_study_path(study, -1, "runs", &runs, error));
-    ShvStatus status = check_folder(study, runs, error);
-    if (status == SHV_OK) status = shv_make_folder(study->options.output, error);
-    if (status == SHV_OK) status = shv_make_folder(runs, error);
-    shv_release(runs);
-    return status;
+    struct stat about;
+    char runs[SHV_STUDY_PATH], report[SHV_STUDY_PATH];
+    SHV_TRY(shv_study_path(study, -1, "runs", runs, error));
+    SHV_TRY(shv_study_path(study, -1, "report.html", report, error));
+    if (!study->options.force && stat(runs, &about) != 0 && stat(report, &about) == 0)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "'%s' has a report but no runs of a study; name another folder, or --force",
+                        study->options.output);
+    SHV_TRY(shv_make_folder(study->options.output, error));
+    return shv_make_folder(runs, error);
 }
 
 ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error)
 {
-    char *path;
+    char path[SHV_STUDY_PATH];
     *outcome = (ShvOutcome){.memory = study->memory};
-    SHV_TRY(shv_study_path(study, run, NULL, &path, error));
-    ShvStatus status = shv_outcome_load(outcome, path, study->memory, error);
-    if (status == SHV_OK &&
-        (outcome->key != study->keys[run] ||
-         (outcome->status == SHV_OK && shv_study_tracks(study) && !shv_outcome_find(outcome, "track")))) {
-        status = shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
-        shv_outcome_release(outcome);
-    }
-    shv_release(path);
-    return status;
+    SHV_TRY(shv_study_path(study, run, NULL, path, error));
+    SHV_TRY(shv_outcome_load(outcome, path, study->memory, error));
+    const bool whole =
+        outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, "track") != NULL;
+    if (outcome->key == study->keys[run] && whole) return SHV_OK;
+    shv_outcome_release(outcome);
+    return shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
 }
 
 /* A run that was timed beside others does not count where times matter. */
@@ -180,30 +169,24 @@ static ShvStatus check_options(const ShvStudyOptions *options, ShvError *error)
     return SHV_OK;
 }
 
+/* A text that is given, or else that of a file. */
+static ShvStatus read_text(const ShvStudy *study, const char *given, const char *file, char **text, size_t *length,
+                           ShvError *error)
+{
+    if (!given) return shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, text, length, error);
+    *length = strlen(given);
+    *text = shv_copy_text(study->memory, SHV_PART_SCENE, given);
+    return *text ? SHV_OK : shv_fail_memory(error, "a study", *length);
+}
+
 static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file, ShvError *error)
 {
     size_t length;
     const ShvStudyOptions *options = &study->options;
-    if (options->scene_text) {
-        study->length = strlen(options->scene_text);
-        study->text = shv_copy_text(study->memory, SHV_PART_SCENE, options->scene_text);
-        if (!study->text) return shv_fail_memory(error, "a scene", study->length);
-    } else {
-        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, scene, SHV_SCENE_LARGEST_BYTES, &study->text,
-                              &study->length, error));
-    }
+    SHV_TRY(read_text(study, options->scene_text, scene, &study->text, &study->length, error));
     SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->folder, error));
-    if (!file) {
-        file = "the comparison";
-        length = strlen(options->plan);
-        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, scene, &study->study_folder, error));
-        study->study_text = shv_copy_text(study->memory, SHV_PART_SCENE, options->plan);
-        if (!study->study_text) return shv_fail_memory(error, "a study", length);
-    } else {
-        SHV_TRY(shv_path_folder(study->memory, SHV_PART_SCENE, file, &study->study_folder, error));
-        SHV_TRY(shv_read_file(study->memory, SHV_PART_SCENE, file, SHV_SCENE_LARGEST_BYTES, &study->study_text, &length,
-                              error));
-    }
+    SHV_TRY(read_text(study, file ? NULL : options->plan, file, &study->study_text, &length, error));
+    if (!file) file = "the comparison";
     SHV_TRY(shv_study_plan_read(&study->plan, study->study_text, length, file, options->overrides,
                                 options->override_count, study->memory, error));
     study->setting_count = study->plan.setting_count + (study->plan.reference == SHV_STUDY_SETTING ? 1 : 0);
@@ -211,24 +194,25 @@ static ShvStatus read_texts(ShvStudy *study, const char *scene, const char *file
 }
 
 /* A reference that is one of the settings is not run besides. */
-static int32_t same_setting(const ShvStudy *study)
+static void find_reference(ShvStudy *study)
 {
     const int32_t members = study->plan.members, own = study->plan.setting_count;
-    for (int32_t i = 0; i < own; i++)
-        if (study->keys[i * members] == study->keys[own * members]) return i;
-    return -1;
+    study->reference = -1;
+    if (study->plan.reference == SHV_STUDY_CLOSED) return;
+    study->reference = 0;
+    while (study->keys[study->reference * members] != study->keys[own * members]) study->reference++;
+    if (study->reference < own) study->setting_count = own;
 }
 
-static ShvStatus find_reference(ShvStudy *study, ShvError *error)
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
+                           ShvError *error)
 {
-    study->reference = study->plan.reference == SHV_STUDY_SETTING ? study->plan.setting_count : -1;
-    const int32_t same = study->reference < 0 ? -1 : same_setting(study);
-    if (same >= 0) {
-        study->reference = same;
-        study->setting_count = study->plan.setting_count;
-    }
-    if (study->plan.reference == SHV_STUDY_FINEST) return shv_study_finest(study, &study->reference, error);
-    return SHV_OK;
+    *scene = NULL;
+    *trajectory = (ShvTrajectoryError){.memory = study->memory};
+    if (!shv_study_tracks(study)) return SHV_OK;
+    SHV_TRY(shv_study_scene(study, setting, scene, error));
+    return shv_trajectory_error_open(trajectory, shv_scene_definition(*scene), shv_scene_folder(*scene),
+                                     study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
 }
 
 /* What bodies are compared with must fit the scene before anything is run. */
@@ -236,11 +220,7 @@ static ShvStatus check_trajectory(const ShvStudy *study, ShvError *error)
 {
     ShvScene *scene;
     ShvTrajectoryError trajectory;
-    if (!shv_study_tracks(study)) return SHV_OK;
-    SHV_TRY(shv_study_scene(study, 0, &scene, error));
-    const ShvStatus status =
-        shv_trajectory_error_open(&trajectory, shv_scene_definition(scene), shv_scene_folder(scene),
-                                  study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    const ShvStatus status = shv_study_follow(study, 0, &scene, &trajectory, error);
     shv_trajectory_error_close(&trajectory);
     shv_scene_destroy(scene);
     return status;
@@ -253,11 +233,11 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     SHV_TRY(check_options(options, error));
     ShvStudy *made = shv_allocate(options->memory, SHV_PART_GENERAL, 1, sizeof *made);
     if (!made) return shv_fail_memory(error, "a study", sizeof *made);
-    made->memory = options->memory;
+    made->memory = made->pool.memory = options->memory;
     made->options = *options;
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
-    if (status == SHV_OK) status = find_reference(made, error);
+    if (status == SHV_OK) find_reference(made);
     if (status == SHV_OK) status = check_trajectory(made, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
@@ -274,10 +254,7 @@ void shv_study_close(ShvStudy *study)
     shv_release(study->text);
     shv_release(study->study_text);
     shv_release(study->folder);
-    shv_release(study->study_folder);
-    shv_release(study->keys);
-    shv_release(study->results);
-    shv_study_figure_release(&study->figure);
+    shv_pool_release(&study->pool);
     shv_release(study);
 }
 
@@ -286,13 +263,6 @@ void shv_study_close(ShvStudy *study)
 int32_t shv_study_run_count(const ShvStudy *study)
 {
     return study->setting_count * study->plan.members;
-}
-
-int32_t shv_study_missing(const ShvStudy *study)
-{
-    int32_t missing = 0;
-    for (int32_t i = 0; i < shv_study_run_count(study); i++) missing += !is_done(study, i);
-    return missing;
 }
 
 static void tell(const ShvStudy *study, int32_t run)
@@ -337,16 +307,15 @@ static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
 {
     ShvScene *scene;
     ShvOutcome outcome = {.memory = study->memory};
-    char *path = NULL;
+    char path[SHV_STUDY_PATH];
     tell(study, run);
+    SHV_TRY(shv_study_path(study, run, NULL, path, error));
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
-    ShvStatus status = shv_study_path(study, run, NULL, &path, error);
-    if (status == SHV_OK) status = run_scene(study, run, scene, path, &outcome, error);
+    ShvStatus status = run_scene(study, run, scene, path, &outcome, error);
     outcome.key = study->keys[run];
     outcome.shared = study->options.shared;
     if (status == SHV_OK) status = shv_outcome_save(&outcome, path, error);
     if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
-    shv_release(path);
     shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;

@@ -6,17 +6,9 @@
 #include "evaluate/outcome.h"
 #include "evaluate/plot.h"
 #include "evaluate/study_plan.h"
+#include "evaluate/trajectory_error.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
-
-typedef struct ShvStudyResult {
-    ShvStudyRow row;
-    double values[SHV_STUDY_MOST_MEASURES],
-        errors[SHV_STUDY_MOST_MEASURES]; /* by measure of the study, as in its list */
-    double errors_low[SHV_STUDY_MOST_MEASURES], errors_high[SHV_STUDY_MOST_MEASURES];
-    double costs[SHV_COST_COUNT];
-    bool on_front[SHV_STUDY_MOST_MEASURES];
-} ShvStudyResult;
 
 /* Room for one figure, taken with the results, so that drawing cannot fail. */
 typedef struct ShvStudyFigure {
@@ -27,23 +19,25 @@ typedef struct ShvStudyFigure {
 
 struct ShvStudy {
     ShvMemory *memory;
+    ShvPool pool; /* of what lives as long as the study */
     ShvStudyOptions options;
     ShvStudyPlan plan;
-    char *text, *study_text;     /* of the scene; of the study */
-    char *folder, *study_folder; /* where the files lie that they name */
+    char *text, *study_text; /* of the scene; of the study */
+    char *folder;            /* where the files lie that the scene names */
     size_t length;
     const char *scene_path;
     int32_t setting_count; /* those of the plan, and the reference's own */
-    int32_t reference;     /* index of its setting; −1: closed form or file */
+    int32_t reference;     /* index of its setting; −1: closed form */
     uint64_t *keys;        /* of each run: setting × members + member */
     /* after measuring */
-    ShvStudyResult *results;
+    ShvStudyRow *rows;
+    ShvStudyView view;
     ShvStudyFigure figure;
-    double scatter[SHV_STUDY_MOST_MEASURES];
-    char reference_name[256], processor[128];
-    bool timings_valid, same_processor;
+    char processor[128];
 };
 
+/* Runs of all settings and members. */
+int32_t shv_study_run_count(const ShvStudy *study);
 /* Settings: those of the plan, then the reference's own. */
 const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index);
 /* Whether runs must keep the way of bodies. */
@@ -55,11 +49,14 @@ ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinit
                                     ShvObjectDefinition *objects);
 /* What is kept of a run, of which key and needs must fit; else SHV_BAD_INPUT or SHV_FILE_ERROR. */
 ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome, ShvError *error);
-/* "runs" folder and file of a run, or a file of the report with run −1; the caller releases *path. */
-ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char **path, ShvError *error);
+/* File of a run, or a file of the report with run −1. */
+enum { SHV_STUDY_PATH = 4096 };
+ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
+                         ShvError *error);
+/* What follows the bodies of a setting, where a measure does. The caller destroys both in every case. */
+ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
+                           ShvError *error);
 
-/* study_finest.c: the finest setting. */
-ShvStatus shv_study_finest(const ShvStudy *study, int32_t *finest, ShvError *error);
 /* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
@@ -69,8 +66,6 @@ void shv_study_put_html(const ShvStudy *study, FILE *stream);
 void shv_study_put_results(const ShvStudy *study, FILE *stream);
 void shv_study_put_markdown(const ShvStudy *study, FILE *stream);
 void shv_study_put_timings(const ShvStudy *study, FILE *stream);
-ShvStatus shv_study_figure_reserve(ShvStudy *study, ShvError *error);
-void shv_study_figure_release(ShvStudyFigure *figure);
 /* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);
 void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within);

@@ -9,14 +9,14 @@ bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
 static int32_t next_row(const ShvStudy *study, int32_t measure, int32_t after, double limit)
 {
     int32_t best = -1;
-    const double least = after < 0 ? -HUGE_VAL : study->results[after].row.seconds;
+    const double least = after < 0 ? -HUGE_VAL : study->rows[after].seconds;
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         if (!shv_study_counts(row, measure) || !(row->errors[measure] < limit) || row->seconds < least || i == after)
             continue;
-        const bool first = best < 0 || row->seconds < study->results[best].row.seconds;
-        const bool better = best >= 0 && row->seconds == study->results[best].row.seconds &&
-                            row->errors[measure] < study->results[best].row.errors[measure];
+        const bool first = best < 0 || row->seconds < study->rows[best].seconds;
+        const bool better = best >= 0 && row->seconds == study->rows[best].seconds &&
+                            row->errors[measure] < study->rows[best].errors[measure];
         if (first || better) best = i;
     }
     return best;
@@ -26,21 +26,21 @@ static int32_t next_row(const ShvStudy *study, int32_t measure, int32_t after, d
    none, and of equals the cheaper counts. */
 void shv_study_mark_front(ShvStudy *study, int32_t measure)
 {
-    const double scatter = isnan(study->scatter[measure]) ? 0.0 : study->scatter[measure];
+    const double scatter = isnan(study->view.scatter[measure]) ? 0.0 : study->view.scatter[measure];
     double limit = HUGE_VAL;
     for (int32_t i = -1; (i = next_row(study, measure, i, limit)) >= 0;) {
-        study->results[i].on_front[measure] = true;
-        limit = study->results[i].row.errors[measure] - scatter;
+        study->rows[i].on_front[measure] = true;
+        limit = study->rows[i].errors[measure] - scatter;
     }
 }
 
 int32_t shv_study_pick(const ShvStudy *study, int32_t measure, double largest)
 {
     int32_t best = -1;
-    for (int32_t i = 0; i < shv_study_row_count(study); i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+    for (int32_t i = 0; i < study->view.row_count; i++) {
+        const ShvStudyRow *row = &study->rows[i];
         if (!shv_study_counts(row, measure) || row->errors[measure] > largest) continue;
-        if (best < 0 || row->seconds < study->results[best].row.seconds) best = i;
+        if (best < 0 || row->seconds < study->rows[best].seconds) best = i;
     }
     return best;
 }

@@ -1,44 +1,35 @@
 /* From the runs of a study to its rows. */
 #include <string.h>
 
-#include "base/file.h"
 #include "base/text.h"
 #include "evaluate/names.h"
 #include "evaluate/sampler.h"
 #include "evaluate/study.h"
 
+_Static_assert((int)SHV_COST_COUNT <= (int)SHV_STUDY_MOST_COSTS, "a row has room for all costs");
+
 /* What one measuring works with. */
 typedef struct Judge {
     ShvStudy *study;
-    ShvOutcome *references; /* one a member; a run file stands for all; none with a closed form */
-    int32_t reference_count;
-    double *samples; /* measures × members: errors, then values, then run times */
-} Judge;
-
-/* What one judging works with. */
-typedef struct Bench {
-    ShvScene *scene;
+    ShvOutcome *references; /* one a member; NULL with a closed form */
+    double *samples;        /* measures × members: errors, then values, then run times */
+    ShvScene *scene;        /* of the setting that is judged, where bodies are followed */
     ShvTrajectoryError trajectory;
     ShvPool series;
-} Bench;
+} Judge;
 
-static void close_bench(Bench *bench)
+static void close_setting(Judge *judge)
 {
-    shv_trajectory_error_close(&bench->trajectory);
-    shv_scene_destroy(bench->scene);
-    shv_pool_release(&bench->series);
+    shv_trajectory_error_close(&judge->trajectory);
+    shv_scene_destroy(judge->scene);
+    shv_pool_release(&judge->series);
+    judge->scene = NULL;
 }
 
-static ShvStatus open_bench(const ShvStudy *study, int32_t setting, Bench *bench, ShvError *error)
+static ShvStatus open_setting(Judge *judge, int32_t setting, ShvError *error)
 {
-    *bench = (Bench){.series = {.memory = study->memory}};
-    if (!shv_study_tracks(study)) return SHV_OK;
-    SHV_TRY(shv_study_scene(study, setting, &bench->scene, error));
-    const ShvStatus status = shv_trajectory_error_open(&bench->trajectory, shv_scene_definition(bench->scene),
-                                                       shv_scene_folder(bench->scene),
-                                                       study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
-    if (status != SHV_OK) close_bench(bench);
-    return status;
+    judge->series = (ShvPool){.memory = judge->study->memory};
+    return shv_study_follow(judge->study, setting, &judge->scene, &judge->trajectory, error);
 }
 
 /* What a run lacks of a measure of ours is no number; a formula of the study's own must be right. */
@@ -54,31 +45,25 @@ static ShvStatus take(ShvNames *names, const ShvMeasure *measure, const char *fo
     return shv_fail(error, status, "measure %.60s: %.900s", measure->name, why.message);
 }
 
-/* By measure of the study. `values` may be NULL. */
-static ShvStatus judge_run(const ShvStudy *study, Bench *bench, const ShvOutcome *outcome, const ShvOutcome *reference,
-                           double *errors, double *values, ShvError *error)
+/* By measure of the study. */
+static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOutcome *reference, double *errors,
+                           double *values, ShvError *error)
 {
-    const ShvNamedRun own = {.name = "", .outcome = outcome}, other = {.name = "reference", .outcome = reference};
-    ShvNames names = {.pool = &bench->series, .run = &own, .others = &other, .other_count = 1};
-    if (bench->scene) names.trajectory = &bench->trajectory;
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i];
-        errors[i] = (double)NAN;
-        if (values) values[i] = (double)NAN;
+    const ShvStudyPlan *plan = &judge->study->plan;
+    const ShvNamedRun other = {.name = "reference", .outcome = reference};
+    const ShvNamedRun own = {.name = "", .outcome = outcome, .before = &other};
+    ShvNames names = {.pool = &judge->series, .run = &own};
+    if (judge->scene) names.trajectory = &judge->trajectory;
+    for (int32_t i = 0; i < plan->measure_count; i++) {
+        errors[i] = values[i] = (double)NAN;
         if (outcome->status != SHV_OK) continue;
-        SHV_TRY(take(&names, measure, measure->error, &errors[i], error));
-        if (values) SHV_TRY(take(&names, measure, measure->value, &values[i], error));
+        SHV_TRY(take(&names, &plan->measures[i], plan->measures[i].error, &errors[i], error));
+        SHV_TRY(take(&names, &plan->measures[i], plan->measures[i].value, &values[i], error));
     }
-    return bench->series.failed ? shv_fail_memory(error, "the series of a run", 0) : SHV_OK;
+    return judge->series.failed ? shv_fail_memory(error, "the series of a run", 0) : SHV_OK;
 }
 
 /* ---- one run, in a row ---- */
-
-static const ShvOutcome *reference_of(const Judge *judge, int32_t member)
-{
-    if (judge->reference_count == 0) return NULL;
-    return &judge->references[judge->reference_count > 1 ? member : 0];
-}
 
 /* Median of `count` numbers, those that are not finite left out; sorts them. NaN of none. */
 static double median(double *values, int32_t count)
@@ -91,21 +76,12 @@ static double median(double *values, int32_t count)
     return finite % 2 ? values[finite / 2] : 0.5 * (values[finite / 2 - 1] + values[finite / 2]);
 }
 
-/* Median of the run times; NaN without any. */
-static double seconds_of(const ShvOutcome *outcome)
+/* The first member stands for step and cost; the first failure for the setting. Returns the median of the run's times. */
+static double note_run(ShvStudyRow *row, const ShvOutcome *outcome, int32_t member)
 {
     enum { MOST = 64 };
     double copy[MOST];
-    const ShvOutcomeList *list = shv_outcome_find(outcome, "run.seconds");
-    const int64_t count = !list ? 0 : list->count < MOST ? list->count : MOST;
-    for (int64_t i = 0; i < count; i++) copy[i] = list->values[i];
-    return median(copy, (int32_t)count);
-}
-
-/* The first member stands for step and cost; the first failure for the setting. */
-static void note_run(ShvStudyResult *result, const ShvOutcome *outcome, int32_t member)
-{
-    ShvStudyRow *row = &result->row;
+    int32_t count = 0;
     const ShvOutcomeList *seconds = shv_outcome_find(outcome, "run.seconds"),
                          *costs = shv_outcome_find(outcome, "run.costs");
     const ShvOutcomeList *courant = shv_outcome_find(outcome, "frame.courant");
@@ -113,24 +89,25 @@ static void note_run(ShvStudyResult *result, const ShvOutcome *outcome, int32_t 
         row->stable_step = shv_outcome_number(outcome, "run.stable_step");
         row->step = shv_outcome_number(outcome, "frame.step");
         for (int64_t i = 0; courant && i < courant->count; i++) row->courant = fmax(row->courant, courant->values[i]);
-        for (int64_t i = 0; costs && i < costs->count && i < SHV_COST_COUNT; i++) result->costs[i] = costs->values[i];
+        for (int64_t i = 0; costs && i < costs->count && i < SHV_COST_COUNT; i++) row->costs[i] = costs->values[i];
     }
-    for (int64_t i = 0; seconds && i < seconds->count; i++) {
-        row->seconds_low = fmin(row->seconds_low, seconds->values[i]);
-        row->seconds_high = fmax(row->seconds_high, seconds->values[i]);
+    for (; seconds && count < seconds->count && count < MOST; count++) {
+        copy[count] = seconds->values[count];
+        row->seconds_low = fmin(row->seconds_low, copy[count]);
+        row->seconds_high = fmax(row->seconds_high, copy[count]);
     }
-    if (outcome->status == SHV_OK || row->status != SHV_OK) return;
-    row->status = outcome->status;
-    shv_format(row->message, sizeof row->message, "%.255s", outcome->message);
+    if (outcome->status != SHV_OK && row->status == SHV_OK) {
+        row->status = outcome->status;
+        shv_format(row->message, sizeof row->message, "%.255s", outcome->message);
+    }
+    return median(copy, count);
 }
 
+/* Times of runs beside others, or on different processors, say nothing. */
 static void note_machine(ShvStudy *study, const ShvOutcome *outcome)
 {
-    if (study->processor[0] == '\0')
-        shv_format(study->processor, sizeof study->processor, "%s", outcome->processor);
-    else if (strcmp(study->processor, outcome->processor) != 0)
-        study->same_processor = false;
-    if (outcome->shared || !study->same_processor) study->timings_valid = false;
+    if (study->processor[0] == '\0') shv_format(study->processor, sizeof study->processor, "%s", outcome->processor);
+    if (outcome->shared || strcmp(study->processor, outcome->processor) != 0) study->view.timings_valid = false;
 }
 
 /* ---- one setting ---- */
@@ -140,28 +117,27 @@ static double *sample(const Judge *judge, int32_t line, int32_t member)
     return judge->samples + (int64_t)line * judge->study->plan.members + member;
 }
 
-static ShvStatus judge_member(Judge *judge, Bench *bench, int32_t setting, int32_t member, ShvError *error)
+static ShvStatus judge_member(Judge *judge, int32_t setting, int32_t member, ShvError *error)
 {
     ShvStudy *study = judge->study;
     const int32_t measures = study->plan.measure_count;
     double errors[SHV_STUDY_MOST_MEASURES], values[SHV_STUDY_MOST_MEASURES];
     ShvOutcome outcome;
     SHV_TRY(shv_study_load(study, setting * study->plan.members + member, &outcome, error));
-    note_run(&study->results[setting], &outcome, member);
+    *sample(judge, 2 * measures, member) = note_run(&study->rows[setting], &outcome, member);
     note_machine(study, &outcome);
-    const ShvStatus status = judge_run(study, bench, &outcome, reference_of(judge, member), errors, values, error);
+    const ShvStatus status =
+        judge_run(judge, &outcome, judge->references ? &judge->references[member] : NULL, errors, values, error);
     for (int32_t i = 0; i < measures && status == SHV_OK; i++) {
         *sample(judge, i, member) = errors[i];
         *sample(judge, measures + i, member) = values[i];
     }
-    *sample(judge, 2 * measures, member) = seconds_of(&outcome);
     shv_outcome_release(&outcome);
     return status;
 }
 
-static const char *name_of(ShvStudy *study, int32_t index)
+static const char *name_of(ShvStudy *study, const ShvStudySetting *setting)
 {
-    const ShvStudySetting *setting = shv_study_setting(study, index);
     char text[1024] = "";
     size_t length = 0;
     for (int32_t i = 0; i < study->plan.key_count && setting->values && length < sizeof text - 1; i++) {
@@ -170,144 +146,90 @@ static const char *name_of(ShvStudy *study, int32_t index)
                    setting->values[i]);
         length = strlen(text);
     }
-    const char *copy = shv_pool_text(&study->plan.pool, text, length);
+    const char *copy = shv_pool_text(&study->pool, text, length);
     return copy && length > 0 ? copy : "reference";
 }
 
-static void start_result(ShvStudy *study, int32_t index)
+static void sum_up(const Judge *judge, ShvStudyRow *row)
 {
-    ShvStudyResult *result = &study->results[index];
-    const ShvStudySetting *setting = shv_study_setting(study, index);
-    result->row = (ShvStudyRow){.name = name_of(study, index),
-                                .series = setting->series,
-                                .label = setting->label,
-                                .is_reference = index == study->reference,
-                                .seconds_low = HUGE_VAL,
-                                .values = result->values,
-                                .errors = result->errors,
-                                .errors_low = result->errors_low,
-                                .errors_high = result->errors_high,
-                                .on_front = result->on_front,
-                                .costs = result->costs};
-}
-
-static void finish_result(const Judge *judge, int32_t index)
-{
-    const ShvStudy *study = judge->study;
-    ShvStudyResult *result = &study->results[index];
-    const int32_t measures = study->plan.measure_count, members = study->plan.members;
+    const int32_t measures = judge->study->plan.measure_count, members = judge->study->plan.members;
     for (int32_t i = 0; i < measures; i++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int32_t m = 0; m < members; m++) {
             low = fmin(low, *sample(judge, i, m));
             high = fmax(high, *sample(judge, i, m));
         }
-        result->errors_low[i] = low <= high ? low : (double)NAN;
-        result->errors_high[i] = low <= high ? high : (double)NAN;
-        result->errors[i] = median(sample(judge, i, 0), members);
-        result->values[i] = median(sample(judge, measures + i, 0), members);
+        row->errors_low[i] = low <= high ? low : (double)NAN;
+        row->errors_high[i] = low <= high ? high : (double)NAN;
+        row->errors[i] = median(sample(judge, i, 0), members);
+        row->values[i] = median(sample(judge, measures + i, 0), members);
     }
-    result->row.seconds = median(sample(judge, 2 * measures, 0), members);
+    row->seconds = median(sample(judge, 2 * measures, 0), members);
 }
 
-static ShvStatus judge_setting(Judge *judge, int32_t setting, ShvError *error)
+static ShvStatus judge_setting(Judge *judge, int32_t index, ShvError *error)
 {
-    Bench bench;
-    start_result(judge->study, setting);
-    SHV_TRY(open_bench(judge->study, setting, &bench, error));
-    ShvStatus status = SHV_OK;
-    for (int32_t m = 0; m < judge->study->plan.members && status == SHV_OK; m++)
-        status = judge_member(judge, &bench, setting, m, error);
-    close_bench(&bench);
-    if (status == SHV_OK) finish_result(judge, setting);
+    ShvStudy *study = judge->study;
+    const ShvStudySetting *setting = shv_study_setting(study, index);
+    study->rows[index] = (ShvStudyRow){.name = name_of(study, setting),
+                                       .series = setting->series,
+                                       .label = setting->label,
+                                       .is_reference = index == study->reference,
+                                       .seconds_low = HUGE_VAL};
+    ShvStatus status = open_setting(judge, index, error);
+    for (int32_t m = 0; m < study->plan.members && status == SHV_OK; m++) status = judge_member(judge, index, m, error);
+    close_setting(judge);
+    if (status == SHV_OK) sum_up(judge, &study->rows[index]);
     return status;
 }
 
-/* ---- scatter ---- */
+/* ---- reference and scatter ---- */
 
-/* Of an error that needs no reference: how far two runs' are from each other. */
-static ShvStatus compare_pair(const ShvStudy *study, Bench *bench, const ShvOutcome *a, const ShvOutcome *b,
-                              double *errors, ShvError *error)
+/* All members of the reference. */
+static ShvStatus load_references(Judge *judge, ShvError *error)
 {
-    double other[SHV_STUDY_MOST_MEASURES];
-    SHV_TRY(judge_run(study, bench, a, b, errors, NULL, error));
-    SHV_TRY(judge_run(study, bench, b, a, other, NULL, error));
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (shv_measure_is_own(&study->plan.measures[i])) errors[i] = fabs(errors[i] - other[i]);
+    const ShvStudy *study = judge->study;
+    const int32_t count = study->plan.members;
+    judge->references = shv_pool_take(&judge->study->pool, (size_t)count, sizeof *judge->references);
+    if (!judge->references) return shv_fail_memory(error, "reference runs", (size_t)count * sizeof *judge->references);
+    for (int32_t m = 0; m < count; m++) {
+        ShvOutcome *outcome = &judge->references[m];
+        SHV_TRY(shv_study_load(study, study->reference * count + m, outcome, error));
+        if (outcome->status != SHV_OK)
+            return shv_fail(error, outcome->status, "the run that the others are to be compared with failed: %s",
+                            outcome->message);
+    }
     return SHV_OK;
 }
 
-static ShvStatus scatter_of(ShvStudy *study, const ShvOutcome *members, Bench *bench, double *pairs, ShvError *error)
+/* Errors of a run against another; of an error that needs no reference how far the two are from each other. */
+static ShvStatus compare_pair(Judge *judge, const ShvOutcome *a, const ShvOutcome *b, double *errors, ShvError *error)
 {
-    const int32_t count = study->plan.members, all = count * (count - 1) / 2;
+    double other[SHV_STUDY_MOST_MEASURES], ignored[SHV_STUDY_MOST_MEASURES];
+    const ShvStudyPlan *plan = &judge->study->plan;
+    SHV_TRY(judge_run(judge, a, b, errors, ignored, error));
+    SHV_TRY(judge_run(judge, b, a, other, ignored, error));
+    for (int32_t i = 0; i < plan->measure_count; i++)
+        if (shv_measure_is_own(&plan->measures[i])) errors[i] = fabs(errors[i] - other[i]);
+    return SHV_OK;
+}
+
+static ShvStatus find_scatter(Judge *judge, ShvError *error)
+{
+    ShvStudy *study = judge->study;
+    const int32_t count = study->plan.members, measures = study->plan.measure_count, all = count * (count - 1) / 2;
+    double *pairs = shv_pool_take(&study->pool, (size_t)all * (size_t)measures, sizeof *pairs);
     int32_t pair = 0;
+    if (!pairs) return shv_fail_memory(error, "the scatter of an ensemble", (size_t)all * sizeof *pairs);
+    SHV_TRY(open_setting(judge, study->reference, error));
     for (int32_t a = 0; a < count; a++)
         for (int32_t b = a + 1; b < count; b++, pair++) {
             double errors[SHV_STUDY_MOST_MEASURES];
-            SHV_TRY(compare_pair(study, bench, &members[a], &members[b], errors, error));
-            for (int32_t i = 0; i < study->plan.measure_count; i++) pairs[(int64_t)i * all + pair] = errors[i];
+            SHV_TRY(compare_pair(judge, &judge->references[a], &judge->references[b], errors, error));
+            for (int32_t i = 0; i < measures; i++) pairs[(int64_t)i * all + pair] = errors[i];
         }
-    for (int32_t i = 0; i < study->plan.measure_count; i++) study->scatter[i] = median(pairs + (int64_t)i * all, all);
+    for (int32_t i = 0; i < measures; i++) study->view.scatter[i] = median(pairs + (int64_t)i * all, all);
     return SHV_OK;
-}
-
-static ShvStatus find_scatter(ShvStudy *study, int32_t setting, const ShvOutcome *members, ShvError *error)
-{
-    const int32_t count = study->plan.members;
-    const size_t pairs = (size_t)count * (size_t)(count - 1) / 2 * (size_t)study->plan.measure_count;
-    Bench bench;
-    if (count == 1) return SHV_OK;
-    double *samples = shv_allocate(study->memory, SHV_PART_GENERAL, pairs, sizeof *samples);
-    if (!samples) return shv_fail_memory(error, "the scatter of an ensemble", pairs * sizeof *samples);
-    ShvStatus status = open_bench(study, setting, &bench, error);
-    if (status == SHV_OK) {
-        status = scatter_of(study, members, &bench, samples, error);
-        close_bench(&bench);
-    }
-    shv_release(samples);
-    return status;
-}
-
-/* ---- references ---- */
-
-static void release_outcomes(ShvOutcome *outcomes, int32_t count)
-{
-    for (int32_t i = 0; i < count; i++) shv_outcome_release(&outcomes[i]);
-    shv_release(outcomes);
-}
-
-/* All members of a setting. */
-static ShvStatus load_members(const ShvStudy *study, int32_t setting, ShvOutcome **outcomes, ShvError *error)
-{
-    const int32_t count = study->plan.members;
-    *outcomes = shv_allocate(study->memory, SHV_PART_GENERAL, (size_t)count, sizeof **outcomes);
-    if (!*outcomes) return shv_fail_memory(error, "reference runs", (size_t)count * sizeof **outcomes);
-    ShvStatus status = SHV_OK;
-    for (int32_t m = 0; m < count && status == SHV_OK; m++) {
-        ShvOutcome *outcome = &(*outcomes)[m];
-        status = shv_study_load(study, setting * count + m, outcome, error);
-        if (status == SHV_OK && outcome->status != SHV_OK)
-            status = shv_fail(error, outcome->status, "the run that the others are to be compared with failed: %s",
-                              outcome->message);
-    }
-    if (status == SHV_OK) return SHV_OK;
-    release_outcomes(*outcomes, count);
-    *outcomes = NULL;
-    return status;
-}
-
-static ShvStatus load_file(Judge *judge, ShvError *error)
-{
-    const ShvStudy *study = judge->study;
-    judge->references = shv_allocate(study->memory, SHV_PART_GENERAL, 1, sizeof *judge->references);
-    if (!judge->references) return shv_fail_memory(error, "a reference run", sizeof *judge->references);
-    judge->reference_count = 1;
-    char *path;
-    SHV_TRY(
-        shv_path_join(study->memory, SHV_PART_GENERAL, study->study_folder, study->plan.reference_file, &path, error));
-    const ShvStatus status = shv_outcome_of_run_file(judge->references, path, study->memory, error);
-    shv_release(path);
-    return status;
 }
 
 static void name_closed_form(char *text, size_t size, const ShvReferenceDefinition *reference)
@@ -320,39 +242,16 @@ static void name_closed_form(char *text, size_t size, const ShvReferenceDefiniti
 
 static void name_reference(ShvStudy *study)
 {
-    char *text = study->reference_name;
-    const size_t size = sizeof study->reference_name;
     ShvScene *scene = NULL;
     ShvError ignored;
-    if (study->plan.reference == SHV_STUDY_FILE) {
-        shv_format(text, size, "run file %.200s", study->plan.reference_file);
-    } else if (study->reference >= 0) {
+    if (study->reference >= 0) {
         const ShvStudySetting *setting = shv_study_setting(study, study->reference);
-        shv_format(text, size, "run of %.160s%s%.60s", setting->series, setting->label[0] ? ", " : "", setting->label);
+        shv_format(study->view.reference, sizeof study->view.reference, "run of %.160s%s%.60s", setting->series,
+                   setting->label[0] ? ", " : "", setting->label);
     } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
-        name_closed_form(text, size, &shv_scene_definition(scene)->reference);
+        name_closed_form(study->view.reference, sizeof study->view.reference, &shv_scene_definition(scene)->reference);
     }
     shv_scene_destroy(scene);
-}
-
-static ShvStatus find_references(Judge *judge, ShvError *error)
-{
-    ShvStudy *study = judge->study;
-    name_reference(study);
-    if (study->plan.reference == SHV_STUDY_FILE) SHV_TRY(load_file(judge, error));
-    if (study->reference >= 0) {
-        SHV_TRY(load_members(study, study->reference, &judge->references, error));
-        judge->reference_count = study->plan.members;
-        return find_scatter(study, study->reference, judge->references, error);
-    }
-    if (study->plan.members == 1) return SHV_OK;
-    int32_t finest;
-    ShvOutcome *members;
-    SHV_TRY(shv_study_finest(study, &finest, error));
-    SHV_TRY(load_members(study, finest, &members, error));
-    const ShvStatus status = find_scatter(study, finest, members, error);
-    release_outcomes(members, study->plan.members);
-    return status;
 }
 
 /* ---- all ---- */
@@ -360,27 +259,35 @@ static ShvStatus find_references(Judge *judge, ShvError *error)
 static ShvStatus judge_all(Judge *judge, ShvError *error)
 {
     ShvStudy *study = judge->study;
-    SHV_TRY(find_references(judge, error));
+    name_reference(study);
+    if (study->reference >= 0) SHV_TRY(load_references(judge, error));
+    if (study->plan.members > 1) {
+        const ShvStatus status = find_scatter(judge, error);
+        close_setting(judge);
+        SHV_TRY(status);
+    }
     for (int32_t i = 0; i < study->setting_count; i++) SHV_TRY(judge_setting(judge, i, error));
     for (int32_t i = 0; i < study->plan.measure_count; i++) shv_study_mark_front(study, i);
-    return SHV_OK;
+    return study->pool.failed ? shv_fail_memory(error, "names of settings", 0) : SHV_OK;
 }
 
 static ShvStatus reserve(Judge *judge, ShvError *error)
 {
     ShvStudy *study = judge->study;
-    const size_t samples = (size_t)(2 * study->plan.measure_count + 1) * (size_t)study->plan.members;
+    ShvPool *pool = &study->pool;
     const size_t settings = (size_t)study->setting_count;
-    shv_release(study->results);
-    study->results = shv_allocate(study->memory, SHV_PART_GENERAL, settings, sizeof *study->results);
-    judge->samples = shv_allocate(study->memory, SHV_PART_GENERAL, samples, sizeof(double));
-    if (study->results && judge->samples) return shv_study_figure_reserve(study, error);
-    return shv_fail_memory(error, "the rows of a study", settings * sizeof *study->results);
+    study->rows = shv_pool_take(pool, settings, sizeof *study->rows);
+    study->figure.points = shv_pool_take(pool, settings, sizeof *study->figure.points);
+    study->figure.front = shv_pool_take(pool, settings, sizeof *study->figure.front);
+    study->figure.lines = shv_pool_take(pool, settings, sizeof *study->figure.lines);
+    study->figure.spans = shv_pool_take(pool, settings, sizeof *study->figure.spans);
+    judge->samples = shv_pool_take(pool, (size_t)(2 * study->plan.measure_count + 1) * (size_t)study->plan.members,
+                                   sizeof *judge->samples);
+    return pool->failed ? shv_fail_memory(error, "the rows of a study", settings * sizeof *study->rows) : SHV_OK;
 }
 
-ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
+static ShvStatus check_missing(const ShvStudy *study, ShvError *error)
 {
-    Judge judge = {.study = study};
     int32_t missing = 0;
     for (int32_t i = 0; i < shv_study_run_count(study); i++) {
         ShvOutcome outcome;
@@ -389,60 +296,31 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
         missing += loaded != SHV_OK;
         shv_outcome_release(&outcome);
     }
-    if (missing > 0)
-        return shv_fail(error, SHV_BAD_INPUT, "%d of %d runs are missing in '%s'; run the study, or its other tasks",
-                        (int)missing, (int)shv_study_run_count(study), study->options.output);
-    study->timings_valid = study->same_processor = true;
+    if (missing == 0) return SHV_OK;
+    return shv_fail(error, SHV_BAD_INPUT, "%d of %d runs are missing in '%s'; run the study, or its other tasks",
+                    (int)missing, (int)shv_study_run_count(study), study->options.output);
+}
+
+ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
+{
+    Judge judge = {.study = study};
+    SHV_TRY(check_missing(study, error));
+    study->view = (ShvStudyView){.measure_count = study->plan.measure_count, .timings_valid = true};
     study->processor[0] = '\0';
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        study->view.measures[i] = study->plan.measures[i].name;
+        study->view.error_units[i] = study->plan.measures[i].error_unit;
+    }
     ShvStatus status = reserve(&judge, error);
     if (status == SHV_OK) status = judge_all(&judge, error);
-    if (status == SHV_OK && study->plan.pool.failed) status = shv_fail_memory(error, "names of settings", 0);
-    release_outcomes(judge.references, judge.reference_count);
-    shv_release(judge.samples);
-    if (status == SHV_OK) return SHV_OK;
-    shv_release(study->results);
-    study->results = NULL;
-    return status;
+    for (int32_t m = 0; judge.references && m < study->plan.members; m++) shv_outcome_release(&judge.references[m]);
+    if (status != SHV_OK) return status;
+    study->view.rows = study->rows;
+    study->view.row_count = study->setting_count;
+    return SHV_OK;
 }
 
-/* ---- views ---- */
-
-int32_t shv_study_row_count(const ShvStudy *study)
+const ShvStudyView *shv_study_view(const ShvStudy *study)
 {
-    return study->results ? study->setting_count : 0;
-}
-
-const ShvStudyRow *shv_study_row(const ShvStudy *study, int32_t index)
-{
-    return &study->results[index].row;
-}
-
-const char *shv_study_reference(const ShvStudy *study)
-{
-    return study->reference_name;
-}
-
-bool shv_study_timings_valid(const ShvStudy *study)
-{
-    return study->timings_valid;
-}
-
-int32_t shv_study_measure_count(const ShvStudy *study)
-{
-    return study->plan.measure_count;
-}
-
-const char *shv_study_measure_name(const ShvStudy *study, int32_t measure)
-{
-    return study->plan.measures[measure].name;
-}
-
-const char *shv_study_error_unit(const ShvStudy *study, int32_t measure)
-{
-    return study->plan.measures[measure].error_unit;
-}
-
-double shv_study_scatter(const ShvStudy *study, int32_t measure)
-{
-    return study->scatter[measure];
+    return &study->view;
 }

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/names.h"
 #include "base/text.h"
-#include "scene/schema.h"
+#include "scene/read.h"
 #include "scene/source.h"
 
 typedef struct Planner {
@@ -25,6 +25,7 @@ typedef struct Axis {
 } Axis;
 
 static const char *const step_key = "step";
+#define LENGTH_OF(array) ((int)(sizeof(array) / sizeof *(array)))
 
 /* ---- keys of all runs ---- */
 
@@ -37,17 +38,16 @@ static const char *assignment(ShvPool *pool, const char *key, const char *value)
     return text;
 }
 
-static void read_fixed(Planner *planner, const ShvNode *root, const char *const *more, int32_t more_count)
+static void read_fixed(Planner *planner, const ShvNode *set, const char *const *more, int32_t more_count)
 {
-    const ShvEntry *set = shv_tree_find(root, "set");
-    if (set && set->value->kind != SHV_NODE_MAPPING) {
-        shv_error(planner->diagnostics, set->value->place, "'set' must be a mapping of scene keys to values");
+    if (set && set->kind != SHV_NODE_MAPPING) {
+        shv_error(planner->diagnostics, set->place, "'set' must be a mapping of scene keys to values");
         return;
     }
-    const int32_t own = set ? set->value->count : 0;
+    const int32_t own = set ? set->count : 0;
     planner->fixed = shv_pool_take(planner->pool, (size_t)(own + more_count), sizeof *planner->fixed);
     if (!planner->fixed) return;
-    for (const ShvEntry *entry = set ? set->value->first : NULL; entry; entry = entry->next)
+    for (const ShvEntry *entry = set ? set->first : NULL; entry; entry = entry->next)
         planner->fixed[planner->fixed_count++] =
             assignment(planner->pool, entry->key->text, shv_study_text_of(planner->pool, entry->value));
     for (int32_t i = 0; i < more_count; i++)
@@ -188,22 +188,16 @@ static void read_block(Planner *planner, const ShvNode *block, const char *along
     while (next_choice(chosen, axes, count));
 }
 
-static void read_vary(Planner *planner, const ShvNode *root, const char *along)
+static void read_vary(Planner *planner, const ShvNode *vary, const char *along)
 {
-    const ShvEntry *vary = shv_tree_find(root, "vary");
     planner->plan->keys = shv_pool_take(planner->pool, SHV_STUDY_MOST_KEYS, sizeof *planner->plan->keys);
-    if (!planner->plan->keys) return;
-    if (!vary) {
-        shv_error(planner->diagnostics, root->place, "the study lacks 'vary': scene keys and the values to run");
+    if (!planner->plan->keys || !vary) return;
+    if (vary->kind != SHV_NODE_LIST) {
+        read_block(planner, vary, along);
         return;
     }
-    if (vary->value->kind != SHV_NODE_LIST) {
-        read_block(planner, vary->value, along);
-        return;
-    }
-    if (vary->value->count == 0) shv_error(planner->diagnostics, vary->value->place, "'vary' is empty");
-    for (const ShvEntry *entry = vary->value->first; entry; entry = entry->next)
-        read_block(planner, entry->value, along);
+    if (vary->count == 0) shv_error(planner->diagnostics, vary->place, "'vary' is empty");
+    for (const ShvEntry *entry = vary->first; entry; entry = entry->next) read_block(planner, entry->value, along);
 }
 
 /* ---- the rest ---- */
@@ -223,25 +217,16 @@ static void read_reference_setting(Planner *planner, const ShvNode *node)
     fill_setting(planner, &planner->plan->reference_setting, axes, count, chosen, node);
 }
 
-static void read_reference(Planner *planner, const ShvNode *root)
+static void read_reference(Planner *planner, const ShvNode *node)
 {
-    const ShvEntry *entry = shv_tree_find(root, "reference");
     ShvStudyPlan *plan = planner->plan;
-    if (!entry) return;
-    const ShvNode *node = entry->value;
-    if (node->kind == SHV_NODE_MAPPING && node->count == 1 && strcmp(node->first->key->text, "file") == 0 &&
-        node->first->value->kind == SHV_NODE_SCALAR) {
-        plan->reference = SHV_STUDY_FILE;
-        plan->reference_file = node->first->value->text;
-    } else if (node->kind == SHV_NODE_MAPPING) {
+    if (!node) return;
+    if (node->kind == SHV_NODE_MAPPING)
         read_reference_setting(planner, node);
-    } else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0) {
+    else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0)
         plan->reference = SHV_STUDY_CLOSED;
-    } else if (node->kind != SHV_NODE_SCALAR || !node->text || strcmp(node->text, "finest") != 0) {
-        shv_error(
-            planner->diagnostics, node->place,
-            "'reference' is 'finest', 'closed form', a run file ({file: run.h5}) or the keys of a run of its own");
-    }
+    else
+        shv_error(planner->diagnostics, node->place, "'reference' is 'closed form' or the keys of a run of its own");
 }
 
 static void report_measure(Planner *planner, const ShvNode *node)
@@ -255,26 +240,36 @@ static void report_measure(Planner *planner, const ShvNode *node)
               shv_quoted(text).text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }
 
-static const char *text_of(const ShvNode *mapping, const char *key)
+typedef struct MeasureItem {
+    ShvItemHead head;
+    ShvMeasure measure;
+} MeasureItem;
+#define MEASURE(member) offsetof(MeasureItem, measure.member)
+static const ShvKey measure_keys[] = {{"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = MEASURE(name)},
+                                      {"error", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = MEASURE(error)},
+                                      {"value", SHV_KEY_TEXT, .offset = MEASURE(value)},
+                                      {"unit", SHV_KEY_TEXT, .offset = MEASURE(error_unit)}};
+static void start_measure(void *item)
 {
-    const ShvEntry *entry = shv_tree_find(mapping, key);
-    return entry && entry->value->kind == SHV_NODE_SCALAR && !entry->value->null ? entry->value->text : NULL;
+    *(MeasureItem *)item = (MeasureItem){.measure = {.error_unit = ""}};
 }
+static const ShvTable measure_table = {.name = "a measure",
+                                       .keys = measure_keys,
+                                       .key_count = LENGTH_OF(measure_keys),
+                                       .size = sizeof(MeasureItem),
+                                       .start = start_measure};
 
 /* {name: …, error: formula, value: formula, unit: …} */
 static bool read_formula(Planner *planner, const ShvNode *node, ShvMeasure *measure)
 {
-    static const char *const names[] = {"name", "error", "value", "unit"};
-    if (!shv_study_check_keys(planner->diagnostics, node, "a measure", names, 4)) return false;
-    const char *unit = text_of(node, "unit");
-    *measure = (ShvMeasure){.name = text_of(node, "name"),
-                            .error_unit = unit ? unit : "",
-                            .value = text_of(node, "value"),
-                            .error = text_of(node, "error")};
+    MeasureItem item;
+    ShvReader reader = {planner->pool, planner->pool, planner->diagnostics, NULL};
+    shv_read_document(&reader, &measure_table, node, &item);
+    if (!item.head.good || planner->pool->failed) return false;
+    *measure = item.measure;
     if (measure->value) measure->unit = measure->error_unit;
-    if (measure->name && shv_is_name(measure->name) && measure->error) return true;
-    shv_error(planner->diagnostics, node->place,
-              "a measure of the study's own needs a 'name' of letters, digits and '_', and 'error', a formula");
+    if (shv_is_name(measure->name)) return true;
+    shv_error(planner->diagnostics, node->place, "the name of a measure is made of letters, digits, '_' and '-'");
     return false;
 }
 
@@ -289,18 +284,16 @@ static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *meas
     return known != NULL;
 }
 
-static void read_measures(Planner *planner, const ShvNode *root)
+static void read_measures(Planner *planner, const ShvNode *node)
 {
     ShvStudyPlan *plan = planner->plan;
-    const ShvEntry *entry = shv_tree_find(root, "measures");
-    if (!entry || entry->value->kind != SHV_NODE_LIST || entry->value->count == 0 ||
-        entry->value->count > SHV_STUDY_MOST_MEASURES) {
-        shv_error(planner->diagnostics, entry ? entry->value->place : root->place,
-                  "the study needs 'measures', a list of 1 to %d names; docs/study.md lists them",
+    if (!node) return;
+    if (node->kind != SHV_NODE_LIST || node->count == 0 || node->count > SHV_STUDY_MOST_MEASURES) {
+        shv_error(planner->diagnostics, node->place, "'measures' is a list of 1 to %d names; docs/study.md lists them",
                   (int)SHV_STUDY_MOST_MEASURES);
         return;
     }
-    for (const ShvEntry *item = entry->value->first; item; item = item->next) {
+    for (const ShvEntry *item = node->first; item; item = item->next) {
         ShvMeasure *measure = &plan->measures[plan->measure_count];
         if (!read_measure(planner, item->value, measure)) continue;
         bool twice = false;
@@ -312,92 +305,89 @@ static void read_measures(Planner *planner, const ShvNode *root)
     }
 }
 
-static void read_ensemble(Planner *planner, const ShvNode *root)
+/* ---- the file ---- */
+
+typedef struct StudyItem {
+    ShvItemHead head;
+    int32_t version, repeats, audit_wakes, seeds, shifts;
+    double size; /* m */
+    const char *name, *along;
+    const ShvNode *set, *vary, *reference, *measures; /* NULL: not given */
+} StudyItem;
+
+#define STUDY(member) offsetof(StudyItem, member)
+static const ShvRange version = {1.0, 1.0, false, false}, repeats = {1.0, 50.0, false, false},
+                      wakes = {0.0, 1e6, false, false}, members = {SHV_STUDY_LEAST_MEMBERS, 1000.0, false, false},
+                      size = {0.0, 1.0, true, false};
+static const ShvKey ensemble_keys[] = {
+    {"seeds", SHV_KEY_INT32, .range = &members, .offset = STUDY(seeds)},
+    {"shifts", SHV_KEY_INT32, .range = &members, .offset = STUDY(shifts)},
+    {"size", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, .range = &size, .offset = STUDY(size)}};
+static const ShvTable ensemble_table = {
+    .name = "'ensemble'", .keys = ensemble_keys, .key_count = LENGTH_OF(ensemble_keys)};
+static const ShvKey study_keys[] = {
+    {"shiver_study", SHV_KEY_INT32, .flags = SHV_KEY_REQUIRED, .range = &version, .offset = STUDY(version)},
+    {"name", SHV_KEY_TEXT, .offset = STUDY(name)},
+    {"set", SHV_KEY_NODE, .offset = STUDY(set)},
+    {"vary", SHV_KEY_NODE, .offset = STUDY(vary)},
+    {"reference", SHV_KEY_NODE, .offset = STUDY(reference)},
+    {"measures", SHV_KEY_NODE, .offset = STUDY(measures)},
+    {"repeats", SHV_KEY_INT32, .range = &repeats, .offset = STUDY(repeats)},
+    {"ensemble", SHV_KEY_MAPPING, .table = &ensemble_table},
+    {"audit_wakes", SHV_KEY_INT32, .range = &wakes, .offset = STUDY(audit_wakes)},
+    {"along", SHV_KEY_TEXT, .offset = STUDY(along)}};
+static void start_study(void *item)
 {
-    static const char *const names[] = {"seeds", "shifts", "size"};
-    const ShvEntry *entry = shv_tree_find(root, "ensemble");
+    *(StudyItem *)item = (StudyItem){.name = "study", .repeats = 1};
+}
+static const ShvTable study_table = {.name = "the study",
+                                     .keys = study_keys,
+                                     .key_count = LENGTH_OF(study_keys),
+                                     .size = sizeof(StudyItem),
+                                     .start = start_study};
+
+static void read_ensemble(Planner *planner, const StudyItem *item)
+{
     ShvStudyPlan *plan = planner->plan;
-    if (!entry || !shv_study_check_keys(planner->diagnostics, entry->value, "'ensemble'", names, 3)) return;
-    const ShvEntry *seeds = shv_tree_find(entry->value, "seeds"), *shifts = shv_tree_find(entry->value, "shifts");
-    const ShvEntry *size = shv_tree_find(entry->value, "size"), *count = seeds ? seeds : shifts;
-    double members = 0.0;
-    if (!count || (seeds && shifts) || (shifts && !size) || (seeds && size)) {
-        shv_error(planner->diagnostics, entry->value->place,
+    const int32_t count = item->seeds > 0 ? item->seeds : item->shifts;
+    if ((item->seeds > 0 && item->shifts > 0) || (item->shifts > 0) != (item->size > 0.0))
+        shv_error(planner->diagnostics, item->head.node->place,
                   "'ensemble' is {seeds: 5} or {shifts: 5, size: 1e-9}, a displacement in m");
-        return;
-    }
-    if (size && !shv_study_number(planner->diagnostics, size->value, "size", 1e-300, 1.0, false, &plan->shift)) return;
-    if (!shv_study_number(planner->diagnostics, count->value, count->key->text, SHV_STUDY_LEAST_MEMBERS, 1000.0, true,
-                          &members))
-        return;
-    plan->members = (int32_t)members;
-    plan->seeds = seeds != NULL;
+    plan->members = count > 0 ? count : 1;
+    plan->seeds = item->seeds > 0;
+    plan->shift = item->size;
 }
 
-static const char *read_text(Planner *planner, const ShvNode *root, const char *key, const char *otherwise)
-{
-    const ShvEntry *entry = shv_tree_find(root, key);
-    if (!entry) return otherwise;
-    if (entry->value->kind == SHV_NODE_SCALAR && !entry->value->null) return entry->value->text;
-    shv_error(planner->diagnostics, entry->value->place, "'%s' must be a text", key);
-    return otherwise;
-}
-
-static int32_t read_count(Planner *planner, const ShvNode *root, const char *key, double low, double high,
-                          int32_t otherwise)
-{
-    const ShvEntry *entry = shv_tree_find(root, key);
-    double value = otherwise;
-    if (entry) shv_study_number(planner->diagnostics, entry->value, key, low, high, true, &value);
-    return (int32_t)value;
-}
-
-static void check_together(Planner *planner, const ShvNode *root)
+static void check_together(Planner *planner, const ShvNode *reference)
 {
     const ShvStudyPlan *plan = planner->plan;
-    const ShvEntry *entry = shv_tree_find(root, "reference");
-    const bool end_only = plan->reference == SHV_STUDY_FILE;
-    if (plan->reference == SHV_STUDY_CLOSED && plan->members > 1)
-        shv_error(planner->diagnostics, entry->value->place,
+    if (!reference || plan->reference != SHV_STUDY_CLOSED) return;
+    if (plan->members > 1)
+        shv_error(planner->diagnostics, reference->place,
                   "an ensemble has no closed form; take another reference or leave out 'ensemble'");
-    for (int32_t i = 0; i < plan->measure_count; i++) {
-        const ShvMeasure *measure = &plan->measures[i];
-        if (plan->reference == SHV_STUDY_CLOSED && !shv_measure_tracks(measure) && !shv_measure_is_own(measure))
-            shv_error(planner->diagnostics, entry->value->place, "'%s' has no closed form; take another reference",
-                      measure->name);
-        if (end_only && shv_measure_tracks(measure))
-            shv_error(planner->diagnostics, entry->value->place,
-                      "'%s' follows bodies, which a run file as reference does not serve", measure->name);
-    }
+    for (int32_t i = 0; i < plan->measure_count; i++)
+        if (!shv_measure_tracks(&plan->measures[i]) && !shv_measure_is_own(&plan->measures[i]))
+            shv_error(planner->diagnostics, reference->place, "'%s' has no closed form; take another reference",
+                      plan->measures[i].name);
 }
 
 static void read_plan(Planner *planner, const ShvNode *root, const char *const *more, int32_t more_count)
 {
-    static const char *const names[] = {"shiver_study", "name",    "set",      "vary",        "reference",
-                                        "measures",     "repeats", "ensemble", "audit_wakes", "along"};
+    StudyItem item;
     ShvStudyPlan *plan = planner->plan;
-    if (!shv_study_check_keys(planner->diagnostics, root, "the study", names, sizeof names / sizeof names[0])) return;
-    read_count(planner, root, "shiver_study", 1.0, 1.0, 1);
-    if (!shv_tree_find(root, "shiver_study"))
-        shv_error(planner->diagnostics, root->place, "a study begins with 'shiver_study: 1'");
-    plan->repeats = read_count(planner, root, "repeats", 1.0, 50.0, 1);
-    plan->audit_wakes = read_count(planner, root, "audit_wakes", 0.0, 1e6, 0);
-    const char *name = read_text(planner, root, "name", "study"), *along = read_text(planner, root, "along", NULL);
-    plan->name = shv_pool_text(planner->pool, name, strlen(name));
-    read_fixed(planner, root, more, more_count);
-    read_vary(planner, root, along);
-    read_measures(planner, root);
-    read_ensemble(planner, root);
-    read_reference(planner, root);
-    check_together(planner, root);
-}
-
-static ShvStatus report(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    const int32_t errors = shv_diagnostics_errors(diagnostics);
-    const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, 0);
-    if (errors == 1) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
-    return shv_fail(error, SHV_BAD_INPUT, "%d errors in the study; the first is %s", (int)errors, first->message);
+    ShvReader reader = {planner->pool, planner->pool, planner->diagnostics, NULL};
+    shv_read_document(&reader, &study_table, root, &item);
+    if (item.head.good && !(item.vary && item.measures && item.reference)) /* a misspelt one has been told */
+        shv_error(planner->diagnostics, root->place, "the study must have 'vary', 'measures' and 'reference'");
+    plan->name = item.name;
+    plan->repeats = item.repeats;
+    plan->audit_wakes = item.audit_wakes;
+    read_fixed(planner, item.set, more, more_count);
+    read_vary(planner, item.vary, item.along);
+    read_measures(planner, item.measures);
+    read_ensemble(planner, &item);
+    read_reference(planner, item.reference);
+    check_together(planner, item.reference);
 }
 
 ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t length, const char *name,
@@ -409,13 +399,7 @@ ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t lengt
     Planner planner = {plan, &plan->pool, diagnostics, NULL, 0, ""};
     const ShvNode *root = shv_tree_read(&plan->pool, diagnostics, text, length, 0);
     if (root) read_plan(&planner, root, more, more_count);
-    const bool failed = plan->pool.failed || shv_diagnostics_failed(diagnostics);
-    ShvStatus status = SHV_OK;
-    shv_diagnostics_sort(diagnostics);
-    if (failed)
-        status = shv_fail_memory(error, "a study", length);
-    else if (shv_diagnostics_errors(diagnostics) > 0)
-        status = report(diagnostics, error);
+    const ShvStatus status = shv_diagnostics_end(diagnostics, plan->pool.failed, "the study", length, error);
     shv_diagnostics_destroy(diagnostics);
     if (status != SHV_OK) shv_study_plan_release(plan);
     return status;

@@ -6,19 +6,13 @@
 #include <math.h>
 
 #include "scene/tree.h"
+#include "shiver/study.h"
 
-enum {
-    SHV_STUDY_MOST_SETTINGS = 10000,
-    SHV_STUDY_MOST_KEYS = 16,
-    SHV_STUDY_LEAST_MEMBERS = 5,
-    SHV_STUDY_MOST_MEASURES = 32
-};
+enum { SHV_STUDY_MOST_SETTINGS = 10000, SHV_STUDY_MOST_KEYS = 16, SHV_STUDY_LEAST_MEMBERS = 5 };
 
 typedef enum ShvStudyReference {
-    SHV_STUDY_FINEST,  /* the finest of the settings */
-    SHV_STUDY_CLOSED,  /* the scene's `reference` */
-    SHV_STUDY_SETTING, /* a setting of its own */
-    SHV_STUDY_FILE     /* a run file */
+    SHV_STUDY_CLOSED, /* the scene's `reference` */
+    SHV_STUDY_SETTING /* a setting of its own */
 } ShvStudyReference;
 
 /* One combination of values of the keys that a study varies. */
@@ -40,7 +34,6 @@ typedef struct ShvStudyPlan {
     int32_t setting_count;
     ShvStudyReference reference;
     ShvStudySetting reference_setting;
-    const char *reference_file;
     ShvMeasure measures[SHV_STUDY_MOST_MEASURES]; /* of our own, or formulas of the study, which have no sentence */
     int32_t measure_count;
     int32_t repeats; /* of each run, for its time */
@@ -56,16 +49,9 @@ ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t lengt
                               const char *const *more, int32_t more_count, ShvMemory *memory, ShvError *error);
 void shv_study_plan_release(ShvStudyPlan *plan);
 
-/* study_values.c: the values of a key: one, a list, or {linear: …} or {geometric: {from: …, to: …, count: …, unit: …}}, as texts
-   of YAML. Returns their number; 0 after a fault, which is reported. */
+/* study_values.c: the values of a key, one or a list, as texts of YAML. Returns their number; 0 after a fault, which is reported. */
 int32_t shv_study_values(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvNode *node, const char ***values);
 /* A node as YAML of one line. */
 const char *shv_study_text_of(ShvPool *pool, const ShvNode *node);
-/* A number behind a key, within a range; reports what is wrong with it and leaves the value as it was then. */
-bool shv_study_number(ShvDiagnostics *diagnostics, const ShvNode *node, const char *name, double low, double high,
-                      bool whole, double *value);
-/* Reports keys of a mapping that are not among the names, and what is no mapping. */
-bool shv_study_check_keys(ShvDiagnostics *diagnostics, const ShvNode *node, const char *what, const char *const *names,
-                          int32_t count);
 
 #endif

@@ -2,15 +2,13 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/html.h"
 #include "evaluate/study.h"
 
 /* ---- error against run time ---- */
 
+/* Room for a figure, filled. */
 typedef struct Figure {
-    ShvPlotPoint *points, *front;
-    ShvPlotLine *lines;
-    ShvPlotSpan *spans;
+    ShvStudyFigure room;
     int32_t line_count, front_count, span_count;
     double least; /* an error of zero has a place here, below all others */
 } Figure;
@@ -19,7 +17,7 @@ static double least_error(const ShvStudy *study, int32_t measure)
 {
     double least = HUGE_VAL;
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         if (shv_study_counts(row, measure) && row->errors[measure] > 0.0) least = fmin(least, row->errors[measure]);
     }
     return isfinite(least) ? 0.1 * least : 1e-16;
@@ -37,27 +35,27 @@ static ShvPlotPoint point_of(const ShvStudyRow *row, int32_t measure, double lea
 /* Rows of one series, in their order, behind the points that are there. */
 static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figure *figure, int32_t *used)
 {
-    const char *name = study->results[first].row.series;
-    ShvPlotPoint *points = figure->points + *used;
+    const char *name = study->rows[first].series;
+    ShvPlotPoint *points = figure->room.points + *used;
     int32_t count = 0;
     for (int32_t i = first; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         if (row->is_reference || strcmp(row->series, name) != 0) continue;
         points[count++] = point_of(row, measure, figure->least);
         if (study->plan.members == 1 || !shv_study_counts(row, measure)) continue;
-        figure->spans[figure->span_count++] = (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least),
-                                                            row->errors_high[measure], figure->line_count};
+        figure->room.spans[figure->span_count++] = (ShvPlotSpan){
+            row->seconds, fmax(row->errors_low[measure], figure->least), row->errors_high[measure], figure->line_count};
     }
-    figure->lines[figure->line_count++] = (ShvPlotLine){name, points, count, SHV_PLOT_MARKED_LINE};
+    figure->room.lines[figure->line_count++] = (ShvPlotLine){name, points, count, SHV_PLOT_MARKED_LINE};
     *used += count;
 }
 
 static bool is_first_of_series(const ShvStudy *study, int32_t index)
 {
-    const ShvStudyRow *row = &study->results[index].row;
+    const ShvStudyRow *row = &study->rows[index];
     if (row->is_reference) return false;
     for (int32_t i = 0; i < index; i++)
-        if (!study->results[i].row.is_reference && strcmp(study->results[i].row.series, row->series) == 0) return false;
+        if (!study->rows[i].is_reference && strcmp(study->rows[i].series, row->series) == 0) return false;
     return true;
 }
 
@@ -65,11 +63,12 @@ static bool is_first_of_series(const ShvStudy *study, int32_t index)
 static void add_front(const ShvStudy *study, int32_t measure, Figure *figure)
 {
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         if (!row->on_front[measure]) continue;
         int32_t k = figure->front_count++;
-        for (; k > 0 && figure->front[k - 1].x > row->seconds; k--) figure->front[k] = figure->front[k - 1];
-        figure->front[k] = point_of(row, measure, figure->least);
+        for (; k > 0 && figure->room.front[k - 1].x > row->seconds; k--)
+            figure->room.front[k] = figure->room.front[k - 1];
+        figure->room.front[k] = point_of(row, measure, figure->least);
     }
 }
 
@@ -88,51 +87,26 @@ static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, F
     char title[200], label[96];
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
-    const ShvPlotLine front = {"Pareto front", figure->front, figure->front_count, SHV_PLOT_MARKED_LINE};
+    const ShvPlotLine front = {"Pareto front", figure->room.front, figure->front_count, SHV_PLOT_MARKED_LINE};
     const ShvPlot plot = {.title = title,
-                          .x_label =
-                              study->timings_valid ? "run time, s" : "run time, s (invalid: runs shared the machine)",
+                          .x_label = study->view.timings_valid ? "run time, s"
+                                                               : "run time, s (invalid: runs shared the machine)",
                           .y_label = label,
                           .log_x = true,
                           .log_y = true,
-                          .lines = figure->lines,
+                          .lines = figure->room.lines,
                           .line_count = figure->line_count,
                           .front = &front,
-                          .spans = figure->spans,
+                          .spans = figure->room.spans,
                           .span_count = figure->span_count};
-    (within ? shv_plot_write_inline : shv_plot_write)(stream, &plot);
+    shv_plot_write(stream, &plot, within);
 }
 
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
 {
-    Figure figure = {.points = study->figure.points,
-                     .front = study->figure.front,
-                     .lines = study->figure.lines,
-                     .spans = study->figure.spans};
+    Figure figure = {.room = study->figure};
     fill_figure(study, measure, &figure);
     draw(study, measure, &figure, stream, within);
-}
-
-ShvStatus shv_study_figure_reserve(ShvStudy *study, ShvError *error)
-{
-    const size_t count = (size_t)study->setting_count;
-    shv_study_figure_release(&study->figure);
-    ShvStudyFigure *figure = &study->figure;
-    figure->points = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->points);
-    figure->front = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->front);
-    figure->lines = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->lines);
-    figure->spans = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *figure->spans);
-    if (figure->points && figure->front && figure->lines && figure->spans) return SHV_OK;
-    return shv_fail_memory(error, "a figure", count * sizeof *figure->points);
-}
-
-void shv_study_figure_release(ShvStudyFigure *figure)
-{
-    shv_release(figure->points);
-    shv_release(figure->front);
-    shv_release(figure->lines);
-    shv_release(figure->spans);
-    *figure = (ShvStudyFigure){NULL, NULL, NULL, NULL};
 }
 
 /* ---- run time by part ---- */
@@ -154,7 +128,7 @@ static void put_legend(const ShvStudy *study, FILE *stream)
     int place = 0;
     for (int c = 0; c < SHV_COST_COUNT; c++) {
         double most = 0.0;
-        for (int32_t i = 0; i < study->setting_count; i++) most = fmax(most, study->results[i].costs[c]);
+        for (int32_t i = 0; i < study->setting_count; i++) most = fmax(most, study->rows[i].costs[c]);
         if (most <= 0.0) continue;
         const int x = 20 + 120 * (place % 6), y = 52 + 20 * (place / 6);
         shv_print(stream, "<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/>\n", x, y - 10, colours[c]);
@@ -187,19 +161,16 @@ void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within)
     const int32_t count = study->setting_count < MOST_BARS ? study->setting_count : MOST_BARS;
     const int height = TOP + ROW * (int)count + 14;
     double longest = 0.0;
-    for (int32_t i = 0; i < count; i++) longest = fmax(longest, cost_sum(&study->results[i].row));
+    for (int32_t i = 0; i < count; i++) longest = fmax(longest, cost_sum(&study->rows[i]));
     const double scale = longest > 0.0 ? (WIDTH - LEFT - RIGHT) / longest : 0.0;
-    if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    shv_print(stream,
-              "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" font-family=\"Helvetica, Arial, sans-serif\" "
-              "font-size=\"12\" fill=\"#4a463f\">\n<title>",
-              within ? "" : "xmlns=\"http://www.w3.org/2000/svg\" ", WIDTH, height, WIDTH, height);
-    shv_html_text(stream, study->plan.name);
-    shv_print(stream, ": run time by part</title>\n<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
+    char title[300];
+    shv_format(title, sizeof title, "%.250s: run time by part", study->plan.name);
+    shv_plot_begin(stream, WIDTH, height, within, title, " font-size=\"12\" fill=\"#4a463f\"");
+    shv_print(stream, "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
                       "<text x=\"20\" y=\"28\" font-size=\"14\" font-weight=\"bold\" fill=\"#2c2a26\">");
-    shv_html_text(stream, study->plan.name);
-    shv_print(stream, ": run time by part</text>\n");
+    shv_html_text(stream, title);
+    shv_print(stream, "</text>\n");
     put_legend(study, stream);
-    for (int32_t i = 0; i < count; i++) put_bar(&study->results[i].row, i, scale, stream);
+    for (int32_t i = 0; i < count; i++) put_bar(&study->rows[i], i, scale, stream);
     shv_print(stream, "</svg>\n");
 }

@@ -21,13 +21,13 @@ static void put_head(const ShvStudy *study, FILE *stream)
     char text[1024];
     shv_html_begin(stream, study->plan.name);
     shv_format(text, sizeof text, "Scene %.300s. Errors are taken from: %.250s. Shiver %s on %.120s.",
-               study->scene_path, study->reference_name, shv_version(), study->processor);
+               study->scene_path, study->view.reference, shv_version(), study->processor);
     shv_html_paragraph(stream, text);
     if (study->options.command) shv_html_command(stream, study->options.command);
     shv_format(text, sizeof text,
                "Run times are medians of %d repeat%s, one run at a time, without making the simulation.",
                (int)study->plan.repeats, study->plan.repeats == 1 ? "" : "s");
-    shv_html_paragraph(stream, study->timings_valid
+    shv_html_paragraph(stream, study->view.timings_valid
                                    ? text
                                    : "Run times are not valid: runs shared the machine, or were made on "
                                      "different ones. Nothing should be concluded from them.");
@@ -65,7 +65,7 @@ static void put_heads(const ShvStudy *study, FILE *stream)
 static void put_error(const ShvStudy *study, const ShvStudyRow *row, int32_t measure, FILE *stream)
 {
     char text[96] = "–";
-    const double error = row->errors[measure], scatter = study->scatter[measure];
+    const double error = row->errors[measure], scatter = study->view.scatter[measure];
     const bool spread = study->plan.members > 1 && isfinite(row->errors_low[measure]);
     if (isfinite(error)) shv_format(text, sizeof text, "%.3g", error);
     if (isfinite(error) && spread)
@@ -78,12 +78,12 @@ static void put_error(const ShvStudy *study, const ShvStudyRow *row, int32_t mea
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
     const ShvStudySetting *setting = shv_study_setting(study, index);
-    const ShvStudyRow *row = &study->results[index].row;
+    const ShvStudyRow *row = &study->rows[index];
     shv_html_row_begin(stream, NULL);
     for (int32_t i = 0; i < study->plan.key_count; i++) shv_html_cell(stream, setting->values[i], NULL);
     put_number(stream, row->step > 0.0 ? row->step : (double)NAN, "number");
     put_number(stream, row->courant > 0.0 ? row->courant : (double)NAN, "number");
-    put_number(stream, row->seconds, study->timings_valid ? "number" : "number warn");
+    put_number(stream, row->seconds, study->view.timings_valid ? "number" : "number warn");
     if (row->status != SHV_OK)
         shv_html_cell(stream, "failed", "miss");
     else
@@ -100,17 +100,17 @@ static void put_failures(const ShvStudy *study, FILE *stream)
 {
     const char *heads[SHV_STUDY_MOST_KEYS + 1];
     int32_t failed = 0;
-    for (int32_t i = 0; i < study->setting_count; i++) failed += study->results[i].row.status != SHV_OK;
+    for (int32_t i = 0; i < study->setting_count; i++) failed += study->rows[i].status != SHV_OK;
     if (failed == 0) return;
     for (int32_t i = 0; i < study->plan.key_count; i++) heads[i] = study->plan.keys[i];
     heads[study->plan.key_count] = "why it failed";
     shv_html_table_begin(stream, heads, study->plan.key_count + 1);
     for (int32_t i = 0; i < study->setting_count; i++) {
-        if (study->results[i].row.status == SHV_OK) continue;
+        if (study->rows[i].status == SHV_OK) continue;
         shv_html_row_begin(stream, NULL);
         for (int32_t k = 0; k < study->plan.key_count; k++)
             shv_html_cell(stream, shv_study_setting(study, i)->values[k], NULL);
-        shv_html_cell(stream, study->results[i].row.message, "miss");
+        shv_html_cell(stream, study->rows[i].message, "miss");
         shv_html_row_end(stream);
     }
     shv_html_table_end(stream);
@@ -124,7 +124,7 @@ static void put_scatter(const ShvStudy *study, FILE *stream)
     for (int i = 0; i < 4; i++) shv_html_cell(stream, "", NULL);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         if (study->plan.measures[i].unit) shv_html_cell(stream, "", NULL);
-        put_number(stream, study->scatter[i], "number");
+        put_number(stream, study->view.scatter[i], "number");
     }
     shv_html_row_end(stream);
 }
@@ -136,10 +136,9 @@ static void put_definitions(const ShvStudy *study, FILE *stream)
     shv_html_table_begin(stream, heads, 2);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
-        shv_html_row_begin(stream, NULL);
-        shv_html_cell(stream, measure->name, NULL);
-        shv_html_cell(stream, measure->sentence ? measure->sentence : measure->error, NULL);
-        shv_html_row_end(stream);
+        static const char *const classes[2] = {NULL, NULL};
+        const char *const texts[2] = {measure->name, measure->sentence ? measure->sentence : measure->error};
+        shv_table_row(stream, true, texts, classes, 2);
     }
     shv_html_table_end(stream);
 }
@@ -180,20 +179,16 @@ static ShvStatus write_file(const ShvStudy *study, const char *name, void (*put)
 {
     ShvExportOptions options = shv_export_default();
     ShvOutput output;
-    char *path;
+    char path[SHV_STUDY_PATH];
     options.force = true;
     options.memory = study->memory;
-    SHV_TRY(shv_study_path(study, -1, name, &path, error));
-    ShvStatus status = shv_output_open(&output, &options, path, "", error);
-    if (status == SHV_OK) {
-        if (put)
-            put(study, output.stream);
-        else
-            shv_study_put_error_plot(study, measure, output.stream, false);
-        status = shv_output_close(&output, &options, SHV_OK, error);
-    }
-    shv_release(path);
-    return status;
+    SHV_TRY(shv_study_path(study, -1, name, path, error));
+    SHV_TRY(shv_output_open(&output, &options, path, "", error));
+    if (put)
+        put(study, output.stream);
+    else
+        shv_study_put_error_plot(study, measure, output.stream, false);
+    return shv_output_close(&output, &options, SHV_OK, error);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
@@ -207,7 +202,7 @@ ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
                  {"study.json", shv_study_print_json},
                  {"cost.svg", put_costs},
                  {"report.html", shv_study_put_html}};
-    if (!study->results) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
+    if (!study->view.rows) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         char name[96];
         shv_format(name, sizeof name, "error_%s.svg", study->plan.measures[i].name);

@@ -10,89 +10,88 @@
 /* ---- CSV ---- */
 
 /* Quoted where it has to be (RFC 4180). */
-static void put_field(FILE *stream, const char *text, bool first)
+static void put_field(FILE *stream, const char *text)
 {
-    if (!first) shv_print(stream, ",");
-    if (!strpbrk(text, ",\"\n")) {
-        shv_print(stream, "%s", text);
-        return;
-    }
-    shv_print(stream, "\"");
+    const bool quoted = strpbrk(text, ",\"\n") != NULL;
+    if (quoted) shv_print(stream, "\"");
     for (; *text; text++) shv_print(stream, *text == '"' ? "\"\"" : "%c", *text);
-    shv_print(stream, "\"");
+    if (quoted) shv_print(stream, "\"");
 }
 
-static void put_setting_heads(const ShvStudy *study, FILE *stream)
+/* The keys, or the values of a setting, and how it went. */
+static void put_start(const ShvStudy *study, const char *const *texts, const char *reference, const char *status,
+                      FILE *stream)
 {
-    for (int32_t i = 0; i < study->plan.key_count; i++) put_field(stream, study->plan.keys[i], i == 0);
-    shv_print(stream, ",reference,status");
+    for (int32_t i = 0; i < study->plan.key_count; i++) {
+        put_field(stream, texts[i]);
+        shv_print(stream, ",");
+    }
+    shv_print(stream, "%s,%s", reference, status);
 }
 
 static void put_setting(const ShvStudy *study, int32_t index, FILE *stream)
 {
-    const ShvStudySetting *setting = shv_study_setting(study, index);
-    const ShvStudyRow *row = &study->results[index].row;
-    for (int32_t i = 0; i < study->plan.key_count; i++) put_field(stream, setting->values[i], i == 0);
-    shv_print(stream, ",%s,%s", row->is_reference ? "yes" : "", shv_status_name(row->status));
+    const ShvStudyRow *row = &study->rows[index];
+    put_start(study, shv_study_setting(study, index)->values, row->is_reference ? "yes" : "",
+              shv_status_name(row->status), stream);
+}
+
+static void put_head(FILE *stream, const char *what, const char *name, const char *unit)
+{
+    shv_print(stream, unit[0] ? ",%s%s [%s]" : ",%s%s", what, name, unit);
 }
 
 static void put_measure_heads(const ShvStudy *study, FILE *stream)
 {
+    static const char *const parts[] = {"error of ", "least error of ", "most error of ", "scatter of "};
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
-        const bool unit = measure->error_unit[0] != '\0';
-        if (measure->unit)
-            shv_print(stream, ",%s%s%s%s", measure->name, measure->unit[0] ? " [" : "", measure->unit,
-                      measure->unit[0] ? "]" : "");
-        static const char *const parts[] = {"error of", "least error of", "most error of", "scatter of"};
+        if (measure->unit) put_head(stream, "", measure->name, measure->unit);
         for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++)
-            shv_print(stream, ",%s %s%s%s%s", parts[k], measure->name, unit ? " [" : "", measure->error_unit,
-                      unit ? "]" : "");
+            put_head(stream, parts[k], measure->name, measure->error_unit);
     }
 }
 
 static void put_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
 {
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const double parts[] = {row->errors[i], row->errors_low[i], row->errors_high[i], study->view.scatter[i]};
         if (study->plan.measures[i].unit) shv_output_number(stream, row->values[i]);
-        shv_output_number(stream, row->errors[i]);
-        if (study->plan.members == 1) continue;
-        shv_output_number(stream, row->errors_low[i]);
-        shv_output_number(stream, row->errors_high[i]);
-        shv_output_number(stream, study->scatter[i]);
+        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++) shv_output_number(stream, parts[k]);
     }
 }
 
 void shv_study_put_results(const ShvStudy *study, FILE *stream)
 {
-    put_setting_heads(study, stream);
+    put_start(study, study->plan.keys, "reference", "status", stream);
     shv_print(stream, ",stable step [s],step [s],Courant number");
     put_measure_heads(study, stream);
     shv_print(stream, ",message\n");
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         put_setting(study, i, stream);
         shv_output_number(stream, row->stable_step);
         shv_output_number(stream, row->step);
         shv_output_number(stream, row->courant);
         put_measures(study, row, stream);
-        put_field(stream, row->message, false);
+        shv_print(stream, ",");
+        put_field(stream, row->message);
         shv_print(stream, "\n");
     }
 }
 
 void shv_study_put_timings(const ShvStudy *study, FILE *stream)
 {
-    put_setting_heads(study, stream);
+    put_start(study, study->plan.keys, "reference", "status", stream);
     shv_print(stream, ",valid,median [s],least [s],most [s]");
-    for (int c = 0; c < SHV_COST_COUNT; c++) shv_print(stream, ",%s [s]", shv_cost_name((ShvCost)c));
+    for (int c = 0; c < SHV_COST_COUNT; c++) put_head(stream, "", shv_cost_name((ShvCost)c), "s");
     for (int32_t i = 0; i < study->plan.measure_count; i++)
-        shv_print(stream, ",on front of %s", study->plan.measures[i].name);
+        put_head(stream, "on front of ", study->plan.measures[i].name, "");
     shv_print(stream, "\n");
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->results[i].row;
+        const ShvStudyRow *row = &study->rows[i];
         put_setting(study, i, stream);
-        shv_print(stream, ",%s", study->timings_valid ? "yes" : "no");
+        shv_print(stream, ",%s", study->view.timings_valid ? "yes" : "no");
         shv_output_number(stream, row->seconds);
         shv_output_number(stream, row->seconds_low);
         shv_output_number(stream, row->seconds_high);
@@ -148,99 +147,85 @@ void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
     shv_print(stream, "\n|---|---|---|");
     for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, "---|");
     shv_print(stream, "\n");
-    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->results[i].row, stream);
+    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->rows[i], stream);
     if (study->plan.members == 1) return;
     shv_print(stream, "| scatter | | |");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->scatter[i], false);
+    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->view.scatter[i], false);
     shv_print(stream, "\n");
 }
 
 /* ---- JSON ---- */
 
-static void put_pair(FILE *stream, const char *name, const char *text)
+/* `before` what comes between it and the member before. */
+static void put_pair(FILE *stream, const char *before, const char *name, const char *text)
 {
-    shv_print(stream, "\"%s\": ", name);
+    shv_print(stream, "%s", before);
+    shv_print_json_text(stream, name);
+    shv_print(stream, ": ");
     shv_print_json_text(stream, text);
 }
 
-static void put_row_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
+typedef struct Number {
+    const char *name;
+    double value;
+} Number;
+
+static void put_numbers(FILE *stream, const char *before, const Number *numbers, int count)
 {
-    shv_print(stream, "\"measures\": {");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
-        shv_output_member(stream, "value", row->values[i]);
-        shv_print(stream, ", ");
-        shv_output_member(stream, "error", row->errors[i]);
-        shv_print(stream, ", ");
-        shv_output_member(stream, "error_low", row->errors_low[i]);
-        shv_print(stream, ", ");
-        shv_output_member(stream, "error_high", row->errors_high[i]);
-        shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
+    for (int i = 0; i < count; i++) {
+        shv_print(stream, "%s", i > 0 ? ", " : before);
+        shv_output_member(stream, numbers[i].name, numbers[i].value);
     }
-    shv_print(stream, "}");
 }
 
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
     const ShvStudySetting *setting = shv_study_setting(study, index);
-    const ShvStudyRow *row = &study->results[index].row;
-    bool first = true;
+    const ShvStudyRow *row = &study->rows[index];
+    const char *before = "";
+    const Number numbers[] = {{"seconds", row->seconds},
+                              {"seconds_low", row->seconds_low},
+                              {"seconds_high", row->seconds_high},
+                              {"stable_step", row->stable_step},
+                              {"step", row->step},
+                              {"courant", row->courant}};
     shv_print(stream, "{\"setting\": {");
     for (int32_t i = 0; i < study->plan.key_count; i++) {
         if (setting->values[i][0] == '\0') continue;
-        shv_print(stream, "%s", first ? "" : ", ");
-        shv_print_json_text(stream, study->plan.keys[i]);
-        shv_print(stream, ": ");
-        shv_print_json_text(stream, setting->values[i]);
-        first = false;
+        put_pair(stream, before, study->plan.keys[i], setting->values[i]);
+        before = ", ";
     }
-    shv_print(stream, "}, \"reference\": %s, ", row->is_reference ? "true" : "false");
-    put_pair(stream, "status", shv_status_name(row->status));
-    shv_print(stream, ", ");
-    put_pair(stream, "message", row->message);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {{"seconds", row->seconds},
-                   {"seconds_low", row->seconds_low},
-                   {"seconds_high", row->seconds_high},
-                   {"stable_step", row->stable_step},
-                   {"step", row->step},
-                   {"courant", row->courant}};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        shv_print(stream, ", ");
-        shv_output_member(stream, numbers[i].name, numbers[i].value);
-    }
+    shv_print(stream, "}, \"reference\": %s", row->is_reference ? "true" : "false");
+    put_pair(stream, ", ", "status", shv_status_name(row->status));
+    put_pair(stream, ", ", "message", row->message);
+    put_numbers(stream, ", ", numbers, 6);
     shv_print(stream, ", \"costs\": {");
-    for (int c = 0; c < SHV_COST_COUNT; c++) {
-        shv_print(stream, "%s", c > 0 ? ", " : "");
-        shv_output_member(stream, shv_cost_name((ShvCost)c), row->costs[c]);
+    for (int c = 0; c < SHV_COST_COUNT; c++)
+        put_numbers(stream, c > 0 ? ", " : "", &(Number){shv_cost_name((ShvCost)c), row->costs[c]}, 1);
+    shv_print(stream, "}, \"measures\": {");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const Number parts[] = {{"value", row->values[i]},
+                                {"error", row->errors[i]},
+                                {"error_low", row->errors_low[i]},
+                                {"error_high", row->errors_high[i]}};
+        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
+        put_numbers(stream, "", parts, 4);
+        shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
     }
-    shv_print(stream, "}, ");
-    put_row_measures(study, row, stream);
-    shv_print(stream, "}");
+    shv_print(stream, "}}");
 }
 
 void shv_study_print_json(const ShvStudy *study, FILE *stream)
 {
-    const struct {
-        const char *name, *text;
-    } texts[] = {{"study", study->plan.name},
-                 {"scene", study->scene_path},
-                 {"version", shv_version()},
-                 {"processor", study->processor},
-                 {"errors_from", study->reference_name}};
-    shv_print(stream, "{");
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        put_pair(stream, texts[i].name, texts[i].text);
-        shv_print(stream, ", ");
-    }
-    shv_print(stream, "\"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
-              study->timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_print(stream, "%s", i > 0 ? ", " : "");
-        shv_output_member(stream, study->plan.measures[i].name, study->scatter[i]);
-    }
+    put_pair(stream, "{", "study", study->plan.name);
+    put_pair(stream, ", ", "scene", study->scene_path);
+    put_pair(stream, ", ", "version", shv_version());
+    put_pair(stream, ", ", "processor", study->processor);
+    put_pair(stream, ", ", "errors_from", study->view.reference);
+    shv_print(stream, ", \"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
+              study->view.timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        put_numbers(stream, i > 0 ? ", " : "", &(Number){study->plan.measures[i].name, study->view.scatter[i]}, 1);
     shv_print(stream, "}, \"rows\": [");
     for (int32_t i = 0; i < study->setting_count; i++) {
         shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");

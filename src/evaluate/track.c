@@ -1,24 +1,5 @@
 #include "evaluate/track.h"
 
-ShvStatus shv_track_add(ShvTrack *track, ShvMemory *memory, const ShvTrackRow *row, ShvError *error)
-{
-    if (track->count == track->capacity) {
-        const size_t capacity = 2 * (size_t)track->capacity + 256;
-        ShvTrackRow *rows = shv_reallocate(memory, SHV_PART_RECORD, track->rows, capacity, sizeof *rows);
-        if (!rows) return shv_fail_memory(error, "a run to compare", capacity * sizeof *rows);
-        track->rows = rows;
-        track->capacity = (int32_t)capacity;
-    }
-    track->rows[track->count++] = *row;
-    return SHV_OK;
-}
-
-void shv_track_release(ShvTrack *track)
-{
-    shv_release(track->rows);
-    *track = (ShvTrack){NULL, 0, 0};
-}
-
 static const ShvBodyState *state_of(const ShvTrackRow *row, bool reference)
 {
     return reference ? &row->reference : &row->state;
@@ -89,14 +70,4 @@ int shv_track_flips(const ShvTrack *track, bool reference, const ShvMat3 *inerti
         before = spin;
     }
     return count;
-}
-
-double shv_track_gain(const ShvTrack *track)
-{
-    double lowest = HUGE_VAL, gain = 0.0;
-    for (int32_t i = 0; i < track->count; i++) {
-        lowest = fmin(lowest, track->rows[i].energy);
-        gain = fmax(gain, track->rows[i].energy - lowest);
-    }
-    return gain;
 }

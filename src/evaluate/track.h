@@ -7,23 +7,12 @@
 typedef struct ShvTrackRow {
     double time;
     ShvBodyState state, reference; /* of the first chosen body */
-    double position, orientation, velocity, surface,
-        spin;                                 /* errors, largest of all chosen bodies: m, rad, m/s; of a point
-                                                               of the surface, m; of angular momentum, kg m²/s */
-    double energy, reference_energy;          /* J: Σ kinetic and potential of chosen bodies */
-    double reference_kinetic, reference_spin; /* Σ, J; largest angular momentum of one body about its centre */
-    ShvVec3 momentum, angular_momentum;       /* Σ of chosen bodies, the latter about the origin */
-    ShvVec3 reference_momentum;
 } ShvTrackRow;
 
 typedef struct ShvTrack {
     ShvTrackRow *rows;
-    int32_t count, capacity;
+    int32_t count;
 } ShvTrack;
-
-/* Adds a row, or finds no memory for it. */
-ShvStatus shv_track_add(ShvTrack *track, ShvMemory *memory, const ShvTrackRow *row, ShvError *error);
-void shv_track_release(ShvTrack *track);
 
 /* Times of events that mark a motion (impacts, flips), at most `most`; returns their number. `reference`: of the reference states. */
 /* Impacts on a plane: where the parabolas through two frames meet, between which the velocity along `normal` turned from in
@@ -34,8 +23,5 @@ int shv_track_impacts(const ShvTrack *track, bool reference, ShvVec3 normal, Shv
 int shv_track_apices(const ShvTrack *track, bool reference, ShvVec3 normal, ShvVec3 gravity, double *heights, int most);
 /* Flips: spin about the middle principal axis (of `inertia`, body axes) passes through zero, by linear interpolation. */
 int shv_track_flips(const ShvTrack *track, bool reference, const ShvMat3 *inertia, double *times, int most);
-
-/* Largest rise of the energy above any earlier value, J. */
-double shv_track_gain(const ShvTrack *track);
 
 #endif

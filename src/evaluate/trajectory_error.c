@@ -63,8 +63,9 @@ void shv_trajectory_error_close(ShvTrajectoryError *trajectory)
 {
     shv_bodies_release(&trajectory->bodies);
     shv_release(trajectory->forms);
-    shv_track_release(&trajectory->track);
+    shv_release(trajectory->track.rows);
     trajectory->forms = NULL;
+    trajectory->track.rows = NULL;
 }
 
 /* ---- frame by frame ---- */
@@ -76,38 +77,69 @@ static ShvBodyState state_at(const ShvOutcomeList *track, int32_t bodies, int32_
     return state;
 }
 
+/* Sums over the chosen bodies in one frame; own, and of what they are compared with. */
+typedef struct Sums {
+    double energy, exact_energy, exact_kinetic; /* J */
+    ShvVec3 momentum, exact_momentum;
+} Sums;
+
+/* The largest of them over the frames so far. */
+typedef struct Extremes {
+    double energy, lowest, gain;     /* J: error; the least energy; its largest rise above that */
+    double kinetic, start, fallen;   /* J, of the exact motion: kinetic; potential at the start, and its change */
+    double spin, exact_spin;         /* kg m²/s, about a body's own centre: error; of the exact motion */
+    double momentum, exact_momentum; /* kg m/s: likewise */
+} Extremes;
+
 static double energy_of(const ShvBody *body, const ShvBodyState *state, ShvVec3 gravity)
 {
     return shv_body_kinetic(body, state) - body->mass * shv_dot(gravity, state->position);
 }
 
-static void add_body(ShvTrackRow *row, const ShvBody *body, const ShvBodyState *state, const ShvBodyState *exact,
-                     ShvVec3 gravity)
+static void raise(double *largest, double value)
+{
+    *largest = fmax(*largest, value);
+}
+
+static void add_body(Sums *sums, Extremes *most, double errors[SHV_TRAJECTORY_MEASURES], const ShvBody *body,
+                     const ShvBodyState *state, const ShvBodyState *exact, ShvVec3 gravity)
 {
     const double moved = shv_norm(shv_sub(state->position, exact->position));
     const double turned = shv_angle_between(state->orientation, exact->orientation);
-    const ShvVec3 spin = shv_body_spin_momentum(body, state), linear = shv_scale(state->velocity, body->mass);
-    row->position = fmax(row->position, moved);
-    row->orientation = fmax(row->orientation, turned);
-    row->velocity = fmax(row->velocity, shv_norm(shv_sub(state->velocity, exact->velocity)));
-    row->surface = fmax(row->surface, moved + body->radius * turned);
-    row->spin = fmax(row->spin, shv_norm(shv_sub(spin, shv_body_spin_momentum(body, exact))));
-    row->energy += energy_of(body, state, gravity);
-    row->reference_energy += energy_of(body, exact, gravity);
-    row->reference_kinetic += shv_body_kinetic(body, exact);
-    row->reference_spin = fmax(row->reference_spin, shv_norm(shv_body_spin_momentum(body, exact)));
-    row->momentum = shv_add(row->momentum, linear);
-    row->reference_momentum = shv_madd(row->reference_momentum, body->mass, exact->velocity);
-    row->angular_momentum = shv_add(row->angular_momentum, shv_add(spin, shv_cross(state->position, linear)));
+    const ShvVec3 spin = shv_body_spin_momentum(body, state), exact_spin = shv_body_spin_momentum(body, exact);
+    raise(&errors[SHV_TRAJECTORY_POSITION], moved);
+    raise(&errors[SHV_TRAJECTORY_ORIENTATION], turned);
+    raise(&errors[SHV_TRAJECTORY_VELOCITY], shv_norm(shv_sub(state->velocity, exact->velocity)));
+    raise(&errors[SHV_TRAJECTORY_SURFACE], moved + body->radius * turned);
+    raise(&most->spin, shv_norm(shv_sub(spin, exact_spin)));
+    raise(&most->exact_spin, shv_norm(exact_spin));
+    sums->energy += energy_of(body, state, gravity);
+    sums->exact_energy += energy_of(body, exact, gravity);
+    sums->exact_kinetic += shv_body_kinetic(body, exact);
+    sums->momentum = shv_add(sums->momentum, shv_scale(state->velocity, body->mass));
+    sums->exact_momentum = shv_madd(sums->exact_momentum, body->mass, exact->velocity);
+}
+
+static void add_frame(Extremes *most, const Sums *sums, bool first)
+{
+    const double potential = sums->exact_energy - sums->exact_kinetic;
+    if (first) most->start = potential;
+    most->lowest = first ? sums->energy : fmin(most->lowest, sums->energy);
+    raise(&most->gain, sums->energy - most->lowest);
+    raise(&most->energy, fabs(sums->energy - sums->exact_energy));
+    raise(&most->kinetic, sums->exact_kinetic);
+    raise(&most->fallen, fabs(potential - most->start));
+    raise(&most->momentum, shv_norm(shv_sub(sums->momentum, sums->exact_momentum)));
+    raise(&most->exact_momentum, shv_norm(sums->exact_momentum));
 }
 
 /* `reference` NULL, or shorter: the closed form, or the run itself. */
-static ShvTrackRow row_of(ShvTrajectoryError *trajectory, const ShvOutcomeList *track, const ShvOutcomeList *reference,
-                          int32_t frame, double time)
+static void follow_frame(ShvTrajectoryError *trajectory, const ShvOutcomeList *track, const ShvOutcomeList *reference,
+                         double time, Extremes *most, double errors[SHV_TRAJECTORY_MEASURES])
 {
-    const ShvVec3 gravity = shv_load3(trajectory->scene->gravity);
-    const int32_t count = trajectory->bodies.count;
-    ShvTrackRow row = {.time = time};
+    const int32_t count = trajectory->bodies.count, frame = trajectory->track.count;
+    ShvTrackRow *row = &trajectory->track.rows[trajectory->track.count++];
+    Sums sums = {.energy = 0.0};
     bool any = false;
     for (int32_t i = 0; i < count; i++) {
         const ShvBody *body = &trajectory->bodies.items[i];
@@ -118,13 +150,11 @@ static ShvTrackRow row_of(ShvTrajectoryError *trajectory, const ShvOutcomeList *
             exact = shv_closed_form_at(&trajectory->forms[i], time);
         else if ((int64_t)(frame + 1) * count * SHV_BODY_NUMBERS <= reference->count)
             exact = state_at(reference, count, frame, i);
-        add_body(&row, body, &state, &exact, gravity);
-        if (any) continue;
-        row.state = state;
-        row.reference = exact;
+        add_body(&sums, most, errors, body, &state, &exact, shv_load3(trajectory->scene->gravity));
+        if (!any) *row = (ShvTrackRow){time, state, exact};
         any = true;
     }
-    return row;
+    add_frame(most, &sums, frame == 0);
 }
 
 /* ---- figures ---- */
@@ -138,21 +168,13 @@ static int32_t first_chosen(const ShvBodies *bodies)
 
 /* What energies are measured by: the largest kinetic energy of the reference or change of its potential energy; of what stays
    at rest, the weight times the radius. */
-static double energy_scale(const ShvTrajectoryError *trajectory)
+static double energy_scale(const ShvTrajectoryError *trajectory, const Extremes *most)
 {
-    const ShvTrack *track = &trajectory->track;
-    const double gravity = shv_norm(shv_load3(trajectory->scene->gravity));
-    double largest = 0.0, weight = 0.0;
-    for (int32_t i = 0; i < track->count; i++) {
-        const ShvTrackRow *row = &track->rows[i], *start = &track->rows[0];
-        const double potential = row->reference_energy - row->reference_kinetic;
-        const double fallen = potential - (start->reference_energy - start->reference_kinetic);
-        largest = fmax(largest, fmax(row->reference_kinetic, fabs(fallen)));
-    }
-    for (int32_t i = 0; i < trajectory->bodies.count; i++) {
-        const ShvBody *body = &trajectory->bodies.items[i];
-        if (body->chosen) weight += body->mass * gravity * body->radius;
-    }
+    const double gravity = shv_norm(shv_load3(trajectory->scene->gravity)), largest = fmax(most->kinetic, most->fallen);
+    double weight = 0.0;
+    for (int32_t i = 0; i < trajectory->bodies.count; i++)
+        if (trajectory->bodies.items[i].chosen)
+            weight += trajectory->bodies.items[i].mass * gravity * trajectory->bodies.items[i].radius;
     return largest > 1e-12 * weight ? largest : weight;
 }
 
@@ -196,29 +218,6 @@ static void find_event_times(const ShvTrajectoryError *trajectory, double errors
         largest_apart(found, heights < wanted ? heights : wanted, exact, heights < wanted ? heights : wanted, true);
 }
 
-static void summarise(const ShvTrajectoryError *trajectory, double errors[SHV_TRAJECTORY_MEASURES])
-{
-    double energy = 0.0, spin = 0.0, largest_spin = 0.0, momentum = 0.0, largest_momentum = 0.0;
-    for (int i = 0; i <= SHV_TRAJECTORY_SURFACE; i++) errors[i] = 0.0;
-    for (int i = SHV_TRAJECTORY_EVENT_TIME; i < SHV_TRAJECTORY_MEASURES; i++) errors[i] = (double)NAN;
-    for (int32_t i = 0; i < trajectory->track.count; i++) {
-        const ShvTrackRow *row = &trajectory->track.rows[i];
-        const double own[] = {row->position, row->orientation, row->velocity, row->surface};
-        for (int k = 0; k <= SHV_TRAJECTORY_SURFACE; k++) errors[k] = fmax(errors[k], own[k]);
-        energy = fmax(energy, fabs(row->energy - row->reference_energy));
-        spin = fmax(spin, row->spin);
-        largest_spin = fmax(largest_spin, row->reference_spin);
-        momentum = fmax(momentum, shv_norm(shv_sub(row->momentum, row->reference_momentum)));
-        largest_momentum = fmax(largest_momentum, shv_norm(row->reference_momentum));
-    }
-    const double scale = energy_scale(trajectory);
-    errors[SHV_TRAJECTORY_ENERGY] = over(energy, scale);
-    errors[SHV_TRAJECTORY_ENERGY_GAIN] = over(shv_track_gain(&trajectory->track), scale);
-    errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM] = over(spin, largest_spin);
-    errors[SHV_TRAJECTORY_LINEAR_MOMENTUM] = momentum == 0.0 ? 0.0 : over(momentum, largest_momentum);
-    if (trajectory->forms) find_event_times(trajectory, errors);
-}
-
 /* ---- all ---- */
 
 static ShvStatus check_frames(const ShvTrajectoryError *trajectory, const ShvOutcome *run, const ShvOutcome *reference,
@@ -243,15 +242,22 @@ ShvStatus shv_trajectory_error_measure(ShvTrajectoryError *trajectory, const Shv
     const ShvOutcomeList *track = shv_outcome_find(run, "track"), *times = shv_outcome_find(run, "frame.time");
     const ShvOutcomeList *beside = reference ? shv_outcome_find(reference, "track") : NULL;
     for (int i = 0; i < SHV_TRAJECTORY_MEASURES; i++) errors[i] = (double)NAN;
-    shv_track_release(&trajectory->track);
+    trajectory->track.count = 0;
     if (!times || times->count == 0 || (reference && !beside) || (!reference && !trajectory->forms)) return SHV_OK;
     SHV_TRY(check_frames(trajectory, run, reference, error));
     for (int32_t i = 0; trajectory->forms && i < trajectory->bodies.count; i++)
         trajectory->forms[i].top.time = trajectory->forms[i].top.turned = 0.0; /* closed forms start anew */
-    for (int32_t i = 0; i < times->count; i++) {
-        const ShvTrackRow row = row_of(trajectory, track, beside, i, times->values[i]);
-        SHV_TRY(shv_track_add(&trajectory->track, trajectory->memory, &row, error));
-    }
-    summarise(trajectory, errors);
+    SHV_RESIZE(trajectory->memory, SHV_PART_RECORD, trajectory->track.rows, (size_t)times->count, "a run to compare", 0,
+               error);
+    Extremes most = {.energy = 0.0};
+    for (int i = 0; i <= SHV_TRAJECTORY_SURFACE; i++) errors[i] = 0.0;
+    while (trajectory->track.count < times->count)
+        follow_frame(trajectory, track, beside, times->values[trajectory->track.count], &most, errors);
+    const double scale = energy_scale(trajectory, &most);
+    errors[SHV_TRAJECTORY_ENERGY] = over(most.energy, scale);
+    errors[SHV_TRAJECTORY_ENERGY_GAIN] = over(most.gain, scale);
+    errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM] = over(most.spin, most.exact_spin);
+    errors[SHV_TRAJECTORY_LINEAR_MOMENTUM] = most.momentum == 0.0 ? 0.0 : over(most.momentum, most.exact_momentum);
+    if (trajectory->forms) find_event_times(trajectory, errors);
     return SHV_OK;
 }

@@ -21,7 +21,7 @@ typedef enum ShvTrajectoryMeasure {
     SHV_TRAJECTORY_EVENT_COUNT,
     SHV_TRAJECTORY_MEASURES
 } ShvTrajectoryMeasure;
-/* By the name of a formula's function; −1: none. */
+/* figures.c: by the name of a formula's function; −1: none. */
 int shv_trajectory_measure_index(const char *name);
 
 typedef struct ShvTrajectoryError {

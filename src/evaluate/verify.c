@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "evaluate/line.h"
-#include "evaluate/run.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
 
@@ -37,13 +36,6 @@ char *shv_next_line(ShvPool *pool, const char **at)
     return NULL;
 }
 
-static int32_t count_lines(const char *text)
-{
-    int32_t count = 1;
-    for (; text && *text; text++) count += *text == '\n';
-    return count;
-}
-
 /* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
 static ShvStatus fail_variable(Verifier *verifier, const char *name, const char *rest, ShvStatus status,
                                ShvError *error)
@@ -72,12 +64,15 @@ static ShvStatus define(Verifier *verifier, char *line, const char *from, ShvErr
     char *end = equals;
     while (end > line && (end[-1] == ' ' || end[-1] == '\t')) end--;
     *end = '\0';
-    ShvVariable *variable = &verifier->now->named.variables[verifier->now->named.variable_count];
+    ShvNamedRun *named = &verifier->now->named;
+    ShvVariable *variable = shv_pool_take(&verifier->work, 1, sizeof *variable);
+    if (!variable) return shv_fail_memory(error, "variables", sizeof *variable);
     const ShvFormulaNames names = shv_names(&verifier->names);
     const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
     if (status != SHV_OK) return fail_variable(verifier, line, from, status, error);
     variable->name = line;
-    verifier->now->named.variable_count++;
+    variable->before = named->variables;
+    named->variables = variable;
     return SHV_OK;
 }
 
@@ -124,6 +119,7 @@ ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const 
                           .reference = none,
                           .error = none,
                           .tolerance = none,
+                          .step = none,
                           .seconds = run->seconds};
 }
 
@@ -182,50 +178,44 @@ static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, cons
     return row;
 }
 
-static ShvStatus measure(Verifier *verifier, int32_t index, bool last, ShvVerifyRow *row, ShvError *error)
+static ShvStatus measure(Verifier *verifier, const ShvCaseQuantity *quantity, bool last, ShvVerifyRow *row,
+                         ShvError *error)
 {
-    const ShvCaseQuantity *quantity = (const ShvCaseQuantity *)verifier->item->quantities.data + index;
     const ShvFormulaNames names = shv_names(&verifier->names);
-    KeptRun *run = verifier->now;
-    *row = start_row(verifier, run, quantity);
+    *row = start_row(verifier, verifier->now, quantity);
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
     if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
-    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &run->steps[index], error));
+    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
     set_error(row, quantity);
     if (quantity->judge == SHV_JUDGE_LAST && !last) row->compare = SHV_VERIFY_SHOWN;
     shv_verify_judge(row, quantity->explained);
-    run->values[index] = row->value;
-    run->references[index] = row->reference;
     return SHV_OK;
 }
 
 static ShvStatus measure_all(Verifier *verifier, bool last, ShvError *error)
 {
+    const ShvCaseQuantity *quantities = verifier->item->quantities.data;
     for (int32_t i = 0; i < verifier->item->quantities.count; i++) {
         ShvVerifyRow row;
         ShvError why;
-        const ShvStatus status = measure(verifier, i, last, &row, &why);
+        const ShvStatus status = measure(verifier, &quantities[i], last, &row, &why);
         if (verifier->series.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
-        if (status == SHV_OK)
-            SHV_TRY(shv_verify_append(verifier, &row, error));
-        else
-            SHV_TRY(shv_verify_fail(verifier, ((const ShvCaseQuantity *)verifier->item->quantities.data)[i].name, &why,
-                                    error));
+        SHV_TRY(status == SHV_OK ? shv_verify_append(verifier, &row, error)
+                                 : shv_verify_fail(verifier, quantities[i].name, &why, error));
     }
     return SHV_OK;
 }
 
 /* ---- order of convergence ---- */
 
-/* Slope of log|error| over log step through all runs, least squares; NaN with fewer than two. */
-static double observed_order(const Verifier *verifier, int32_t index)
+/* Slope of log|error| over log step through the rows of a quantity, least squares; NaN with fewer than two. */
+static double observed_order(const ShvVerifyCase *view, const char *quantity)
 {
     ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < verifier->run_count; i++) {
-        const KeptRun *run = &verifier->runs[i];
-        const double step = log(run->steps[index]);
-        const double error = log(fabs(run->values[index] / run->references[index] - 1.0));
-        if (isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
+    for (int32_t i = 0; i < view->row_count; i++) {
+        const ShvVerifyRow *row = &view->rows[i];
+        const double step = log(row->step), error = log(fabs(row->value / row->reference - 1.0));
+        if (row->quantity == quantity && isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
     }
     return shv_line_slope(&line);
 }
@@ -246,7 +236,7 @@ static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *erro
         row.quantity = name;
         row.unit = "";
         row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
-        row.value = observed_order(verifier, i);
+        row.value = observed_order(&verifier->made->view, quantity->name);
         row.reference = quantity->order;
         row.absolute = true;
         row.error = row.value - row.reference;
@@ -273,8 +263,9 @@ static void join_faults(const ShvDiagnostics *diagnostics, ShvError *error)
 
 static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
 {
-    const char *overrides[MOST_OVERRIDES], *at = run ? run->set : NULL;
-    char *path = verifier->scene_path;
+    const char *overrides[MOST_OVERRIDES], *at = run->set;
+    ShvMemory *memory = verifier->options->memory;
+    char *path;
     int32_t count = 0;
     for (char *line = shv_next_line(&verifier->work, &at); line; line = shv_next_line(&verifier->work, &at)) {
         if (count == MOST_OVERRIDES)
@@ -282,13 +273,13 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
         overrides[count++] = line;
     }
     if (verifier->work.failed) return shv_fail_memory(error, "overrides", 0);
-    ShvMemory *memory = verifier->options->memory;
-    if (run && run->scene) SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene, &path, error));
+    SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder, run->scene ? run->scene : verifier->item->scene,
+                          &path, error));
     ShvDiagnostics *diagnostics = NULL;
     const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, &diagnostics, error);
-    if (status == SHV_BAD_INPUT && run && run->expect) join_faults(diagnostics, error);
+    if (status == SHV_BAD_INPUT && run->expect) join_faults(diagnostics, error);
     shv_diagnostics_destroy(diagnostics);
-    if (path != verifier->scene_path) shv_release(path);
+    shv_release(path);
     return status;
 }
 
@@ -296,11 +287,11 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
 static ShvStatus evaluate(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
     ShvError why;
-    ShvStatus status = define_all(verifier, run ? run->let : NULL, &why);
+    ShvStatus status = define_all(verifier, run->let, &why);
     if (status == SHV_OK) status = define_all(verifier, verifier->item->let, &why);
     if (status == SHV_NO_MEMORY || verifier->series.failed) return shv_fail_memory(error, "variables", 0);
     if (status != SHV_OK) return shv_verify_fail(verifier, "variables", &why, error);
-    if (run && run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
+    if (run->expect) SHV_TRY(shv_verify_expect(verifier, run, error));
     return measure_all(verifier, last, error);
 }
 
@@ -308,7 +299,7 @@ static ShvStatus judge_run(Verifier *verifier, const ShvCaseRun *run, bool last,
 {
     const ShvOutcome *outcome = &verifier->now->outcome;
     if (outcome->status == SHV_OK) return evaluate(verifier, run, last, error);
-    if (run && run->expect) return shv_verify_expect(verifier, run, error);
+    if (run->expect) return shv_verify_expect(verifier, run, error);
     ShvError why;
     shv_fail(&why, outcome->status, "%s", outcome->message);
     return shv_verify_fail(verifier, "the run", &why, error);
@@ -321,9 +312,7 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
                                .folder = shv_scene_folder(scene),
                                .memory = options->memory,
                                .multiple = (double)NAN,
-                               .repeats = 1,
-                               .stop = options->stop,
-                               .stop_data = options->stop_data};
+                               .repeats = 1};
     KeptRun *now = verifier->now;
     const ShvStatus status = shv_run_scene(&now->outcome, &order, error);
     const double seconds = shv_outcome_number(&now->outcome, "run.seconds");
@@ -332,31 +321,23 @@ static ShvStatus simulate(Verifier *verifier, const ShvScene *scene, ShvError *e
     return status;
 }
 
-static ShvStatus start_run(Verifier *verifier, const ShvCaseRun *run, ShvError *error)
+static void start_run(Verifier *verifier, const ShvCaseRun *run)
 {
-    const size_t quantities = (size_t)verifier->item->quantities.count;
-    const size_t lines = (size_t)count_lines(run ? run->let : NULL) + (size_t)count_lines(verifier->item->let);
     KeptRun *now = verifier->now = &verifier->runs[verifier->run_count++];
-    now->named.name = now->title = run ? run->head.name : "";
-    if (run && run->title) now->title = run->title;
+    now->named.name = now->title = run->head.name;
+    if (run->title) now->title = run->title;
     now->outcome = (ShvOutcome){.memory = verifier->options->memory};
     now->named.outcome = &now->outcome;
-    now->named.variables = shv_pool_take(&verifier->work, lines, sizeof *now->named.variables);
-    now->values = shv_pool_take(&verifier->work, 3 * quantities, sizeof *now->values);
-    if (!now->named.variables || !now->values) return shv_fail_memory(error, "a run", quantities * 24);
-    now->references = now->values + quantities;
-    now->steps = now->references + quantities;
-    for (size_t i = 0; i < 3 * quantities; i++) now->values[i] = (double)NAN;
-    return SHV_OK;
+    if (verifier->run_count > 1) now->named.before = &now[-1].named;
 }
 
 /* A scene that is refused is a finding where something is expected of the run, else a fault of the case. */
 static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
 {
     ShvScene *scene = NULL;
-    SHV_TRY(start_run(verifier, run, error));
+    start_run(verifier, run);
     ShvStatus status = load_scene(verifier, run, &scene, error);
-    if (status == SHV_BAD_INPUT && run && run->expect) {
+    if (status == SHV_BAD_INPUT && run->expect) {
         verifier->now->outcome.status = status;
         memcpy(verifier->now->outcome.message, error->message, sizeof error->message);
         status = SHV_OK;
@@ -364,26 +345,22 @@ static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, 
         status = simulate(verifier, scene, error);
     }
     verifier->names = (ShvNames){.pool = &verifier->series, .run = &verifier->now->named};
-    verifier->names.others = verifier->named;
-    verifier->names.other_count = verifier->run_count - 1;
     if (status == SHV_OK) status = judge_run(verifier, run, last, error);
-    verifier->named[verifier->run_count - 1] = verifier->now->named;
     shv_scene_destroy(scene);
     return status;
 }
 
 static ShvStatus make_runs(Verifier *verifier, ShvError *error)
 {
-    const ShvCaseRun *runs = verifier->item->runs.data;
-    const int32_t count = verifier->item->runs.count;
+    static const ShvCaseRun as_it_is = {.head = {.name = ""}};
+    const bool any = verifier->item->runs.count > 0;
+    const ShvCaseRun *runs = any ? verifier->item->runs.data : &as_it_is;
+    const int32_t count = any ? verifier->item->runs.count : 1;
     int32_t last = -1, made = 0;
     for (int32_t i = 0; i < count; i++)
         if (verifier->options->full || !runs[i].full) last = i;
-    verifier->runs = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->runs);
-    verifier->named = shv_pool_take(&verifier->work, (size_t)count + 1, sizeof *verifier->named);
-    if (!verifier->runs || !verifier->named)
-        return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
-    if (count == 0) return make_run(verifier, NULL, true, error);
+    verifier->runs = shv_pool_take(&verifier->work, (size_t)count, sizeof *verifier->runs);
+    if (!verifier->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *verifier->runs);
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++) {
         if (!verifier->options->full && runs[i].full) continue;
@@ -404,34 +381,24 @@ static const char *case_name(ShvPool *pool, const char *path)
     return shv_pool_text(pool, name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
 }
 
-static ShvStatus report_faults(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    for (int32_t i = 0; i < shv_diagnostics_count(diagnostics); i++) {
-        const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, i);
-        if (first->severity == SHV_SEVERITY_ERROR) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
-    }
-    return shv_fail_memory(error, "a verification case", 0);
-}
-
-static ShvStatus read_case(ShvCaseItem **item, const char *path, ShvPool *work, ShvPool *texts,
-                           ShvDiagnostics **diagnostics, ShvError *error)
+static ShvStatus read_case(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
     char *text = NULL;
     size_t length = 0;
+    ShvPool *work = &verifier->work, *texts = &verifier->made->texts;
     SHV_TRY(shv_read_file(work->memory, SHV_PART_SCENE, path, LARGEST_CASE, &text, &length, error));
     *diagnostics = shv_diagnostics_create(work->memory, path, NULL, 0);
-    if (*diagnostics) *item = shv_case_read(text, length, work, texts, *diagnostics);
+    if (*diagnostics) verifier->item = shv_case_read(text, length, work, texts, *diagnostics);
     shv_release(text);
-    if (!*diagnostics || work->failed || texts->failed) return shv_fail_memory(error, "a verification case", length);
-    if (*item) return SHV_OK;
-    shv_diagnostics_sort(*diagnostics);
-    return report_faults(*diagnostics, error);
+    if (!*diagnostics) return shv_fail_memory(error, "a verification case", length);
+    return shv_diagnostics_end(*diagnostics, work->failed || texts->failed, "the case", length, error);
 }
 
 static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
     ShvVerification *made = verifier->made;
-    SHV_TRY(read_case(&verifier->item, path, &verifier->work, &made->texts, diagnostics, error));
+    SHV_TRY(read_case(verifier, path, diagnostics, error));
+    if (verifier->options->short_set && !verifier->item->in_short) return SHV_OK;
     made->view.name = case_name(&made->texts, path);
     made->view.title = verifier->item->title;
     made->view.scene = verifier->item->scene;
@@ -439,8 +406,6 @@ static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **d
     made->view.remark = verifier->item->remark ? verifier->item->remark : "";
     if (!made->view.name) return shv_fail_memory(error, "a name", strlen(path));
     SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &verifier->folder, error));
-    SHV_TRY(shv_path_join(made->memory, SHV_PART_SCENE, verifier->folder, verifier->item->scene, &verifier->scene_path,
-                          error));
     const ShvStatus status = make_runs(verifier, error);
     return status == SHV_OK ? SHV_OK : shv_fail_within(error, status, "case %s", made->view.name);
 }
@@ -465,12 +430,11 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
     shv_pool_release(&verifier.series);
     shv_pool_release(&verifier.work);
     shv_release(verifier.folder);
-    shv_release(verifier.scene_path);
     if (diagnostics)
         *diagnostics = list;
     else
         shv_diagnostics_destroy(list);
-    if (status == SHV_OK)
+    if (status == SHV_OK && made->view.name)
         *verification = made;
     else
         shv_verify_destroy(made);
@@ -488,20 +452,4 @@ void shv_verify_destroy(ShvVerification *verification)
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification)
 {
     return &verification->view;
-}
-
-ShvStatus shv_verify_in_short_set(const char *path, bool *in_short, ShvDiagnostics **diagnostics, ShvError *error)
-{
-    ShvPool work = {.memory = NULL}, texts = {.memory = NULL};
-    ShvCaseItem *item = NULL;
-    ShvDiagnostics *list = NULL;
-    const ShvStatus status = read_case(&item, path, &work, &texts, &list, error);
-    if (status == SHV_OK) *in_short = item->in_short;
-    shv_pool_release(&work);
-    shv_pool_release(&texts);
-    if (diagnostics)
-        *diagnostics = list;
-    else
-        shv_diagnostics_destroy(list);
-    return status;
 }

@@ -10,7 +10,6 @@ typedef struct KeptRun {
     ShvNamedRun named;
     const char *title;
     ShvOutcome outcome;
-    double *values, *references, *steps; /* per quantity; NaN where it failed */
     double seconds;
 } KeptRun;
 
@@ -27,9 +26,8 @@ typedef struct Verifier {
     const ShvVerifyOptions *options;
     ShvCaseItem *item;
     ShvPool work, series; /* of the whole case */
-    char *folder, *scene_path;
+    char *folder;
     KeptRun *runs, *now;
-    ShvNamedRun *named; /* of the runs before */
     int32_t run_count;
     ShvNames names;
 } Verifier;

@@ -120,7 +120,7 @@ static Fault compare(const Search *search, const ShvCheckpointMark *mark)
     if (mark->program != search->own->program) return FAULT_PROGRAM;
     if (mark->scene != search->own->scene) return FAULT_SCENE;
     if (mark->geometry != search->own->geometry) return FAULT_GEOMETRY;
-    return search->fits(search->data, mark) ? FAULT_NONE : FAULT_FRAME;
+    return !search->fits || search->fits(search->data, mark) ? FAULT_NONE : FAULT_FRAME;
 }
 
 static Fault inspect_head(int descriptor, const Search *search, Head *head)

@@ -34,7 +34,7 @@ typedef struct ShvCheckpoint {
 } ShvCheckpoint;
 void shv_checkpoint_close(ShvCheckpoint *checkpoint);
 
-/* Whether a mark belongs to the run file. */
+/* Whether a mark belongs to the run file; NULL: any does. */
 typedef bool (*ShvCheckpointFits)(void *data, const ShvCheckpointMark *mark);
 /* Opens the latest that is whole and fits, of a run with this program, scene and geometry. Without any file descriptor is −1. That
    there are files and none will do is SHV_BAD_INPUT, with a message that tells why. */

@@ -114,6 +114,7 @@ static void describe_type(const ShvKey *key, char *buffer, size_t size)
         append(buffer, size, "a mapping of names to mappings with keys ");
         break;
     case SHV_KEY_LIST:
+    case SHV_KEY_NODE:
         append(buffer, size, "a list of mappings with keys ");
         break;
     }

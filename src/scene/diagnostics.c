@@ -104,9 +104,18 @@ void shv_diagnostics_sort(ShvDiagnostics *diagnostics)
         qsort(diagnostics->entries, (size_t)diagnostics->count, sizeof *diagnostics->entries, compare_entries);
 }
 
-bool shv_diagnostics_failed(const ShvDiagnostics *diagnostics)
+ShvStatus shv_diagnostics_end(ShvDiagnostics *diagnostics, bool failed, const char *what, size_t bytes, ShvError *error)
 {
-    return diagnostics->pool.failed;
+    const int32_t errors = shv_diagnostics_errors(diagnostics);
+    shv_diagnostics_sort(diagnostics);
+    if (failed || diagnostics->pool.failed) return shv_fail_memory(error, what, bytes);
+    for (int32_t i = 0; i < shv_diagnostics_count(diagnostics); i++) {
+        const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, i);
+        if (first->severity != SHV_SEVERITY_ERROR) continue;
+        if (errors == 1) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
+        return shv_fail(error, SHV_BAD_INPUT, "%d errors in %s; the first is %s", (int)errors, what, first->message);
+    }
+    return SHV_OK;
 }
 
 int32_t shv_diagnostics_count(const ShvDiagnostics *diagnostics)

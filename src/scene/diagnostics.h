@@ -18,8 +18,10 @@ void shv_diagnose(ShvDiagnostics *diagnostics, ShvSeverity severity, ShvPlace pl
 #define shv_warning(diagnostics, place, ...) shv_diagnose(diagnostics, SHV_SEVERITY_WARNING, place, __VA_ARGS__)
 /* Puts the list in the order of the file. */
 void shv_diagnostics_sort(ShvDiagnostics *diagnostics);
-/* True when a message was lost because memory is out. */
-bool shv_diagnostics_failed(const ShvDiagnostics *diagnostics);
+/* What reading `what`, of `bytes` bytes, ends with: sorts the list; memory is out where the reader has `failed` or a message was
+   lost, and of errors the message has their number and the first. */
+ShvStatus shv_diagnostics_end(ShvDiagnostics *diagnostics, bool failed, const char *what, size_t bytes,
+                              ShvError *error);
 
 typedef struct ShvQuoted {
     char text[72];

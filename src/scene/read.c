@@ -315,6 +315,9 @@ static void read_value(ShvReader *reader, const ShvKey *key, const ShvNode *node
     case SHV_KEY_AXES:
         read_axes(reader, key, node, target);
         break;
+    case SHV_KEY_NODE:
+        memcpy(target, &node, sizeof node);
+        break;
     case SHV_KEY_NAMED:
     case SHV_KEY_LIST:
         read_items(reader, key, node, target);

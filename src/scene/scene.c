@@ -79,18 +79,6 @@ static void make_scene(ShvScene *scene, const Source *source, ShvPool *work, Shv
     if (!scene->definition.name) scene->definition.name = name_from_file(&scene->pool, source->name);
 }
 
-static ShvStatus report(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    const int32_t errors = shv_diagnostics_errors(diagnostics);
-    for (int32_t i = 0; i < shv_diagnostics_count(diagnostics); i++) {
-        const ShvDiagnostic *first = shv_diagnostics_get(diagnostics, i);
-        if (first->severity != SHV_SEVERITY_ERROR) continue;
-        if (errors == 1) return shv_fail(error, SHV_BAD_INPUT, "%s", first->message);
-        return shv_fail(error, SHV_BAD_INPUT, "%d errors in the scene; the first is %s", (int)errors, first->message);
-    }
-    return shv_fail(error, SHV_BAD_INPUT, "%d errors in the scene", (int)errors);
-}
-
 static ShvStatus parse(ShvScene **scene, const Source *source, ShvMemory *memory, ShvDiagnostics *diagnostics,
                        ShvError *error)
 {
@@ -100,14 +88,9 @@ static ShvStatus parse(ShvScene **scene, const Source *source, ShvMemory *memory
     ShvPool work = {.memory = memory};
     keep_source(made, source);
     if (!made->pool.failed) make_scene(made, source, &work, diagnostics);
-    const bool failed = work.failed || made->pool.failed || shv_diagnostics_failed(diagnostics);
+    const bool failed = work.failed || made->pool.failed;
     shv_pool_release(&work);
-    ShvStatus status = SHV_OK;
-    shv_diagnostics_sort(diagnostics);
-    if (failed)
-        status = shv_fail_memory(error, "a scene", source->length);
-    else if (shv_diagnostics_errors(diagnostics) > 0)
-        status = report(diagnostics, error);
+    const ShvStatus status = shv_diagnostics_end(diagnostics, failed, "the scene", source->length, error);
     if (status == SHV_OK)
         *scene = made;
     else

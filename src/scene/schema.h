@@ -20,7 +20,8 @@ typedef enum ShvKeyType {
     SHV_KEY_AXES,    /* bool[3] from a list of x, y, z */
     SHV_KEY_MAPPING, /* keys of `table`, from this offset on */
     SHV_KEY_NAMED,   /* ShvItems: a mapping of names to items of `table` */
-    SHV_KEY_LIST     /* ShvItems: a list of items of `table` */
+    SHV_KEY_LIST,    /* ShvItems: a list of items of `table` */
+    SHV_KEY_NODE     /* const ShvNode *, for a reader of its own */
 } ShvKeyType;
 
 enum ShvKeyFlag {

@@ -1,7 +1,7 @@
 /* How far off a step is where it is stable: the first body stretched along its longest axis. */
 #include <string.h>
 
-#include "stability/probe.h"
+#include "stability/stability.h"
 
 static const double rate_scale = 1e-6; /* strain rates in bar speeds a length: what is seen is linear */
 
@@ -75,11 +75,10 @@ static double settle(ShvProbe *probe, const ShvProbeReference *reference, double
 static ShvStatus reserve(ShvProbe *probe, ShvProbeReference *reference, int32_t *room, ShvError *error)
 {
     if (reference->count < *room) return SHV_OK;
-    const size_t count = *room ? 2 * (size_t)*room : 1024;
-    double *q = shv_reallocate(probe->memory, SHV_PART_GENERAL, reference->q, count, sizeof(double));
-    if (!q) return shv_fail_memory(error, "the reference run", count * sizeof(double));
-    reference->q = q;
-    *room = (int32_t)count;
+    const int32_t count = *room ? 2 * *room : 1024;
+    SHV_RESIZE(probe->memory, SHV_PART_GENERAL, reference->q, (size_t)count, "the reference run",
+               (size_t)count * sizeof(double), error);
+    *room = count;
     return SHV_OK;
 }
 

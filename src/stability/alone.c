@@ -4,7 +4,7 @@
    h (cos²θ − ν sin²θ) ε. Springs beside the solid then make it stiffer by 1 + Σ K h² (cos²θ − ν sin²θ)²/(E V). */
 #include <stdlib.h>
 
-#include "stability/probe.h"
+#include "stability/stability.h"
 
 typedef struct Edge {
     int32_t ends[2];
@@ -53,12 +53,8 @@ ShvStatus shv_bars_alone(ShvBarsAlone *bars, const ShvProbe *probe, ShvError *er
     Edge *edges = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof *edges);
     bars->weight = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof(double));
     bars->visits = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof(int32_t));
-    if (!edges || !bars->weight || !bars->visits) {
-        shv_release(edges);
-        shv_bars_alone_release(bars);
-        return shv_fail_memory(error, "edges", most * (sizeof *edges + 12));
-    }
-    const int64_t count = list_edges(probe, edges);
+    const bool whole = edges && bars->weight && bars->visits;
+    const int64_t count = whole ? list_edges(probe, edges) : 0;
     for (int64_t i = 0; i < count; i++) {
         if (i == 0 || compare_edges(&edges[i], &edges[i - 1]) != 0)
             bars->weight[bars->count++] = weight_of(probe, &edges[i]);
@@ -67,7 +63,7 @@ ShvStatus shv_bars_alone(ShvBarsAlone *bars, const ShvProbe *probe, ShvError *er
     if (probe->scene.pbd.form == SHV_BARS_EDGE)
         for (int32_t i = 0; i < bars->count; i++) bars->visits[i] = 1;
     shv_release(edges);
-    return SHV_OK;
+    return whole ? SHV_OK : shv_fail_memory(error, "edges", most * (sizeof *edges + 12));
 }
 
 void shv_bars_alone_release(ShvBarsAlone *bars)

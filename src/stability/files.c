@@ -1,41 +1,13 @@
 /* The files of a measurement. */
+#include "base/publish.h"
 #include "base/text.h"
 #include "evaluate/plot.h"
 #include "export/output.h"
 #include "stability/stability.h"
 
-enum { MOST_LINES = SHV_MOST_STABILITY_VALUES + 1 };
+enum { MOST_LINES = SHV_MOST_STABILITY_VALUES + 1, PICTURES = 3 };
 
-static const char *const pictures[] = {"_limit.svg", "_stiffness.svg", "_error.svg"};
-
-/* ---- the table ---- */
-
-static void put_point(FILE *stream, const ShvStability *stability, const ShvStabilityRow *row,
-                      const ShvStabilityPoint *point)
-{
-    const double of_row[] = {row->modulus, row->stiffness, row->stable_step,    row->limit,
-                             row->failed,  row->over_mesh, row->unstable_below, row->stable_again};
-    const double of_point[] = {point->multiple,  point->stiffness,    point->closed_form,
-                               point->frequency, point->displacement, point->energy_kept};
-    shv_print(stream, "%s,%d", row->iterations > 0 ? "bars" : "none", (int)row->iterations);
-    for (size_t i = 0; i < sizeof of_row / sizeof of_row[0]; i++) shv_output_number(stream, of_row[i]);
-    shv_print(stream, ",%s,%s,%d,%s", shv_stability_class_name(row->beyond), shv_stability_class_name(row->far),
-              (int)stability->options.steps, shv_stability_class_name(point->outcome));
-    for (size_t i = 0; i < sizeof of_point / sizeof of_point[0]; i++) shv_output_number(stream, of_point[i]);
-    shv_print(stream, "\n");
-}
-
-static void put_table(FILE *stream, const ShvStability *stability)
-{
-    shv_print(stream,
-              "stabiliser,iterations,youngs_modulus [Pa],k,stable_step [s],limit [stable steps],"
-              "failed [stable steps],limit over that without bars,unstable_below [stable steps],"
-              "stable_again [stable steps],class at failed,class at 3 x failed,steps,class,"
-              "step [stable steps],stiffness,stiffness of bars alone,frequency,displacement error,energy kept\n");
-    for (int32_t i = 0; i < stability->count; i++)
-        for (int32_t k = 0; k < stability->rows[i].point_count; k++)
-            put_point(stream, stability, &stability->rows[i], &stability->rows[i].points[k]);
-}
+static const char *const pictures[PICTURES] = {"_limit.svg", "_stiffness.svg", "_error.svg"};
 
 /* ---- plots, of the first modulus ---- */
 
@@ -51,26 +23,28 @@ static void put_limits(FILE *stream, Drawing *drawing)
 {
     const ShvStability *stability = drawing->stability;
     const ShvStabilityOptions *options = &stability->options;
-    const int32_t plain = options->stiffness_count;
+    const int32_t plain = options->stiffness.count;
     for (int32_t k = 0; k <= plain; k++) {
-        for (int32_t n = 0; n < options->iterations_count; n++) {
-            const ShvStabilityRow *row = &stability->rows[k < plain ? 1 + k * options->iterations_count + n : 0];
-            drawing->points[k][n] = (ShvPlotPoint){.x = options->iterations[n], .y = row->limit};
+        for (int32_t n = 0; n < options->iterations.count; n++) {
+            const ShvStabilityRow *row = &stability->rows[k < plain ? 1 + k * options->iterations.count + n : 0];
+            drawing->points[k][n] = (ShvPlotPoint){.x = options->iterations.values[n], .y = row->limit};
         }
         if (k < plain)
-            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", options->stiffness[k]);
+            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", options->stiffness.values[k]);
         else
             shv_format(drawing->names[k], sizeof drawing->names[k], "no bars");
         drawing->lines[k] =
-            (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations_count, SHV_PLOT_MARKED_LINE};
+            (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations.count, SHV_PLOT_MARKED_LINE};
     }
-    shv_plot_write(stream, &(ShvPlot){.title = stability->name,
-                                      .x_label = "sweeps of bars a step",
-                                      .y_label = "largest stable step, computed stable steps",
-                                      .log_x = true,
-                                      .log_y = true,
-                                      .lines = drawing->lines,
-                                      .line_count = plain + 1});
+    shv_plot_write(stream,
+                   &(ShvPlot){.title = stability->name,
+                              .x_label = "sweeps of bars a step",
+                              .y_label = "largest stable step, computed stable steps",
+                              .log_x = true,
+                              .log_y = true,
+                              .lines = drawing->lines,
+                              .line_count = plain + 1},
+                   false);
 }
 
 static void add_line(Drawing *drawing, int32_t *count, const ShvStabilityRow *row,
@@ -94,19 +68,21 @@ static void put_against_step(FILE *stream, Drawing *drawing, const char *label,
     enum { MOST_K = 4 };
     const ShvStabilityOptions *options = &drawing->stability->options;
     const ShvStabilityRow *rows = drawing->stability->rows;
-    const int32_t n = options->iterations_count, middle = n / 2;
+    const int32_t n = options->iterations.count, middle = n / 2;
     int32_t count = 0;
     add_line(drawing, &count, &rows[0], value);
-    for (int32_t k = 0; n > 0 && k < options->stiffness_count && k < MOST_K; k++)
+    for (int32_t k = 0; n > 0 && k < options->stiffness.count && k < MOST_K; k++)
         add_line(drawing, &count, &rows[1 + k * n + middle], value);
-    if (options->stiffness_count > 0 && middle < n - 1) add_line(drawing, &count, &rows[n], value);
-    shv_plot_write(stream, &(ShvPlot){.title = drawing->stability->name,
-                                      .x_label = "step, computed stable steps",
-                                      .y_label = label,
-                                      .log_x = true,
-                                      .log_y = true,
-                                      .lines = drawing->lines,
-                                      .line_count = count});
+    if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &count, &rows[n], value);
+    shv_plot_write(stream,
+                   &(ShvPlot){.title = drawing->stability->name,
+                              .x_label = "step, computed stable steps",
+                              .y_label = label,
+                              .log_x = true,
+                              .log_y = true,
+                              .lines = drawing->lines,
+                              .line_count = count},
+                   false);
 }
 
 static double stiffness_of(const ShvStabilityPoint *point)
@@ -131,51 +107,40 @@ static void put_picture(FILE *stream, Drawing *drawing, int which)
 
 /* ---- files ---- */
 
-static ShvExportOptions options_of(bool force, ShvMemory *memory)
+ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error)
 {
     ShvExportOptions options = shv_export_default();
     options.force = force;
-    options.memory = memory;
-    return options;
+    if (csv) SHV_TRY(shv_publish_check(csv, force, error));
+    return svg ? shv_output_check(&options, svg, pictures, PICTURES, error) : SHV_OK;
 }
 
-ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error)
+static ShvStatus write_files(Drawing *drawing, const ShvExportOptions *options, const char *csv, const char *svg,
+                             ShvError *error)
 {
-    static const char *const none[] = {""};
-    const ShvExportOptions options = options_of(force, NULL);
-    if (csv) SHV_TRY(shv_output_check(&options, csv, none, 1, error));
-    return svg ? shv_output_check(&options, svg, pictures, 3, error) : SHV_OK;
-}
-
-ShvStatus shv_stability_write_csv(const ShvStability *stability, const char *path, bool force, ShvError *error)
-{
-    const ShvExportOptions options = options_of(force, stability->memory);
-    ShvOutput output;
-    SHV_TRY(shv_stability_check_files(path, NULL, force, error));
-    SHV_TRY(shv_output_open(&output, &options, path, "", error));
-    put_table(output.stream, stability);
-    return shv_output_close(&output, &options, SHV_OK, error);
-}
-
-static ShvStatus put_pictures(Drawing *drawing, const ShvExportOptions *options, const char *prefix, ShvError *error)
-{
-    for (int i = 0; i < 3; i++) {
+    for (int i = csv ? -1 : 0; i < (svg ? PICTURES : 0); i++) {
         ShvOutput output;
-        SHV_TRY(shv_output_open(&output, options, prefix, pictures[i], error));
-        put_picture(output.stream, drawing, i);
+        SHV_TRY(shv_output_open(&output, options, i < 0 ? csv : svg, i < 0 ? "" : pictures[i], error));
+        if (i < 0)
+            shv_stability_put_csv(drawing->stability, output.stream);
+        else
+            put_picture(output.stream, drawing, i);
         SHV_TRY(shv_output_close(&output, options, SHV_OK, error));
     }
     return SHV_OK;
 }
 
-ShvStatus shv_stability_write_svg(const ShvStability *stability, const char *prefix, bool force, ShvError *error)
+ShvStatus shv_stability_write(const ShvStability *stability, const char *csv, const char *svg, bool force,
+                              ShvError *error)
 {
-    const ShvExportOptions options = options_of(force, stability->memory);
-    SHV_TRY(shv_stability_check_files(NULL, prefix, force, error));
+    ShvExportOptions options = shv_export_default();
+    options.force = force;
+    options.memory = stability->memory;
+    SHV_TRY(shv_stability_check_files(csv, svg, force, error));
     Drawing *drawing = shv_allocate(stability->memory, SHV_PART_GENERAL, 1, sizeof *drawing);
     if (!drawing) return shv_fail_memory(error, "pictures", sizeof *drawing);
     drawing->stability = stability;
-    const ShvStatus status = put_pictures(drawing, &options, prefix, error);
+    const ShvStatus status = write_files(drawing, &options, csv, svg, error);
     shv_release(drawing);
     return status;
 }

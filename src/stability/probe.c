@@ -1,4 +1,4 @@
-#include "stability/probe.h"
+#include "stability/stability.h"
 
 #include <string.h>
 

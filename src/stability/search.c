@@ -1,4 +1,4 @@
-#include "stability/probe.h"
+#include "stability/stability.h"
 
 /* Steps upwards by SCAN, then halves down to RESOLUTION, with a tenth of the steps; what is found must last all of them. */
 static const double scan = 1.2, resolution = 1.02;

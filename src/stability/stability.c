@@ -11,12 +11,9 @@ const char *shv_stability_class_name(ShvStabilityClass outcome)
 ShvStabilityOptions shv_stability_default(void)
 {
     return (ShvStabilityOptions){.cookie = SHV_DEFINITION_COOKIE,
-                                 .stiffness = {1.0, 0.5, 0.1},
-                                 .stiffness_count = 3,
-                                 .iterations = {1, 4, 10},
-                                 .iterations_count = 3,
-                                 .multiples = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0},
-                                 .multiple_count = 6,
+                                 .stiffness = {{1.0, 0.5, 0.1}, 3},
+                                 .iterations = {{1.0, 4.0, 10.0}, 3},
+                                 .multiples = {{0.5, 1.0, 2.0, 5.0, 10.0, 20.0}, 6},
                                  .steps = 10000,
                                  .most = 60.0,
                                  .seed = 3};
@@ -24,47 +21,51 @@ ShvStabilityOptions shv_stability_default(void)
 
 /* ---- what cannot be measured ---- */
 
-static ShvStatus check_values(const ShvStabilityOptions *options, ShvError *error)
-{
-    for (int32_t i = 0; i < options->stiffness_count; i++)
-        if (!(options->stiffness[i] >= 0.0 && options->stiffness[i] <= 1.0))
-            return shv_fail(error, SHV_BAD_INPUT, "a stiffness k of bars is at least 0 and at most 1, not %g",
-                            options->stiffness[i]);
-    for (int32_t i = 0; i < options->iterations_count; i++)
-        if (options->iterations[i] < 1)
-            return shv_fail(error, SHV_BAD_INPUT, "a number of iterations is at least 1, not %d",
-                            (int)options->iterations[i]);
-    for (int32_t i = 0; i < options->modulus_count; i++)
-        if (!(options->moduli[i] > 0.0) || !isfinite(options->moduli[i]))
-            return shv_fail(error, SHV_BAD_INPUT, "a Young's modulus is above 0, not %g", options->moduli[i]);
-    for (int32_t i = 0; i < options->multiple_count; i++)
-        if (!(options->multiples[i] > 0.0) || !isfinite(options->multiples[i]))
-            return shv_fail(error, SHV_BAD_INPUT, "a multiple of the stable step is above 0, not %g",
-                            options->multiples[i]);
-    return SHV_OK;
-}
+typedef struct Allowed {
+    const char *what;
+    size_t offset; /* of a ShvStabilityValues in the options */
+    double low, high;
+    int32_t most;
+    bool open, whole; /* not `low` itself; whole numbers alone */
+} Allowed;
 
-static bool fits(int32_t count, int32_t most)
+static const Allowed all_allowed[] = {
+    {"a stiffness k of bars is at least 0 and at most 1", offsetof(ShvStabilityOptions, stiffness), 0.0, 1.0,
+     SHV_MOST_STABILITY_VALUES, false, false},
+    {"a number of iterations is whole, and at least 1", offsetof(ShvStabilityOptions, iterations), 1.0, 1e9,
+     SHV_MOST_STABILITY_VALUES, false, true},
+    {"a Young's modulus is above 0", offsetof(ShvStabilityOptions, moduli), 0.0, 1e300, SHV_MOST_STABILITY_VALUES, true,
+     false},
+    {"a multiple of the stable step is above 0", offsetof(ShvStabilityOptions, multiples), 0.0, 1e300,
+     SHV_MOST_STABILITY_POINTS - 1, true, false}};
+
+static ShvStatus check_values(const ShvStabilityOptions *options, const Allowed *allowed, ShvError *error)
 {
-    return count >= 0 && count <= most;
+    const ShvStabilityValues *list = (const void *)((const char *)options + allowed->offset);
+    if (list->count < 0 || list->count > allowed->most)
+        return shv_fail(error, SHV_BAD_INPUT, "at most %d values of each kind and %d multiples can be given",
+                        SHV_MOST_STABILITY_VALUES, SHV_MOST_STABILITY_POINTS - 1);
+    for (int32_t i = 0; i < list->count; i++) {
+        const double value = list->values[i];
+        const bool above = allowed->open ? value > allowed->low : value >= allowed->low;
+        if (!above || !(value <= allowed->high) || (allowed->whole && value != floor(value)))
+            return shv_fail(error, SHV_BAD_INPUT, "%s, not %g", allowed->what, value);
+    }
+    return SHV_OK;
 }
 
 static ShvStatus check_options(const ShvStabilityOptions *options, ShvError *error)
 {
     if (options->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_stability_default()");
-    if (!fits(options->stiffness_count, SHV_MOST_STABILITY_VALUES) ||
-        !fits(options->iterations_count, SHV_MOST_STABILITY_VALUES) ||
-        !fits(options->modulus_count, SHV_MOST_STABILITY_VALUES) ||
-        !fits(options->multiple_count, SHV_MOST_STABILITY_POINTS - 1))
-        return shv_fail(error, SHV_BAD_INPUT, "at most %d values of each kind and %d multiples can be given",
-                        SHV_MOST_STABILITY_VALUES, SHV_MOST_STABILITY_POINTS - 1);
     if (options->steps < 100)
         return shv_fail(error, SHV_BAD_INPUT, "stability needs at least 100 steps, not %d", (int)options->steps);
     if (!(options->most >= 1.0 && options->most <= 1e6))
         return shv_fail(error, SHV_BAD_INPUT, "the largest multiple is at least 1 and at most 1e6, not %g",
                         options->most);
-    return check_values(options, error);
+    for (size_t i = 0; i < sizeof all_allowed / sizeof *all_allowed; i++)
+        SHV_TRY(check_values(options, &all_allowed[i], error));
+    return SHV_OK;
 }
 
 /* ---- rows ---- */
@@ -103,11 +104,11 @@ static ShvStatus find_refusal(const ShvSceneDefinition *scene, const ShvProbe *p
 static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, const ShvProbeReference *reference,
                            const ShvBarsAlone *alone, ShvStabilityRow *row)
 {
-    for (int32_t i = 0; i <= options->multiple_count; i++) {
-        const bool last = i == options->multiple_count;
+    for (int32_t i = 0; i <= options->multiples.count; i++) {
+        const bool last = i == options->multiples.count;
         if (last && !(row->limit > 0.0)) break;
         ShvStabilityPoint *point = &row->points[row->point_count++];
-        *point = (ShvStabilityPoint){.multiple = last ? row->limit : options->multiples[i],
+        *point = (ShvStabilityPoint){.multiple = last ? row->limit : options->multiples.values[i],
                                      .stiffness = (double)NAN,
                                      .frequency = (double)NAN,
                                      .displacement = (double)NAN,
@@ -147,10 +148,11 @@ static ShvStatus measure_rows(ShvStability *stability, const ShvSceneDefinition 
     ShvStabilityRow *plain = next_row(stability, 0.0, 0);
     SHV_TRY(find_refusal(scene, probe, options, plain, error));
     measure_row(stability, probe, reference, alone, plain, 1.0);
-    for (int32_t k = 0; k < options->stiffness_count; k++)
-        for (int32_t n = 0; n < options->iterations_count; n++)
+    for (int32_t k = 0; k < options->stiffness.count; k++)
+        for (int32_t n = 0; n < options->iterations.count; n++)
             measure_row(stability, probe, reference, alone,
-                        next_row(stability, options->stiffness[k], options->iterations[n]), plain->limit);
+                        next_row(stability, options->stiffness.values[k], (int32_t)options->iterations.values[n]),
+                        plain->limit);
     return SHV_OK;
 }
 
@@ -173,13 +175,13 @@ static ShvStatus measure_modulus(ShvStability *stability, const ShvSceneDefiniti
 static ShvStatus measure_all(ShvStability *stability, const ShvSceneDefinition *scene, ShvError *error)
 {
     const ShvStabilityOptions *options = &stability->options;
-    const size_t moduli = options->modulus_count > 0 ? (size_t)options->modulus_count : 1;
-    const size_t rows = moduli * (1 + (size_t)options->stiffness_count * (size_t)options->iterations_count);
+    const size_t moduli = options->moduli.count > 0 ? (size_t)options->moduli.count : 1;
+    const size_t rows = moduli * (1 + (size_t)options->stiffness.count * (size_t)options->iterations.count);
     stability->rows = shv_allocate(stability->memory, SHV_PART_GENERAL, rows, sizeof *stability->rows);
     if (!stability->rows) return shv_fail_memory(error, "the table of stability", rows * sizeof *stability->rows);
-    if (options->modulus_count == 0) return measure_modulus(stability, scene, (double)NAN, error);
-    for (int32_t i = 0; i < options->modulus_count; i++)
-        SHV_TRY(measure_modulus(stability, scene, options->moduli[i], error));
+    if (options->moduli.count == 0) return measure_modulus(stability, scene, (double)NAN, error);
+    for (int32_t i = 0; i < options->moduli.count; i++)
+        SHV_TRY(measure_modulus(stability, scene, options->moduli.values[i], error));
     return SHV_OK;
 }
 

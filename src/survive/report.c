@@ -74,7 +74,7 @@ static void put_plot(FILE *stream, const Figure *figure, const char *title, cons
     if (within)
         shv_html_plot(stream, &plot);
     else
-        shv_plot_write(stream, &plot);
+        shv_plot_write(stream, &plot, false);
 }
 
 static void put_curve(const ShvSurviveView *view, const Room *room, FILE *stream, bool within)

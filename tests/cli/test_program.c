@@ -132,8 +132,9 @@ static void test_refused_overlaps(void **state)
     }
     shell_works("cat begun.h5", "precious");
     shell_works("ls | grep -c begun", "1");
-    shell_write("low.yaml", "shiver_study: 1\nset: {objects.bar.position.2: 0.0295}\n"
-                            "vary: {fracture.safety: [0.5, 0.9]}\nmeasures: [energy]\n");
+    shell_write("low.yaml",
+                "shiver_study: 1\nset: {objects.bar.position.2: 0.0295}\n"
+                "vary: {fracture.safety: [0.5, 0.9]}\nmeasures: [energy]\nreference: {fracture.safety: 0.5}\n");
     shell_fails("$shiver study tiny.yaml low.yaml", 2, "overlap at the start");
 }
 

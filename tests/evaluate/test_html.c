@@ -80,14 +80,14 @@ static void test_plot_within(void **state)
                           .span_count = 3};
     FILE *stream = tmpfile();
     assert_non_null(stream);
-    shv_plot_write(stream, &plot);
+    shv_plot_write(stream, &plot, false);
     read_back(stream);
     check_well_formed(text);
     static char alone[sizeof text];
     memcpy(alone, text, sizeof text);
     stream = tmpfile();
     assert_non_null(stream);
-    shv_plot_write_inline(stream, &plot);
+    shv_plot_write(stream, &plot, true);
     read_back(stream);
     assert_string_equal(strstr(alone, "width=\""), strstr(text, "width=\""));
     /* The bar whose foot is not on the axis begins at the frame; the other two are not drawn. Its x is that of the first point. */

@@ -13,7 +13,7 @@ static char *draw(const ShvPlot *plot)
     char *text = malloc(MOST);
     FILE *stream = tmpfile();
     assert_true(text && stream);
-    shv_plot_write(stream, plot);
+    shv_plot_write(stream, plot, false);
     rewind(stream);
     text[fread(text, 1, MOST - 1, stream)] = '\0';
     fclose(stream);

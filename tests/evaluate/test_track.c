@@ -1,4 +1,4 @@
-/* Impacts, apices, flips and gains read from tracks that were made from exact motions. */
+/* Impacts, apices and flips read from tracks that were made from exact motions. */
 #include "check.h"
 
 #include "evaluate/free_top.h"
@@ -8,17 +8,19 @@
 static const ShvVec3 up = {0.0, 0.0, 1.0};
 static const ShvVec3 gravity = {0.0, 0.0, -9.81};
 
+static ShvTrackRow rows[6000];
+
 static void add(ShvTrack *track, const ShvTrackRow *row)
 {
-    ShvError error;
-    check_ok(shv_track_add(track, NULL, row, &error), error);
+    assert_true(track->count < (int32_t)(sizeof rows / sizeof rows[0]));
+    rows[track->count++] = *row;
 }
 
 static void test_impacts(void **state)
 {
     (void)state;
     enum { FRAMES = 241, MOST = 8 };
-    ShvTrack track = {NULL, 0, 0};
+    ShvTrack track = {rows, 0};
     /* The state bounces with 0.8; the reference with 0.5 and lies still at the end. */
     for (int i = 0; i < FRAMES; i++) {
         const ShvLineMotion own = shv_law_bounce(1.0, 0.0, 9.81, 0.8, 0.01 * i);
@@ -40,7 +42,6 @@ static void test_impacts(void **state)
     const int count = shv_track_impacts(&track, true, up, gravity, times, MOST);
     assert_in_range(count, 4, 7);
     check_near(times[1], 2.0 * fall, 1e-14);
-    shv_track_release(&track);
 }
 
 /* What falls freely, slides down or rests hits nothing. */
@@ -49,7 +50,7 @@ static void test_no_impact(void **state)
     (void)state;
     double times[4];
     for (int kind = 0; kind < 3; kind++) {
-        ShvTrack track = {NULL, 0, 0};
+        ShvTrack track = {rows, 0};
         const double a = kind == 0 ? -9.81 : kind == 1 ? -2.0 : 0.0;
         for (int i = 0; i < 100; i++) {
             const double t = 0.01 * i;
@@ -59,7 +60,6 @@ static void test_no_impact(void **state)
         }
         assert_int_equal(shv_track_impacts(&track, false, up, gravity, times, 4), 0);
         assert_int_equal(shv_track_apices(&track, false, up, gravity, times, 4), 0);
-        shv_track_release(&track);
     }
 }
 
@@ -68,7 +68,7 @@ static void test_flips(void **state)
     (void)state;
     const ShvMat3 inertia = {{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
     ShvFreeTop top = shv_free_top(&inertia, shv_quat_identity(), shv_vec3(0.01, 1.0, 0.01));
-    ShvTrack track = {NULL, 0, 0};
+    ShvTrack track = {rows, 0};
     for (int i = 0; i <= 5500; i++) {
         ShvTrackRow row = {.time = 0.01 * i};
         shv_free_top_at(&top, row.time, &row.state.orientation, &row.state.angular_velocity);
@@ -78,18 +78,6 @@ static void test_flips(void **state)
     double times[8];
     assert_int_equal(shv_track_flips(&track, false, &inertia, times, 8), 3);
     for (int n = 0; n < 3; n++) check_near(times[n], published[n], 5e-4);
-    shv_track_release(&track);
-}
-
-static void test_gain(void **state)
-{
-    (void)state;
-    static const double energies[] = {5.0, 4.0, 4.5, 3.0, 3.9, 1.0};
-    ShvTrack track = {NULL, 0, 0};
-    assert_true(shv_track_gain(&track) == 0.0);
-    for (int i = 0; i < 6; i++) add(&track, &(ShvTrackRow){.energy = energies[i]});
-    check_near(shv_track_gain(&track), 0.9, 1e-15);
-    shv_track_release(&track);
 }
 
 int main(void)
@@ -98,7 +86,6 @@ int main(void)
         cmocka_unit_test(test_impacts),
         cmocka_unit_test(test_no_impact),
         cmocka_unit_test(test_flips),
-        cmocka_unit_test(test_gain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "base/memory.h"
-#include "evaluate/run.h"
+
 #include "evaluate/trajectory_error.h"
 #include "shiver/scene.h"
 
@@ -36,6 +36,15 @@ static ShvOutcome run(const ShvScene *scene, ShvMemory *memory, ShvStatus *statu
     return outcome;
 }
 
+/* Adds to the upward velocity of the only body from a frame on. */
+static void push(const ShvOutcome *outcome, int64_t frame, double speed)
+{
+    enum { UPWARD = offsetof(ShvBodyState, velocity.z) / sizeof(double) };
+    const ShvOutcomeList *track = shv_outcome_find(outcome, "track");
+    for (int64_t i = frame * SHV_BODY_NUMBERS + UPWARD; i < track->count; i += SHV_BODY_NUMBERS)
+        track->values[i] += speed;
+}
+
 static void test_bounce(void **state)
 {
     (void)state;
@@ -62,7 +71,11 @@ static void test_bounce(void **state)
         check_ok(shv_trajectory_error_open(&trajectory, shv_scene_definition(scene), NULL, false, NULL, &error), error);
         check_ok(shv_trajectory_error_measure(&trajectory, &outcome, &outcome, errors, &error), error);
         assert_true(errors[SHV_TRAJECTORY_POSITION] == 0.0 && errors[SHV_TRAJECTORY_ENERGY] == 0.0);
-        assert_true(isnan(errors[SHV_TRAJECTORY_EVENT_TIME]));
+        assert_true(isnan(errors[SHV_TRAJECTORY_EVENT_TIME]) && errors[SHV_TRAJECTORY_ENERGY_GAIN] < 1e-9);
+        /* A push is a rise of the energy. */
+        push(&outcome, 4, 3.0);
+        check_ok(shv_trajectory_error_measure(&trajectory, &outcome, &outcome, errors, &error), error);
+        assert_true(errors[SHV_TRAJECTORY_ENERGY_GAIN] > 0.1);
         shv_trajectory_error_close(&trajectory);
         shv_outcome_release(&outcome);
         shv_scene_destroy(scene);

@@ -139,7 +139,7 @@ static void test_expectations(void **state)
         {"", "end.fragments < 1", "", SHV_VERDICT_MISS},
         {"", "end.fragments >= 1", "", SHV_VERDICT_PASS},
         {"", "end.fragments > 1", "", SHV_VERDICT_MISS},
-        {"", "run.first_wake > 0", "", SHV_VERDICT_MISS}, /* not a number */
+        {"", "at(frame.time, 9) > 0", "", SHV_VERDICT_MISS}, /* not a number */
         {"", "end.hash = runs.r0.end.hash", "", SHV_VERDICT_PASS},
         {"duration=0.2", "end.hash = runs.r0.end.hash", "", SHV_VERDICT_MISS},
         {"", "end.position.z < -0.05", "it has not had the time", SHV_VERDICT_EXPLAINED},
@@ -337,20 +337,18 @@ static void test_faults(void **state)
 
 static void test_short_set(void **state)
 {
-    char path[300];
-    bool in_short = true;
-    ShvError error = {SHV_OK, ""};
-    snprintf(path, sizeof path, "%s/fall.case.yaml", (const char *)*state);
-    write_text(*state, "fall.case.yaml", head, series);
-    check_ok(shv_verify_in_short_set(path, &in_short, NULL, &error), error);
-    assert_false(in_short);
-    write_text(*state, "fall.case.yaml", "short: true\n", head);
-    check_fails(shv_verify_in_short_set(path, &in_short, NULL, &error), SHV_BAD_INPUT, error, "quantities");
     char text[2000];
-    snprintf(text, sizeof text, "%sshort: true\n", head);
-    write_text(*state, "fall.case.yaml", text, series);
-    check_ok(shv_verify_in_short_set(path, &in_short, NULL, &error), error);
-    assert_true(in_short);
+    ShvVerification *made;
+    ShvVerifyOptions options = shv_verify_default();
+    ShvError error = {SHV_OK, ""};
+    options.short_set = true;
+    check_ok(try_case(state, series, &options, &made, &error), error);
+    assert_null(made);
+    check_fails(try_case(state, "short: true\n", &options, &made, &error), SHV_BAD_INPUT, error, "quantities");
+    snprintf(text, sizeof text, "short: true\n%s", series);
+    check_ok(try_case(state, text, &options, &made, &error), error);
+    assert_non_null(made);
+    shv_verify_destroy(made);
 }
 
 static char *read_text(const char *path)
@@ -371,10 +369,10 @@ static void test_pages(void **state)
     ShvError error = {SHV_OK, ""};
     snprintf(html, sizeof html, "%s/page.html", (const char *)*state);
     snprintf(markdown, sizeof markdown, "%s/page.md", (const char *)*state);
-    check_ok(shv_verify_write_html(html, false, cases, 1, &error), error);
-    check_ok(shv_verify_write_markdown(markdown, false, cases, 1, &error), error);
-    check_fails(shv_verify_write_markdown(markdown, false, cases, 1, &error), SHV_BAD_INPUT, error, "--force");
-    check_ok(shv_verify_write_markdown(markdown, true, cases, 1, &error), error);
+    check_ok(shv_verify_write(html, true, false, cases, 1, &error), error);
+    check_ok(shv_verify_write(markdown, false, false, cases, 1, &error), error);
+    check_fails(shv_verify_write(markdown, false, false, cases, 1, &error), SHV_BAD_INPUT, error, "--force");
+    check_ok(shv_verify_write(markdown, false, true, cases, 1, &error), error);
     char *text = read_text(html);
     assert_non_null(strstr(text, "x: observed order"));
     assert_non_null(strstr(text, "G. Galilei"));

@@ -28,9 +28,9 @@ static ShvStability *measure(const char *text, const ShvStabilityOptions *option
 static ShvStabilityOptions few(int32_t stiffnesses, int32_t iterations, int32_t steps)
 {
     ShvStabilityOptions options = shv_stability_default();
-    options.stiffness_count = stiffnesses;
-    options.iterations_count = iterations;
-    options.multiple_count = 0;
+    options.stiffness.count = stiffnesses;
+    options.iterations.count = iterations;
+    options.multiples.count = 0;
     options.steps = steps;
     return options;
 }
@@ -41,10 +41,10 @@ static void one_tet_bears_the_computed_step(void **state)
 {
     (void)state;
     ShvStabilityOptions options = few(0, 0, 10000);
-    options.modulus_count = 3;
-    options.moduli[0] = 0.6;
-    options.moduli[1] = 1e9;
-    options.moduli[2] = 400e9;
+    options.moduli.count = 3;
+    options.moduli.values[0] = 0.6;
+    options.moduli.values[1] = 1e9;
+    options.moduli.values[2] = 400e9;
     ShvStability *stability = measure(single_tet, &options);
     assert_int_equal(shv_stability_count(stability), 3);
     for (int32_t i = 0; i < 3; i++) {
@@ -66,9 +66,9 @@ static void plain_steps_follow_central_difference(void **state)
 {
     (void)state;
     ShvStabilityOptions options = few(0, 0, 1000);
-    options.multiple_count = 2;
-    options.multiples[0] = 0.5;
-    options.multiples[1] = 1.0;
+    options.multiples.count = 2;
+    options.multiples.values[0] = 0.5;
+    options.multiples.values[1] = 1.0;
     ShvStability *stability = measure(bar, &options);
     const ShvStabilityRow *row = shv_stability_row(stability, 0);
     assert_int_equal(row->point_count, 3);
@@ -95,12 +95,12 @@ static void weak_bars_are_springs_beside_the_solid(void **state)
 {
     (void)state;
     ShvStabilityOptions options = few(2, 1, 1000);
-    options.stiffness[0] = 1.0;
-    options.stiffness[1] = 0.02;
-    options.iterations[0] = 1;
-    options.multiple_count = 2;
-    options.multiples[0] = 0.5;
-    options.multiples[1] = 1.0;
+    options.stiffness.values[0] = 1.0;
+    options.stiffness.values[1] = 0.02;
+    options.iterations.values[0] = 1;
+    options.multiples.count = 2;
+    options.multiples.values[0] = 0.5;
+    options.multiples.values[1] = 1.0;
     ShvStability *stability = measure(bar, &options);
     assert_int_equal(shv_stability_count(stability), 3);
     const ShvStabilityRow *plain = shv_stability_row(stability, 0), *stiff = shv_stability_row(stability, 1),
@@ -127,12 +127,11 @@ static void bad_options_are_refused(void **state)
         const char *part;
     } cases[] = {
         {{.cookie = 0}, "shv_stability_default"},
-        {{.cookie = SHV_DEFINITION_COOKIE, .stiffness_count = 1, .stiffness = {1.5}, .steps = 100, .most = 2},
-         "stiffness"},
-        {{.cookie = SHV_DEFINITION_COOKIE, .iterations_count = 1, .steps = 100, .most = 2}, "iterations"},
-        {{.cookie = SHV_DEFINITION_COOKIE, .modulus_count = 1, .steps = 100, .most = 2}, "modulus"},
-        {{.cookie = SHV_DEFINITION_COOKIE, .multiple_count = 1, .steps = 100, .most = 2}, "multiple"},
-        {{.cookie = SHV_DEFINITION_COOKIE, .stiffness_count = 99, .steps = 100, .most = 2}, "at most"},
+        {{.cookie = SHV_DEFINITION_COOKIE, .stiffness = {{1.5}, 1}, .steps = 100, .most = 2}, "stiffness"},
+        {{.cookie = SHV_DEFINITION_COOKIE, .iterations = {{0.5}, 1}, .steps = 100, .most = 2}, "iterations"},
+        {{.cookie = SHV_DEFINITION_COOKIE, .moduli = {{0.0}, 1}, .steps = 100, .most = 2}, "modulus"},
+        {{.cookie = SHV_DEFINITION_COOKIE, .multiples = {{0.0}, 1}, .steps = 100, .most = 2}, "multiple"},
+        {{.cookie = SHV_DEFINITION_COOKIE, .stiffness = {{0.0}, 99}, .steps = 100, .most = 2}, "at most"},
         {{.cookie = SHV_DEFINITION_COOKIE, .steps = 99, .most = 2}, "at least 100 steps"},
         {{.cookie = SHV_DEFINITION_COOKIE, .steps = 100, .most = 0.5}, "largest multiple"},
     };
@@ -155,11 +154,11 @@ static void files_are_written_and_kept(void **state)
     const ShvStabilityOptions options = few(1, 1, 100);
     ShvStability *stability = measure(single_tet, &options);
     ShvError error = {.message = ""};
-    check_ok(shv_stability_write_csv(stability, path, false, &error), error);
-    check_ok(shv_stability_write_svg(stability, prefix, false, &error), error);
-    check_fails(shv_stability_write_csv(stability, path, false, &error), SHV_BAD_INPUT, error, "t.csv");
+    check_ok(shv_stability_write(stability, path, NULL, false, &error), error);
+    check_ok(shv_stability_write(stability, NULL, prefix, false, &error), error);
+    check_fails(shv_stability_write(stability, path, NULL, false, &error), SHV_BAD_INPUT, error, "t.csv");
     check_fails(shv_stability_check_files(NULL, prefix, false, &error), SHV_BAD_INPUT, error, "t_limit.svg");
-    check_ok(shv_stability_write_svg(stability, prefix, true, &error), error);
+    check_ok(shv_stability_write(stability, NULL, prefix, true, &error), error);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char file[96];
         snprintf(file, sizeof file, "%s/%s", folder, names[i]);
