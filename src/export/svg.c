@@ -59,8 +59,9 @@ static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFileInfo *inf
         if (o->frames[i] < 0 || o->frames[i] >= info->frame_count)
             return shv_fail(error, SHV_BAD_INPUT, "there is no frame %lld: the run has frames 0 to %lld",
                             (long long)o->frames[i], (long long)(info->frame_count - 1));
+    const double rounding = 1e-6 * (info->last_time - info->first_time); /* s: times are written with some digits */
     for (int32_t i = 0; i < o->time_count; i++)
-        if (!(o->times[i] >= info->first_time && o->times[i] <= info->last_time))
+        if (!(o->times[i] >= info->first_time - rounding && o->times[i] <= info->last_time + rounding))
             return shv_fail(error, SHV_BAD_INPUT, "there is no time %g s: the run goes from %g to %g s", o->times[i],
                             info->first_time, info->last_time);
     return SHV_OK;
