@@ -40,7 +40,8 @@ shiver verify --full
 A quantity passes when its error is within the tolerance: what is asked of the program, or what the method should reach on such a
 mesh. Errors and tolerances are shares of the reference in percent, or absolute in the unit where the
 reference is zero. "shown" is not judged: mostly a coarse mesh of a series whose finest one is. A miss is explained below its table;
-`shiver verify` fails on one that is not. How a case is written is told in scenes/verification/README.md.
+`shiver verify` fails on one that is not. How a case is written is told in scenes/verification/README.md; what
+was read of the sources, in [sources](sources.md).
 
 END
     printf 'Run on %s, one thread a run. ' "${processor:-an unknown processor}"
