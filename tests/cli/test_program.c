@@ -394,6 +394,26 @@ static void test_export(void **state)
     shell_fails("$shiver export csv tiny.yaml", 2, "not a run file");
 }
 
+/* A name with the format's ending, or its name as one, is that of the same file as without. */
+static void test_names_of_an_export(void **state)
+{
+    (void)state;
+    static const char *const cases[][3] = {
+        {"csv", "named.csv", "named_ledger.csv"}, {"xdmf", "named.xmf", "named_mesh.xmf"},
+        {"xdmf", "named.xdmf", "named_mesh.xmf"}, {"vtk", "named.pvd", "named.pvd"},
+        {"vtk", "named.vtk", "named.pvd"},        {"gltf", "named.glb", "named.glb"},
+        {"gltf", "named.gltf", "named.glb"},      {"usd", "named.usda", "named.usda"},
+        {"usd", "named.usd", "named.usda"},       {"svg", "named.svg", "named.svg"},
+        {"svg", "named.usd", "named.usd.svg"},    {"svg", "svg", "svg.svg"}};
+    shell_works("$shiver run tiny.yaml --output plain.h5 --quiet", "");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char line[160];
+        snprintf(line, sizeof line, "mkdir of%zu && $shiver export %s plain.h5 -o of%zu/%s && test -s of%zu/%s", i,
+                 cases[i][0], i, cases[i][1], i, cases[i][2]);
+        shell_works(line, "wrote of");
+    }
+}
+
 static void test_view(void **state)
 {
     (void)state;
@@ -569,6 +589,7 @@ int main(void)
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_interruption),
         cmocka_unit_test(test_export),
+        cmocka_unit_test(test_names_of_an_export),
         cmocka_unit_test(test_view),
         cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_scenes),
