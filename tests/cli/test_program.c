@@ -37,6 +37,29 @@ static void test_small_obstacle(void **state)
     assert_null(strstr(output.out, "smaller than an edge"));
 }
 
+/* Two tets on one triangle: what is flat of them sets the step, and is told; what is as high as half an edge is not. */
+static void test_sliver(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *height;
+        bool told;
+    } cases[] = {{"0.0004", true}, {"0.01", false}};
+    shell_write("pair.ele", "2 4 0\n0 0 2 1 3\n1 0 1 2 4\n");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char nodes[160];
+        snprintf(nodes, sizeof nodes, "5 3 0 0\n0 0 0 0\n1 0.02 0 0\n2 0 0.02 0\n3 0 0 -0.02\n4 0.006 0.006 %s\n",
+                 cases[i].height);
+        shell_write("pair.node", nodes);
+        shell_works("$shiver check tiny.yaml --set 'objects.bar.mesh={tetgen: {file: pair.node}}'", "stable step");
+        const char *warning =
+            "the flattest tet is 0.0004 m high, 0.019 of the mean edge, and sets the step: a mesh without "
+            "such\n           slivers takes about 26 times fewer steps";
+        assert_int_equal(strstr(output.out, warning) != NULL, cases[i].told);
+        assert_int_equal(strstr(output.out, "flattest") != NULL, cases[i].told);
+    }
+}
+
 static void test_usage(void **state)
 {
     (void)state;
@@ -569,6 +592,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_small_obstacle),
+        cmocka_unit_test(test_sliver),
         cmocka_unit_test(test_usage),
         cmocka_unit_test(test_wrong_words),
         cmocka_unit_test(test_check_and_plan),
