@@ -156,12 +156,12 @@ static void put_marker(FILE *stream, double x, double y, int32_t line)
               x, y, marks[line % COLOURS], colours[line % COLOURS]);
 }
 
-/* Each of three lines has a side of its own, so that labels of points that nearly coincide can be read; none leaves the frame. */
+/* Each of four lines has a side of its own, so that labels of points that nearly coincide can be read; none leaves the frame. */
 static void put_point_label(FILE *stream, double x, double y, int32_t line, const char *label)
 {
     const double room = 60.0;
-    const bool left = line % 3 == 2 ? x > LEFT + room : x > WIDTH - RIGHT - room;
-    put_label(stream, left ? x - 7 : x + 7, line % 3 == 1 ? y + 16 : y - 7,
+    const bool left = line % 4 >= 2 ? x > LEFT + room : x > WIDTH - RIGHT - room;
+    put_label(stream, left ? x - 7 : x + 7, line % 2 == 1 ? y + 16 : y - 7,
               left ? "text-anchor=\"end\" class=\"point\"" : "class=\"point\"", label);
 }
 
