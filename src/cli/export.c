@@ -27,6 +27,7 @@ typedef struct Request {
 
 typedef struct Format {
     const char *name, *result; /* what is written, behind the prefix */
+    const char *ending;        /* of its files, or of that which is opened */
     const char *options; /* letters of those it takes: animation, every, frames, time, size, colour, lasts, stretch */
     ShvStatus (*write)(const Request *request, ShvError *error);
 } Format;
@@ -168,9 +169,11 @@ static ShvStatus write_webp(const Request *request, ShvError *error)
 }
 
 static const Format FORMATS[] = {
-    {"csv", "_*", "ae", write_csv},       {"xdmf", "_*", "ae", write_xdmf},    {"vtk", ".pvd", "ae", write_vtk},
-    {"gltf", ".glb", "ae", write_gltf},   {"usd", ".usda", "ae", write_usd},   {"svg", ".svg", "fts", write_svg},
-    {"png", "_*.png", "ftsc", write_png}, {"mp4", ".mp4", "esclx", write_mp4}, {"webp", ".webp", "esclx", write_webp}};
+    {"csv", "_*", ".csv", "ae", write_csv},         {"xdmf", "_*", ".xmf", "ae", write_xdmf},
+    {"vtk", ".pvd", ".pvd", "ae", write_vtk},       {"gltf", ".glb", ".glb", "ae", write_gltf},
+    {"usd", ".usda", ".usda", "ae", write_usd},     {"svg", ".svg", ".svg", "fts", write_svg},
+    {"png", "_*.png", ".png", "ftsc", write_png},   {"mp4", ".mp4", ".mp4", "esclx", write_mp4},
+    {"webp", ".webp", ".webp", "esclx", write_webp}};
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof FORMATS[0] };
 
 static ShvStatus find_format(const char *name, const char *const *values, const Format **format, ShvError *error)
@@ -187,6 +190,22 @@ static ShvStatus find_format(const char *name, const char *const *values, const 
     }
     return shv_fail(error, SHV_BAD_INPUT,
                     "there is no format '%s'; give csv, xdmf, vtk, gltf, usd, svg, png, mp4 or webp", name);
+}
+
+static bool drop_end(char *text, const char *end)
+{
+    const size_t length = strlen(text), size = strlen(end);
+    const bool ends = length >= size && strcmp(text + length - size, end) == 0;
+    if (ends) text[length - size] = '\0';
+    return ends;
+}
+
+/* A name that already ends as the format's files do, or in the format's name, does not get its ending twice. */
+static void drop_ending(char *prefix, const Format *format)
+{
+    char dotted[8];
+    snprintf(dotted, sizeof dotted, ".%s", format->name);
+    if (!drop_end(prefix, format->ending)) drop_end(prefix, dotted);
 }
 
 /* One name of an export may be that of a run file. */
@@ -207,6 +226,7 @@ static int run(const ShvArguments *arguments)
                            ? shv_cli_path(prefix, &error, "%s", arguments->values[OUTPUT])
                            : shv_cli_default_path(prefix, arguments->positional[1], true, "", &error);
     if (status == SHV_OK) status = find_format(arguments->positional[0], arguments->values, &format, &error);
+    if (status == SHV_OK && arguments->values[OUTPUT]) drop_ending(prefix, format);
     if (status == SHV_OK) status = read_options(&request, &error);
     if (status == SHV_OK) status = keep_run_file(prefix, arguments->positional[1], &error);
     if (status == SHV_OK) status = shv_run_file_open(&request.file, arguments->positional[1], NULL, &error);
@@ -225,6 +245,8 @@ const ShvCommand shv_command_export = {
     .details =
         "Metres, seconds, z up and right-handed axes unless said otherwise. Pieces are named by their line of "
         "descent.\n\n"
+        "PREFIX may end as the format's files do, or in the format's name: x.svg and x make the same x.svg, x.glb,\n"
+        "x.gltf and x the same x.glb, x.png and x the same x_NNNNNN.png.\n\n"
         "  csv   PREFIX_trajectories.csv with Houdini's names (P, orient as w, x, y, z, v, w), _genealogy, _ledger, "
         "_events,\n"
         "        _obstacles, with probes _probes; shapes of the pieces as PREFIX_pieces.obj. Opens in: spreadsheets, "

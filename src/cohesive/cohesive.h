@@ -194,7 +194,7 @@ typedef struct ShvCohesive {
     uint32_t *faces;
     ShvStarSearch search;
     ShvFront front;
-    ShvOnset onset;
+    ShvInitiation initiation;
     int32_t *asked;                      /* batches whose stress the check asks for: batches */
     uint8_t *stress_known;               /* batches: of the present check */
     int32_t nearest[SHV_NEAREST_FACETS]; /* facets that had the largest values below the level at the last check */
@@ -248,7 +248,7 @@ double shv_cohesive_face_candidates(ShvCohesive *cohesive, const ShvState *state
    change inversely; the scale lies between 1/√2 and the overshoot. `stress` NULL: no scaling.
    With the force criterion the law starts with the components of the traction by which the facet was judged, whatever it
    carries: strength is what it holds, and a disk opens as soon as it is asked for more. Disks that begin by the tension of the
-   surface (onset.h) start with what they pass on. */
+   surface (initiation.h) start with what they pass on. */
 ShvStatus shv_cohesive_insert(ShvCohesive *cohesive, ShvState *state, const double *stress, const int32_t *facets,
                               int32_t count, int32_t *duplicated, ShvError *error);
 

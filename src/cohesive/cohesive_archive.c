@@ -21,7 +21,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, opened, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, front.ahead, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, front.slit, SHV_FIELD_BLOCK),
-    SHV_FIELD_OF(ShvCohesive, onset.faces, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, initiation.faces, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, failed, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, live, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, rotations, SHV_FIELD_BLOCK),
@@ -61,8 +61,8 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, corner_queue, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_copy, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, search.star, SHV_FIELD_KEPT),
-    SHV_FIELD_OF(ShvCohesive, onset.weakest, SHV_FIELD_KEPT),
-    SHV_FIELD_OF(ShvCohesive, onset.tension, SHV_FIELD_KEPT),
+    SHV_FIELD_OF(ShvCohesive, initiation.weakest, SHV_FIELD_KEPT),
+    SHV_FIELD_OF(ShvCohesive, initiation.tension, SHV_FIELD_KEPT),
 };
 
 bool shv_cohesive_archive(ShvCohesive *cohesive, const uint8_t *awake, ShvArchive *archive)

@@ -255,7 +255,7 @@ static void watch_facets(ShvCohesive *cohesive, const ShvState *state, const uin
 void shv_cohesive_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     shv_front_start(cohesive, state);
-    shv_onset_watch(cohesive, state, awake);
+    shv_initiation_watch(cohesive, state, awake);
     watch_facets(cohesive, state, awake);
     cohesive->unlisted = true;
     cohesive->watched_node_count = 0;

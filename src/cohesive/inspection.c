@@ -96,7 +96,7 @@ static int32_t add_surface_nodes(ShvInspection *inspection, int32_t count, doubl
     int32_t more = 0;
     if (!cohesive->front.any) return count;
     for (int32_t i = 0; i < count; i++) search->mark[search->nodes[i]] = 1;
-    *largest = fmax(*largest, shv_onset_list(cohesive, inspection->state, search->nodes + count, &more));
+    *largest = fmax(*largest, shv_initiation_list(cohesive, inspection->state, search->nodes + count, &more));
     for (int32_t i = count; i < count + more; i++) want_star(inspection, search->nodes[i]);
     for (int32_t i = 0; i < count + more; i++) search->mark[search->nodes[i]] = 0;
     return count + more;
@@ -132,16 +132,16 @@ static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32
     return false;
 }
 
-/* At the surface of a body, away from cracks, stress decides as well as force (onset.h). */
+/* At the surface of a body, away from cracks, stress decides as well as force (initiation.h). */
 static void look_at_surface(const ShvInspection *inspection, int32_t node, double least)
 {
     ShvCohesive *cohesive = inspection->cohesive;
     const ShvState *state = inspection->state;
     if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
-    if (isinf(cohesive->onset.weakest[node]) || is_waiting(cohesive, state, node)) return;
+    if (isinf(cohesive->initiation.weakest[node]) || is_waiting(cohesive, state, node)) return;
     const ShvVec3 slit = shv_front_slit_normal(cohesive, state, node);
-    const ShvSurfaceTension tension = shv_onset_tension(cohesive, state, inspection->stress, node);
-    if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->onset.weakest[node]) return;
+    const ShvSurfaceTension tension = shv_initiation_tension(cohesive, state, inspection->stress, node);
+    if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->initiation.weakest[node]) return;
     shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
 }
 

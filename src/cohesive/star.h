@@ -1,4 +1,5 @@
-/* The star of a node: the tets that share one copy of it, and the force that each facet between them passes on at the node.
+/* The star of a node (the term of simplicial topology; others say node patch or one-ring): the tets that share one copy of it, and
+   the force that each facet between them passes on at the node.
 
    A node can open only once a closed disk of facets round it has been inserted. Facets judged one by one reach their
    strength long before and long after such a disk is complete, so that many are inserted for each that opens. Here the disk
@@ -16,7 +17,7 @@
 
 #include "cohesive/cut.h"
 #include "cohesive/front.h"
-#include "cohesive/onset.h"
+#include "cohesive/initiation.h"
 #include "model/state.h"
 
 struct ShvCohesive;

@@ -187,7 +187,7 @@ ShvStatus shv_cohesive_create(ShvCohesive *cohesive, const ShvModel *model, cons
         cohesive->facet_cohesive[i] = -1;
         cohesive->facet_strength[i] = facet_strength(model, &settings->on, i);
     }
-    const ShvStatus begun = shv_onset_create(cohesive, error);
+    const ShvStatus begun = shv_initiation_create(cohesive, error);
     if (begun != SHV_OK) shv_cohesive_release(cohesive);
     return begun;
 }
@@ -226,6 +226,6 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->search.held);
     shv_release(cohesive->search.facet_along);
     shv_front_release(&cohesive->front);
-    shv_onset_release(&cohesive->onset);
+    shv_initiation_release(&cohesive->initiation);
     *cohesive = (ShvCohesive){0};
 }

@@ -49,11 +49,11 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 {
     const ShvState *state = bodies->state;
     contact->candidates[0].count = contact->candidates[1].count = contact->watched_count = 0;
-    contact->escapes.count = contact->escaped_facets.count = 0;
+    contact->nodes_out_of_skin.count = contact->facets_out_of_skin.count = 0;
     SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         contact->list.nodes[k].watch = -1;
-        contact->list.nodes[k].escaped = contact->list.nodes[k].anew = false;
+        contact->list.nodes[k].out_of_skin = contact->list.nodes[k].anew = false;
     }
     contact->anew = false;
     if (changed)
@@ -101,7 +101,7 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     SHV_TRY(add_late(contact, bodies, step, error));
     if (contact->rest > 0 && !contact->anew) return SHV_OK;
     bool many;
-    SHV_TRY(shv_surface_renew_escaped(contact, bodies, step, gravity, &many, error));
+    SHV_TRY(shv_surface_renew_out_of_skin(contact, bodies, step, gravity, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 

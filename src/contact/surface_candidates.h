@@ -40,10 +40,10 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
                                      int32_t facets, ShvError *error);
 ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
                                     ShvError *error);
-/* surface_escape.c: nodes that are about to leave their skin get a new one from where they are, and their candidates are
+/* surface_skin.c: nodes that are about to leave their skin get a new one from where they are, and their candidates are
    chosen anew. *many: so many that all should be. */
-ShvStatus shv_surface_renew_escaped(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                    double gravity, bool *many, ShvError *error);
+ShvStatus shv_surface_renew_out_of_skin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                        double gravity, bool *many, ShvError *error);
 /* surface_follow.c: candidates go on after insertions, splits and coupled bodies that woke. *lost: they cannot. */
 ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool *lost, ShvError *error);
 /* One more candidate; the nodes of both sides that deform are watched. */

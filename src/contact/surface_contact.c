@@ -26,8 +26,8 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_surface_list_release(&contact->list);
     shv_node_grid_release(&contact->grid);
     shv_node_grid_release(&contact->facet_grid);
-    shv_release(contact->escapes.items);
-    shv_release(contact->escaped_facets.items);
+    shv_release(contact->nodes_out_of_skin.items);
+    shv_release(contact->facets_out_of_skin.items);
     shv_release(contact->own);
     shv_release(contact->near);
     shv_release(contact->order);

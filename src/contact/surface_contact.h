@@ -71,10 +71,10 @@ typedef struct ShvSurfaceFragment {
 } ShvSurfaceFragment;
 
 /* Places, in a list, of those in its grid that have left their skin since. */
-typedef struct ShvSurfaceEscapes {
+typedef struct ShvSurfacePlaces {
     int32_t *items;
     int32_t count, capacity;
-} ShvSurfaceEscapes;
+} ShvSurfacePlaces;
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
@@ -102,7 +102,7 @@ struct ShvSurfaceContact {
     int32_t grid_facets;
     double half
         [SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class in the grid reaches farther from its centre */
-    ShvSurfaceEscapes escapes, escaped_facets;
+    ShvSurfacePlaces nodes_out_of_skin, facets_out_of_skin;
     ShvVec3 drift;                      /* velocity of the frame in which motion is measured, m/s */
     double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */

@@ -28,13 +28,14 @@ enum { SHV_SURFACE_SPEED_CLASSES = 8 };
 
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    int32_t slots[3];      /* of its nodes */
-    bool crack;            /* face of a crack that has parted */
-    bool changed;          /* nodes of it were split at the last look */
-    bool escaped, escapes; /* of a node that has left its skin, or does just now */
-    int64_t seen;          /* pass of the last look at it */
-    uint8_t speed_class;   /* the largest of its nodes */
-    ShvBox box;            /* of the facet and what is below it to half the depth of its tet, when last measured */
+    int32_t slots[3];    /* of its nodes */
+    bool crack;          /* face of a crack that has parted */
+    bool changed;        /* nodes of it were split at the last look */
+    bool out_of_skin;    /* of a node that has left its skin */
+    bool leaves_skin;    /* of one that does just now */
+    int64_t seen;        /* pass of the last look at it */
+    uint8_t speed_class; /* the largest of its nodes */
+    ShvBox box;          /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
@@ -44,13 +45,14 @@ typedef struct ShvSurfaceNode {
     int32_t twin;     /* the one before this of the same node, −1: none */
     int32_t original; /* of a copy: the node that it was split from in the list */
     uint8_t speed_class;
-    bool escaped, escapes; /* it has left the way that its place in the grid of all nodes allows for, or is about to */
-    bool anew;             /* its candidates are no longer all, wherever it is */
-    bool held;      /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
-    ShvVec3 from;   /* where it was when its speed class was chosen, m */
-    ShvVec3 at;     /* where it was when last looked at, m */
-    int64_t seen;   /* pass of that */
-    ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
+    bool out_of_skin; /* it has left the way that its place in the grid of all nodes allows for */
+    bool leaves_skin; /* it does just now */
+    bool anew;        /* its candidates are no longer all, wherever it is */
+    bool held;        /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
+    ShvVec3 from;     /* where it was when its speed class was chosen, m */
+    ShvVec3 at;       /* where it was when last looked at, m */
+    int64_t seen;     /* pass of that */
+    ShvVec3 normal;   /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
 /* A cohesive facet whose faces have not parted. */

@@ -162,7 +162,7 @@ static ShvStatus pair_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *
         SHV_TRY(shv_node_grid_find(grid, speed_class, shv_surface_cube(facet, reach), shv_box_grown(facet->box, reach),
                                    error));
         for (int32_t k = 0; k < grid->found_count; k++)
-            if (!contact->list.nodes[grid->found[k]].escaped)
+            if (!contact->list.nodes[grid->found[k]].out_of_skin)
                 SHV_TRY(pair_node(contact, bodies, seeker, grid->found[k], reach, error));
     }
     return SHV_OK;
@@ -198,9 +198,10 @@ ShvStatus shv_surface_pair_late_facet(ShvSurfaceContact *contact, const ShvSurfa
     SHV_TRY(pair_nodes(contact, bodies, &seeker, 2.0, error));
     find_reaches(contact, facet, reaches, boxes);
     const int32_t late = contact->list.node_count - contact->grid_nodes;
-    for (int32_t k = 0; k < contact->escapes.count + late; k++) {
-        const int32_t slot =
-            k < contact->escapes.count ? contact->escapes.items[k] : contact->grid_nodes + k - contact->escapes.count;
+    for (int32_t k = 0; k < contact->nodes_out_of_skin.count + late; k++) {
+        const int32_t slot = k < contact->nodes_out_of_skin.count
+                                 ? contact->nodes_out_of_skin.items[k]
+                                 : contact->grid_nodes + k - contact->nodes_out_of_skin.count;
         const ShvSurfaceNode *node = &contact->list.nodes[slot];
         if (shv_box_holds(&boxes[node->speed_class], node->from))
             SHV_TRY(pair_node(contact, bodies, &seeker, slot, reaches[node->speed_class], error));
@@ -216,7 +217,7 @@ static ShvStatus pair_with(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     const double reach = 2.0 * shv_surface_reach(contact, facet, node->speed_class);
     const ShvBox box = shv_box_grown(facet->box, reach);
     Seeker seeker;
-    if (facet->escapes || !shv_box_holds(&box, node->from) || !make_seeker(contact, bodies, facet, &seeker))
+    if (facet->leaves_skin || !shv_box_holds(&box, node->from) || !make_seeker(contact, bodies, facet, &seeker))
         return SHV_OK;
     return pair_node(contact, bodies, &seeker, slot, reach, error);
 }
@@ -232,11 +233,11 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
         SHV_TRY(shv_node_grid_find(grid, speed_class, reach, shv_box_grown((ShvBox){node->from, node->from}, reach),
                                    error));
         for (int32_t k = 0; k < grid->found_count; k++)
-            if (!contact->list.facets[grid->found[k]].escaped)
+            if (!contact->list.facets[grid->found[k]].out_of_skin)
                 SHV_TRY(pair_with(contact, bodies, slot, grid->found[k], error));
     }
-    for (int32_t k = 0; k < contact->escaped_facets.count; k++)
-        SHV_TRY(pair_with(contact, bodies, slot, contact->escaped_facets.items[k], error));
+    for (int32_t k = 0; k < contact->facets_out_of_skin.count; k++)
+        SHV_TRY(pair_with(contact, bodies, slot, contact->facets_out_of_skin.items[k], error));
     for (int32_t place = contact->grid_facets; place < facets; place++)
         SHV_TRY(pair_with(contact, bodies, slot, place, error));
     return SHV_OK;

@@ -151,7 +151,7 @@ static ShvStatus fill_facet_grid(ShvSurfaceContact *contact, ShvBox region, doub
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) contact->half[speed_class] = 0.0;
     for (int32_t k = 0; k < contact->list.facet_count; k++) {
         ShvSurfaceFacet *facet = &contact->list.facets[k];
-        facet->escaped = false;
+        facet->out_of_skin = false;
         counts[facet->speed_class]++;
         contact->half[facet->speed_class] = fmax(contact->half[facet->speed_class], 0.5 * shv_box_size(&facet->box));
     }

@@ -141,6 +141,7 @@ static void put_axis(const Page *page, const ShvPlotAxis *axis)
     for (double i = 0.0; i <= ticks; i += 1.0) put_tick(page, axis, axis->low + i * axis->tick);
 }
 
+/* Open, so that one does not hide another of the same place. */
 static void put_marker(FILE *stream, double x, double y, int32_t line)
 {
     static const char *const marks[COLOURS] = {"M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z",
@@ -149,16 +150,18 @@ static void put_marker(FILE *stream, double x, double y, int32_t line)
                                                "M0 -5l5 5l-5 5l-5 -5z",
                                                "M0 5l5 -9h-10z",
                                                "M-4 -2h8v4h-8z"};
-    shv_print(stream, "<path class=\"mark\" transform=\"translate(%.1f %.1f)\" d=\"%s\" fill=\"%s\"/>\n", x, y,
-              marks[line % COLOURS], colours[line % COLOURS]);
+    shv_print(stream,
+              "<path class=\"mark\" transform=\"translate(%.1f %.1f)\" d=\"%s\" fill=\"none\" stroke=\"%s\" "
+              "stroke-width=\"1.6\"/>\n",
+              x, y, marks[line % COLOURS], colours[line % COLOURS]);
 }
 
-/* Each of three lines has a side of its own, so that labels of points that nearly coincide can be read; none leaves the frame. */
+/* Each of four lines has a side of its own, so that labels of points that nearly coincide can be read; none leaves the frame. */
 static void put_point_label(FILE *stream, double x, double y, int32_t line, const char *label)
 {
     const double room = 60.0;
-    const bool left = line % 3 == 2 ? x > LEFT + room : x > WIDTH - RIGHT - room;
-    put_label(stream, left ? x - 7 : x + 7, line % 3 == 1 ? y + 16 : y - 7,
+    const bool left = line % 4 >= 2 ? x > LEFT + room : x > WIDTH - RIGHT - room;
+    put_label(stream, left ? x - 7 : x + 7, line % 2 == 1 ? y + 16 : y - 7,
               left ? "text-anchor=\"end\" class=\"point\"" : "class=\"point\"", label);
 }
 
@@ -173,10 +176,24 @@ static void put_strokes(const Page *page, const ShvPlotLine *line, const char *a
     shv_print(page->stream, "\"/>\n");
 }
 
+/* The first is solid and the others have dashes of their own: where lines coincide, each shows in the gaps of those above. */
+static const char *stroke_of(int32_t index)
+{
+    static const char *const strokes[COLOURS] = {
+        "stroke-width=\"1.6\"",
+        "stroke-width=\"1.6\" stroke-dasharray=\"12 8\"",
+        "stroke-width=\"1.6\" stroke-dasharray=\"3 5\"",
+        "stroke-width=\"1.6\" stroke-dasharray=\"8 8\"",
+        "stroke-width=\"1.6\" stroke-dasharray=\"12 5 3 5\"",
+        "stroke-width=\"1.6\" stroke-dasharray=\"2 9\"",
+    };
+    return strokes[index % COLOURS];
+}
+
 static void put_line(const Page *page, int32_t index)
 {
     const ShvPlotLine *line = &page->plot->lines[index];
-    if (line->style != SHV_PLOT_MARKERS) put_strokes(page, line, "stroke-width=\"1.6\"", colours[index % COLOURS]);
+    if (line->style != SHV_PLOT_MARKERS) put_strokes(page, line, stroke_of(index), colours[index % COLOURS]);
     for (int32_t i = 0; i < line->count && line->style != SHV_PLOT_PLAIN_LINE; i++) {
         if (!shown(page->plot, &line->points[i])) continue;
         const double x = place_x(page, line->points[i].x), y = place_y(page, line->points[i].y);
@@ -213,9 +230,12 @@ static void put_legend(const Page *page)
         const char *name = page->plot->lines[i].name;
         double letters = 0.0; /* bytes that begin a character of UTF-8 */
         for (const char *c = name; *c; c++) letters += ((unsigned char)*c & 0xc0) != 0x80;
-        put_marker(page->stream, x + 6, TOP - 32, i);
-        put_label(page->stream, x + 16, TOP - 28, "class=\"tick\"", name);
-        x += 16 + 8 * letters + 22;
+        if (page->plot->lines[i].style != SHV_PLOT_MARKERS)
+            shv_print(page->stream, "<path d=\"M%.1f %dh32\" stroke=\"%s\" %s/>\n", x, TOP - 32, colours[i % COLOURS],
+                      stroke_of(i));
+        if (page->plot->lines[i].style != SHV_PLOT_PLAIN_LINE) put_marker(page->stream, x + 16, TOP - 32, i);
+        put_label(page->stream, x + 38, TOP - 28, "class=\"tick\"", name);
+        x += 38 + 7 * letters + 16;
     }
     if (!page->plot->front) return;
     shv_print(page->stream, "<circle cx=\"%.1f\" cy=\"%d\" r=\"6\" fill=\"none\" stroke=\"#2c2a26\"/>\n", x + 6,

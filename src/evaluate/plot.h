@@ -30,7 +30,7 @@ typedef struct ShvPlot {
     const char *title, *x_label, *y_label;
     bool log_x, log_y;
     const ShvPlotLine *lines;
-    int32_t line_count;       /* colours and markers repeat after six */
+    int32_t line_count;       /* colours, dashes and markers repeat after six */
     const ShvPlotLine *front; /* dashed, with a ring around each point; NULL: none */
     const ShvPlotSpan *spans; /* vertical bars */
     int32_t span_count;

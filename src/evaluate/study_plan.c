@@ -371,14 +371,29 @@ static void check_together(Planner *planner, const ShvNode *reference)
                       plan->measures[i].name);
 }
 
+/* What is missing, and how it is written. Which setting is the finest only its author knows: values of a key have no order. */
+static void check_parts(Planner *planner, const StudyItem *item, const ShvNode *root)
+{
+    const struct {
+        const ShvNode *node;
+        const char *text;
+    } parts[] = {
+        {item->vary, "'vary', the keys and values to run, such as 'vary: {step: [0.5, 1, 2]}'"},
+        {item->measures, "'measures', what is compared, such as 'measures: [dissipated, fragments]'"},
+        {item->reference, "'reference', what errors are taken from: the keys of the finest setting, such as "
+                          "'reference: {step: 0.25}', or 'reference: closed form' where the scene has a 'reference'"},
+    };
+    for (size_t i = 0; i < LENGTH_OF(parts); i++)
+        if (!parts[i].node) shv_error(planner->diagnostics, root->place, "the study must have %s", parts[i].text);
+}
+
 static void read_plan(Planner *planner, const ShvNode *root, const char *const *more, int32_t more_count)
 {
     StudyItem item;
     ShvStudyPlan *plan = planner->plan;
     ShvReader reader = {planner->pool, planner->pool, planner->diagnostics, NULL};
     shv_read_document(&reader, &study_table, root, &item);
-    if (item.head.good && !(item.vary && item.measures && item.reference)) /* a misspelt one has been told */
-        shv_error(planner->diagnostics, root->place, "the study must have 'vary', 'measures' and 'reference'");
+    if (item.head.good) check_parts(planner, &item, root); /* else a misspelt one has been told */
     plan->name = item.name;
     plan->repeats = item.repeats;
     plan->audit_wakes = item.audit_wakes;

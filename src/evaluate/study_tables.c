@@ -116,41 +116,69 @@ static void put_words(FILE *stream, const char *text)
     for (; *text; text++) shv_print(stream, "%c", *text == '|' || *text == '\n' ? '/' : *text);
 }
 
+/* Columns in which no row would have a figure are left out. */
+static bool has_courant(const ShvStudy *study)
+{
+    for (int32_t i = 0; i < study->setting_count; i++)
+        if (study->rows[i].courant > 0.0) return true;
+    return false;
+}
+
+static bool has_error(const ShvStudy *study, int32_t measure)
+{
+    bool failed = true; /* all runs: what was to be measured is told all the same */
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        if (study->rows[i].status != SHV_OK) continue;
+        if (isfinite(study->rows[i].errors[measure])) return true;
+        failed = false;
+    }
+    return failed;
+}
+
 static void put_markdown_row(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
 {
+    const bool failed = row->status != SHV_OK;
     shv_print(stream, "| ");
     put_words(stream, row->series);
     shv_print(stream, "%s", row->label[0] ? ", " : "");
     put_words(stream, row->label);
     shv_print(stream, "%s |", row->is_reference ? " (reference)" : "");
-    put_cell(stream, row->courant > 0.0 ? row->courant : (double)NAN, false);
+    if (has_courant(study)) put_cell(stream, row->courant > 0.0 ? row->courant : (double)NAN, false);
     put_cell(stream, row->seconds, false);
-    if (row->status == SHV_OK) {
-        for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, row->errors[i], row->on_front[i]);
-    } else {
+    if (failed) {
         char first[sizeof row->message]; /* what happened; what to do about it is in the page */
         shv_format(first, sizeof first, "%.*s", (int)strcspn(row->message, ";"), row->message);
         shv_print(stream, " failed: ");
         put_words(stream, first);
-        for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, " |");
+    }
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        if (!has_error(study, i)) continue;
+        if (failed)
+            shv_print(stream, " |");
+        else
+            put_cell(stream, row->errors[i], row->on_front[i]);
     }
     shv_print(stream, "\n");
 }
 
 void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
 {
-    shv_print(stream, "| setting | Courant | run time, s |");
+    int columns = has_courant(study) ? 3 : 2;
+    shv_print(stream, "| setting |%s run time, s |", columns == 3 ? " Courant |" : "");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
+        if (!has_error(study, i)) continue;
         shv_print(stream, " %s%s%s |", measure->name, measure->error_unit[0] ? ", " : "", measure->error_unit);
+        columns++;
     }
-    shv_print(stream, "\n|---|---|---|");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) shv_print(stream, "---|");
+    shv_print(stream, "\n|");
+    for (int i = 0; i < columns; i++) shv_print(stream, "---|");
     shv_print(stream, "\n");
     for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->rows[i], stream);
     if (study->plan.members == 1) return;
-    shv_print(stream, "| scatter | | |");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) put_cell(stream, study->view.scatter[i], false);
+    shv_print(stream, has_courant(study) ? "| scatter | | |" : "| scatter | |");
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        if (has_error(study, i)) put_cell(stream, study->view.scatter[i], false);
     shv_print(stream, "\n");
 }
 

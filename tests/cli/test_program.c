@@ -37,6 +37,29 @@ static void test_small_obstacle(void **state)
     assert_null(strstr(output.out, "smaller than an edge"));
 }
 
+/* Two tets on one triangle: what is flat of them sets the step, and is told; what is as high as half an edge is not. */
+static void test_sliver(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *height;
+        bool told;
+    } cases[] = {{"0.0004", true}, {"0.01", false}};
+    shell_write("pair.ele", "2 4 0\n0 0 2 1 3\n1 0 1 2 4\n");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char nodes[160];
+        snprintf(nodes, sizeof nodes, "5 3 0 0\n0 0 0 0\n1 0.02 0 0\n2 0 0.02 0\n3 0 0 -0.02\n4 0.006 0.006 %s\n",
+                 cases[i].height);
+        shell_write("pair.node", nodes);
+        shell_works("$shiver check tiny.yaml --set 'objects.bar.mesh={tetgen: {file: pair.node}}'", "stable step");
+        const char *warning =
+            "the flattest tet is 0.0004 m high, 0.019 of the mean edge, and sets the step: a mesh without "
+            "such\n           slivers takes about 26 times fewer steps";
+        assert_int_equal(strstr(output.out, warning) != NULL, cases[i].told);
+        assert_int_equal(strstr(output.out, "flattest") != NULL, cases[i].told);
+    }
+}
+
 static void test_usage(void **state)
 {
     (void)state;
@@ -394,6 +417,26 @@ static void test_export(void **state)
     shell_fails("$shiver export csv tiny.yaml", 2, "not a run file");
 }
 
+/* A name with the format's ending, or its name as one, is that of the same file as without. */
+static void test_names_of_an_export(void **state)
+{
+    (void)state;
+    static const char *const cases[][3] = {
+        {"csv", "named.csv", "named_ledger.csv"}, {"xdmf", "named.xmf", "named_mesh.xmf"},
+        {"xdmf", "named.xdmf", "named_mesh.xmf"}, {"vtk", "named.pvd", "named.pvd"},
+        {"vtk", "named.vtk", "named.pvd"},        {"gltf", "named.glb", "named.glb"},
+        {"gltf", "named.gltf", "named.glb"},      {"usd", "named.usda", "named.usda"},
+        {"usd", "named.usd", "named.usda"},       {"svg", "named.svg", "named.svg"},
+        {"svg", "named.usd", "named.usd.svg"},    {"svg", "svg", "svg.svg"}};
+    shell_works("$shiver run tiny.yaml --output plain.h5 --quiet", "");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char line[160];
+        snprintf(line, sizeof line, "mkdir of%zu && $shiver export %s plain.h5 -o of%zu/%s && test -s of%zu/%s", i,
+                 cases[i][0], i, cases[i][1], i, cases[i][2]);
+        shell_works(line, "wrote of");
+    }
+}
+
 static void test_view(void **state)
 {
     (void)state;
@@ -549,6 +592,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_small_obstacle),
+        cmocka_unit_test(test_sliver),
         cmocka_unit_test(test_usage),
         cmocka_unit_test(test_wrong_words),
         cmocka_unit_test(test_check_and_plan),
@@ -569,6 +613,7 @@ int main(void)
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_interruption),
         cmocka_unit_test(test_export),
+        cmocka_unit_test(test_names_of_an_export),
         cmocka_unit_test(test_view),
         cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_scenes),

@@ -88,6 +88,39 @@ static void test_points(void **state)
     free(other);
 }
 
+/* Lines of the same points: each has strokes of its own, and no marker covers another. */
+static void test_lines_that_coincide(void **state)
+{
+    (void)state;
+    enum { LINES = 6 };
+    const ShvPlotPoint points[] = {{1.0, 1.0, ""}, {2.0, 3.0, ""}};
+    ShvPlotLine lines[LINES];
+    for (int i = 0; i < LINES; i++) lines[i] = (ShvPlotLine){"same", points, 2, SHV_PLOT_MARKED_LINE};
+    const ShvPlot plot = {.title = "", .x_label = "", .y_label = "", .lines = lines, .line_count = LINES};
+    char *xml = draw(&plot), dashes[LINES][24] = {""};
+    check_well_formed(xml);
+    int count = 0;
+    for (const char *at = strstr(xml, "<polyline"); at; at = strstr(at + 1, "<polyline"), count++) {
+        char element[160] = "";
+        assert_true(count < LINES);
+        memcpy(element, at, strcspn(at, ">") < 159 ? strcspn(at, ">") : 159);
+        const char *dash = strstr(element, "stroke-dasharray=\"");
+        assert_int_equal(dash != NULL, count > 0); /* the first shows in the gaps of all others */
+        if (dash) assert_int_equal(sscanf(dash, "stroke-dasharray=\"%23[^\"]", dashes[count]), 1);
+        for (int i = 0; i < count; i++) assert_string_not_equal(dashes[i], dashes[count]);
+    }
+    assert_int_equal(count, LINES);
+    const int marks = count_text(xml, "class=\"mark\"");
+    assert_int_equal(marks, 3 * LINES);
+    int open = 0;
+    for (const char *at = strstr(xml, "class=\"mark\""); at; at = strstr(at + 1, "class=\"mark\"")) {
+        const char *fill = strstr(at, "fill=\"none\""), *end = strstr(at, "/>");
+        open += fill && fill < end;
+    }
+    assert_int_equal(open, marks);
+    free(xml);
+}
+
 static void test_nothing_to_show(void **state)
 {
     (void)state;
@@ -103,6 +136,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_axes),
         cmocka_unit_test(test_points),
+        cmocka_unit_test(test_lines_that_coincide),
         cmocka_unit_test(test_nothing_to_show),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/text.h"
 #include "evaluate/sampler.h"
 #include "evaluate/study.h"
 
@@ -142,9 +143,12 @@ static void test_bad_plans(void **state)
         {"shiver_study: 1\nmesures: [energy]\n" REST,
          "study.yaml:2:1: error: unknown key 'mesures' in the study; did you mean 'measures'?"},
         {REST, "lacks what it must have: shiver_study"},
-        {"shiver_study: 1\nvary: {step: [1]}\nmeasures: [fragments]\n", "must have 'vary', 'measures' and 'reference'"},
+        {"shiver_study: 1\nvary: {step: [1]}\nmeasures: [fragments]\n",
+         "must have 'reference', what errors are taken from: the keys of the finest setting, such as 'reference: "
+         "{step: 0.25}'"},
         {"shiver_study: 2\n" REST, "shiver_study is '2'; expected a whole number, exactly 1"},
-        {"shiver_study: 1\nmeasures: [energy]\n" REFERENCE, "must have 'vary', 'measures' and 'reference'"},
+        {"shiver_study: 1\nmeasures: [energy]\n" REFERENCE,
+         "must have 'vary', the keys and values to run, such as 'vary: {step: "},
         {"shiver_study: 1\nvary: {}\nmeasures: [energy]\n" REFERENCE, "study.yaml:2:7: error: a block of 'vary'"},
         {"shiver_study: 1\nvary: []\nmeasures: [energy]\n" REFERENCE, "'vary' is empty"},
         {"shiver_study: 1\nvary: 3\nmeasures: [energy]\n" REFERENCE, "a block of 'vary'"},
@@ -155,7 +159,8 @@ static void test_bad_plans(void **state)
         {"shiver_study: 1\nvary: {a: [1, 2, 3, 4, 5], b: [1, 2, 3, 4, 5], c: [1, 2, 3, 4, 5], d: [1, 2, 3, 4, 5], "
          "e: [1, 2, 3, 4, 5], f: [1, 2, 3, 4, 5]}\nmeasures: [energy]\n" REFERENCE,
          "more than 10000 settings"},
-        {"shiver_study: 1\nvary: {step: 1}\n" REFERENCE, "must have 'vary', 'measures' and 'reference'"},
+        {"shiver_study: 1\nvary: {step: 1}\n" REFERENCE,
+         "must have 'measures', what is compared, such as 'measures: ["},
         {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energie]\n" REFERENCE,
          "study.yaml:3:12: error: there is no measure 'energie'; did you mean energy?"},
         {"shiver_study: 1\nvary: {step: 1}\nmeasures: [energy, energy]\n" REFERENCE, "given twice"},
@@ -570,6 +575,46 @@ static void test_files(void **state)
                            "error of surface [m],error of energy,error of event_time [s],message\nbullet,1e-2,,ok,"));
 }
 
+static void check_table(const ShvStudy *study, const char *wanted)
+{
+    FILE *stream = fopen(at("table.md"), "w");
+    assert_non_null(stream);
+    shv_study_put_markdown(study, stream);
+    assert_int_equal(fclose(stream), 0);
+    assert_string_equal(read_text(at("table.md")), wanted);
+}
+
+/* A column of the table in which no row has a figure is left out: the Courant number of what is rigid, and impacts of what flies
+   past the floor. With a run that failed the columns are as many. */
+static void test_table_without_empty_columns(void **state)
+{
+    (void)state;
+    enum { COUNT = 2 };
+    ShvMeasure measures[] = {{.name = "position", .error_unit = "m"}, {.name = "apex", .error_unit = ""}};
+    ShvStudyRow rows[COUNT] = {row_of(1.0, 0.5, SHV_OK), row_of(2.0, 0.25, SHV_OK)};
+    ShvStudy study = {.rows = rows, .setting_count = COUNT};
+    memcpy(study.plan.measures, measures, sizeof measures);
+    study.plan.measure_count = 2;
+    study.plan.members = 1;
+    rows[0].series = rows[1].series = "ball";
+    rows[0].label = "a";
+    rows[1].label = "b";
+    rows[0].errors[1] = rows[1].errors[1] = (double)NAN;
+    check_table(
+        &study,
+        "| setting | run time, s | position, m |\n|---|---|---|\n| ball, a | 1 | 0.5 |\n| ball, b | 2 | 0.25 |\n");
+    rows[1].courant = 0.9;
+    rows[1].errors[1] = 0.125;
+    rows[0].status = SHV_DIVERGED;
+    shv_format(rows[0].message, sizeof rows[0].message, "it diverged; do this");
+    check_table(&study, "| setting | Courant | run time, s | position, m | apex |\n|---|---|---|---|---|\n"
+                        "| ball, a | – | 1 | failed: it diverged | |\n| ball, b | 0.9 | 2 | 0.25 | 0.125 |\n");
+    rows[1].status = SHV_DIVERGED; /* then nothing is known, and what was asked for is told */
+    shv_format(rows[1].message, sizeof rows[1].message, "too");
+    check_table(&study, "| setting | Courant | run time, s | position, m | apex |\n|---|---|---|---|---|\n"
+                        "| ball, a | – | 1 | failed: it diverged | |\n| ball, b | 0.9 | 2 | failed: too | |\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -585,6 +630,7 @@ int main(void)
         cmocka_unit_test(test_without_memory),
         cmocka_unit_test(test_shadow),
         cmocka_unit_test(test_files),
+        cmocka_unit_test(test_table_without_empty_columns),
     };
     return cmocka_run_group_tests(tests, enter, leave);
 }

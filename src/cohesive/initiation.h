@@ -11,19 +11,19 @@
    Linear tets are too stiff in bending: of the work of the load a part goes into shear that the mesh has and the
    body has not. It counts: where the tets on the surface bear a larger principal stress than it does, that is taken, but no
    more than 1.4 times the surface's own, since tets under a blow bear stress of other kinds. */
-#ifndef SHV_COHESIVE_ONSET_H
-#define SHV_COHESIVE_ONSET_H
+#ifndef SHV_COHESIVE_INITIATION_H
+#define SHV_COHESIVE_INITIATION_H
 
 #include "model/state.h"
 
 struct ShvCohesive;
 
-typedef struct ShvOnset {
+typedef struct ShvInitiation {
     int32_t count;
     int32_t *faces;  /* of awake tets, 4 × element + face: boundary faces of the mesh */
     double *tension; /* per face: largest in its plane in the present check, Pa */
     double *weakest; /* per node of the mesh: strength of its weakest facet, Pa; infinite where this is not for it */
-} ShvOnset;
+} ShvInitiation;
 
 /* Largest tension in the surface at a node, and its direction. */
 typedef struct ShvSurfaceTension {
@@ -31,13 +31,13 @@ typedef struct ShvSurfaceTension {
     ShvVec3 direction;
 } ShvSurfaceTension;
 
-ShvStatus shv_onset_create(struct ShvCohesive *cohesive, ShvError *error);
-void shv_onset_release(ShvOnset *onset);
-void shv_onset_watch(struct ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+ShvStatus shv_initiation_create(struct ShvCohesive *cohesive, ShvError *error);
+void shv_initiation_release(ShvInitiation *initiation);
+void shv_initiation_watch(struct ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
 /* Nodes whose faces may bear more than their weakest facet go to `nodes`, `count` of them, unless cohesive->search has a mark for
    them, and get one. Returns the largest ratio of tension to weakest facet of all that had none. */
-double shv_onset_list(struct ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count);
-ShvSurfaceTension shv_onset_tension(const struct ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                                    int32_t node);
+double shv_initiation_list(struct ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count);
+ShvSurfaceTension shv_initiation_tension(const struct ShvCohesive *cohesive, const ShvState *state,
+                                         const double *stress, int32_t node);
 
 #endif

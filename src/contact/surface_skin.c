@@ -12,21 +12,21 @@ static int32_t mark_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bo
     int32_t count = 0;
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         ShvSurfaceNode *node = &contact->list.nodes[k];
-        node->escapes = node->anew || (!shv_bodies_coupled_body(bodies, node->fragment) &&
-                                       shv_surface_speed_steps(contact, bodies, node, step, gravity, 1) == 0);
+        node->leaves_skin = node->anew || (!shv_bodies_coupled_body(bodies, node->fragment) &&
+                                           shv_surface_speed_steps(contact, bodies, node, step, gravity, 1) == 0);
         node->anew = false;
-        count += node->escapes;
+        count += node->leaves_skin;
     }
     contact->anew = false;
     return count;
 }
 
-static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceEscapes *escapes, int32_t place, ShvError *error)
+static ShvStatus append(ShvSurfaceContact *contact, ShvSurfacePlaces *places, int32_t place, ShvError *error)
 {
-    void *block = escapes->items;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &escapes->capacity, escapes->count, sizeof(int32_t), error));
-    escapes->items = block;
-    escapes->items[escapes->count++] = place;
+    void *block = places->items;
+    SHV_TRY(shv_candidates_grow(contact->memory, &block, &places->capacity, places->count, sizeof(int32_t), error));
+    places->items = block;
+    places->items[places->count++] = place;
     return SHV_OK;
 }
 
@@ -35,10 +35,11 @@ static ShvStatus move_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *
 {
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         ShvSurfaceNode *node = &contact->list.nodes[k];
-        if (!node->escapes) continue;
+        if (!node->leaves_skin) continue;
         shv_surface_speed_node(contact, bodies, node, step);
-        if (!node->escaped && k < contact->grid_nodes) SHV_TRY(append(contact, &contact->escapes, k, error));
-        node->escaped = true;
+        if (!node->out_of_skin && k < contact->grid_nodes)
+            SHV_TRY(append(contact, &contact->nodes_out_of_skin, k, error));
+        node->out_of_skin = true;
     }
     return SHV_OK;
 }
@@ -48,13 +49,14 @@ static ShvStatus move_facets(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     const ShvSurfaceNode *nodes = contact->list.nodes;
     for (int32_t k = 0; k < contact->list.facet_count; k++) {
         ShvSurfaceFacet *facet = &contact->list.facets[k];
-        facet->escapes =
-            nodes[facet->slots[0]].escapes || nodes[facet->slots[1]].escapes || nodes[facet->slots[2]].escapes;
-        if (!facet->escapes) continue;
+        facet->leaves_skin = nodes[facet->slots[0]].leaves_skin || nodes[facet->slots[1]].leaves_skin ||
+                             nodes[facet->slots[2]].leaves_skin;
+        if (!facet->leaves_skin) continue;
         shv_surface_facet_measure(bodies, facet);
         shv_surface_speed_facet(contact, bodies, facet);
-        if (!facet->escaped && k < contact->grid_facets) SHV_TRY(append(contact, &contact->escaped_facets, k, error));
-        facet->escaped = true;
+        if (!facet->out_of_skin && k < contact->grid_facets)
+            SHV_TRY(append(contact, &contact->facets_out_of_skin, k, error));
+        facet->out_of_skin = true;
     }
     return SHV_OK;
 }
@@ -65,8 +67,8 @@ static void drop_candidates(ShvSurfaceContact *contact)
     int32_t kept = 0;
     for (int32_t k = 0; k < list->count; k++) {
         const ShvSurfaceCandidate *candidate = &list->items[k];
-        if (contact->list.nodes[candidate->slot].escapes ||
-            (candidate->facet >= 0 && contact->list.facets[candidate->facet].escapes))
+        if (contact->list.nodes[candidate->slot].leaves_skin ||
+            (candidate->facet >= 0 && contact->list.facets[candidate->facet].leaves_skin))
             continue;
         list->items[kept] = *candidate;
         list->due[kept] = list->due[k];
@@ -80,19 +82,20 @@ static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 {
     ShvSurfaceList *list = &contact->list;
     for (int32_t k = 0; k < list->facet_count; k++)
-        if (list->facets[k].escapes) SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
+        if (list->facets[k].leaves_skin) SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
     for (int32_t k = 0; k < list->node_count; k++)
-        if (list->nodes[k].escapes) SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, list->facet_count, error));
-    for (int32_t k = 0; k < list->facet_count; k++) list->facets[k].escapes = false;
+        if (list->nodes[k].leaves_skin)
+            SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, list->facet_count, error));
+    for (int32_t k = 0; k < list->facet_count; k++) list->facets[k].leaves_skin = false;
     return SHV_OK;
 }
 
-ShvStatus shv_surface_renew_escaped(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                    double gravity, bool *many, ShvError *error)
+ShvStatus shv_surface_renew_out_of_skin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                                        double gravity, bool *many, ShvError *error)
 {
     const double last = bodies->state->last_step > 0.0 ? bodies->state->last_step : step;
     const int32_t count = mark_nodes(contact, bodies, last, gravity), all = contact->list.node_count;
-    *many = count > most_at_once * all || count + contact->escapes.count > most_in_all * all;
+    *many = count > most_at_once * all || count + contact->nodes_out_of_skin.count > most_in_all * all;
     if (*many) return SHV_OK;
     SHV_TRY(move_nodes(contact, bodies, last, error));
     SHV_TRY(move_facets(contact, bodies, error));

@@ -1,4 +1,4 @@
-#include "cohesive/onset.h"
+#include "cohesive/initiation.h"
 
 #include <math.h>
 
@@ -122,8 +122,8 @@ static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, int3
     }
 }
 
-ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                                    int32_t node)
+ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvState *state, const double *stress,
+                                         int32_t node)
 {
     Patch patch = {.tet_stress = stress};
     visit_faces(cohesive, state, node, find_tensest, &patch);
@@ -142,26 +142,26 @@ ShvSurfaceTension shv_onset_tension(const ShvCohesive *cohesive, const ShvState 
 
 static void find_tensions(const ShvCohesive *cohesive, const ShvState *state)
 {
-    const ShvOnset *onset = &cohesive->onset;
+    const ShvInitiation *initiation = &cohesive->initiation;
     const int32_t threads = cohesive->model->threads;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int32_t i = 0; i < onset->count; i++)
-        onset->tension[i] = look_at(cohesive, state, onset->faces[i] / 4, onset->faces[i] % 4).tension;
+    for (int32_t i = 0; i < initiation->count; i++)
+        initiation->tension[i] = look_at(cohesive, state, initiation->faces[i] / 4, initiation->faces[i] % 4).tension;
 }
 
-double shv_onset_list(ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count)
+double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count)
 {
-    const ShvOnset *onset = &cohesive->onset;
+    const ShvInitiation *initiation = &cohesive->initiation;
     ShvStarSearch *search = &cohesive->search;
     double largest = 0.0;
     find_tensions(cohesive, state);
-    for (int32_t i = 0; i < onset->count; i++) {
-        const int32_t element = onset->faces[i] / 4;
-        if (!(onset->tension[i] > 0.0)) continue;
+    for (int32_t i = 0; i < initiation->count; i++) {
+        const int32_t element = initiation->faces[i] / 4;
+        if (!(initiation->tension[i] > 0.0)) continue;
         for (int k = 0; k < 3; k++) {
-            const int32_t node = shv_state_node(state, element, shv_face_corners[onset->faces[i] % 4][k]);
+            const int32_t node = shv_state_node(state, element, shv_face_corners[initiation->faces[i] % 4][k]);
             if (node >= cohesive->model->mesh.node_count || search->mark[node]) continue;
-            const double ratio = onset->tension[i] / onset->weakest[node];
+            const double ratio = initiation->tension[i] / initiation->weakest[node];
             largest = shv_larger(largest, ratio);
             if (most_beyond * ratio < 1.0) continue;
             search->mark[node] = 1;
@@ -192,41 +192,41 @@ static double weakest_at(const ShvCohesive *cohesive, int32_t node)
     return weakest;
 }
 
-ShvStatus shv_onset_create(ShvCohesive *cohesive, ShvError *error)
+ShvStatus shv_initiation_create(ShvCohesive *cohesive, ShvError *error)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    ShvOnset *onset = &cohesive->onset;
+    ShvInitiation *initiation = &cohesive->initiation;
     const size_t faces = (size_t)(adjacency->facet_count - adjacency->interior_count);
     const size_t nodes = (size_t)cohesive->model->mesh.node_count;
-    *onset = (ShvOnset){0};
+    *initiation = (ShvInitiation){0};
     if (!cohesive->front.any) return SHV_OK;
-    onset->faces = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, faces, sizeof *onset->faces);
-    onset->weakest = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *onset->weakest);
-    onset->tension = shv_allocate(cohesive->memory, SHV_PART_STRESS, faces, sizeof *onset->tension);
-    if (!onset->faces || !onset->weakest || !onset->tension)
+    initiation->faces = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, faces, sizeof *initiation->faces);
+    initiation->weakest = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *initiation->weakest);
+    initiation->tension = shv_allocate(cohesive->memory, SHV_PART_STRESS, faces, sizeof *initiation->tension);
+    if (!initiation->faces || !initiation->weakest || !initiation->tension)
         return shv_fail_memory(error, "the surface where cracks begin", 12 * faces + 8 * nodes);
-    for (int32_t node = 0; node < (int32_t)nodes; node++) onset->weakest[node] = weakest_at(cohesive, node);
+    for (int32_t node = 0; node < (int32_t)nodes; node++) initiation->weakest[node] = weakest_at(cohesive, node);
     return SHV_OK;
 }
 
-void shv_onset_release(ShvOnset *onset)
+void shv_initiation_release(ShvInitiation *initiation)
 {
-    shv_release(onset->faces);
-    shv_release(onset->weakest);
-    shv_release(onset->tension);
-    *onset = (ShvOnset){0};
+    shv_release(initiation->faces);
+    shv_release(initiation->weakest);
+    shv_release(initiation->tension);
+    *initiation = (ShvInitiation){0};
 }
 
-void shv_onset_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+void shv_initiation_watch(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    ShvOnset *onset = &cohesive->onset;
-    onset->count = 0;
+    ShvInitiation *initiation = &cohesive->initiation;
+    initiation->count = 0;
     if (!cohesive->front.any) return;
     for (int32_t facet = adjacency->interior_count; facet < adjacency->facet_count; facet++) {
         const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
         if (shv_model_material(cohesive->model, element)->unresolved != SHV_UNRESOLVED_TIP_STRENGTH) continue;
         if (awake && !awake[state->element_fragment[element]]) continue;
-        onset->faces[onset->count++] = 4 * element + adjacency->facet_faces[2 * (int64_t)facet];
+        initiation->faces[initiation->count++] = 4 * element + adjacency->facet_faces[2 * (int64_t)facet];
     }
 }
