@@ -119,10 +119,10 @@ typedef struct ShvPlan {
     double step;                  /* s: of fracture mode, while nothing is cracking */
     double seconds_per_step;      /* measured now on this machine: one step of everything awake, without cracks */
     double steps_per_millisecond; /* of awake time */
-    double first_contact;         /* s: when the first fragment meets an obstacle on its free path; infinity: never */
-    double awake_time;        /* s: least awake time after that contact (the quiet rule's shortest window), or the whole
+    double first_contact;   /* s: when the first bounding sphere meets an obstacle on its free path; infinity: never */
+    double awake_time;      /* s: least awake time after that contact (the quiet rule's shortest window), or the whole
                                          duration for objects that conditions hold */
-    double predicted_steps;   /* of fracture mode, if it wakes once */
+    double predicted_steps; /* of fracture mode, if it wakes once */
     double predicted_seconds; /* for those steps, if nothing cracks */
     int32_t frames;           /* of the animation grid */
     ShvTrial trial;

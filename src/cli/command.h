@@ -73,6 +73,8 @@ int shv_cli_options(const ShvCommand *command, const ShvOption *options[SHV_MOST
 bool shv_cli_is_common(const ShvOption *option);
 /* The letter of an option's short form, 0 without one. */
 char shv_cli_letter(const ShvOption *option);
+/* Fills up with spaces to `width` characters, which printf counts as bytes; a negative width fills up on the left. */
+void shv_cli_print_padded(const char *text, int width);
 void shv_cli_print_help(const ShvCommand *command);
 /* Takes a command line apart, without the names of program and command; returns an exit status, or −1 to go on. */
 int shv_cli_parse(const ShvCommand *command, ShvArguments *arguments, int argc, char **argv);

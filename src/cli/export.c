@@ -265,7 +265,7 @@ const ShvCommand shv_command_export = {
         "        Blender (official builds)\n"
         "  svg   PREFIX.svg, frames side by side. Opens in: browsers\n"
         "  png   PREFIX_NNNNNN.png, one a frame; drawn by `shiver view` in Chromium (Debian's package chromium)\n"
-        "  mp4   PREFIX.mp4, H.264; webp: PREFIX.webp, a small moving picture for pages; takes ffmpeg, too\n",
+        "  mp4   PREFIX.mp4, H.264; webp: PREFIX.webp, a small moving picture for pages; takes ffmpeg, too",
     .least_positional = 2,
     .most_positional = 2,
     .first_input = 1,

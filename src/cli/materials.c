@@ -26,32 +26,58 @@ static const ShvLibraryNumber *find_number(const ShvLibraryMaterial *material, c
     return NULL;
 }
 
-static void print_row(const ShvLibraryMaterial *entry)
+/* Of the table: a cell of Markdown, or of a terminal. */
+static void print_cell(bool markdown, const char *text)
 {
-    printf("| `%s` | %s |", entry->name, entry->title);
-    for (int i = 0; i < COLUMNS; i++) {
-        const ShvLibraryNumber *number = find_number(entry, columns[i].key);
-        if (number)
-            printf(" %.4g |", number->value * columns[i].scale);
-        else
-            printf(" – |");
-    }
-    const ShvLibraryFigures figures = shv_library_figures(entry);
-    if (isfinite(figures.cohesive_zone))
-        printf(" %.3g | %.2g | %.3g |\n", 1e3 * figures.cohesive_zone, 1e3 * figures.resolved_edge,
-               1e3 * figures.snap_back);
+    if (markdown)
+        printf(" %s |", text);
     else
-        printf(" – | – | – |\n");
+        shv_cli_print_padded(text, -9);
 }
 
-static void print_table(void)
+static void print_number(bool markdown, int digits, double value)
 {
-    printf("| name | material |");
-    for (int i = 0; i < COLUMNS; i++) printf(" %s |", columns[i].heading);
-    printf(" cohesive zone, mm | largest resolved edge, mm | snap-back above, mm |\n|---|---|");
-    for (int i = 0; i < COLUMNS + 3; i++) printf("---|");
+    char text[32] = "–";
+    if (isfinite(value)) snprintf(text, sizeof text, "%.*g", digits, value);
+    print_cell(markdown, text);
+}
+
+static void print_row(bool markdown, const ShvLibraryMaterial *entry)
+{
+    const ShvLibraryFigures figures = shv_library_figures(entry);
+    const double unit = isfinite(figures.cohesive_zone) ? 1e3 : (double)NAN; /* mm; what cannot break has none */
+    if (markdown)
+        printf("| `%s` | %s |", entry->name, entry->title);
+    else
+        shv_cli_print_padded(entry->name, 15);
+    for (int i = 0; i < COLUMNS; i++) {
+        const ShvLibraryNumber *number = find_number(entry, columns[i].key);
+        print_number(markdown, 4, number ? number->value * columns[i].scale : (double)NAN);
+    }
+    print_number(markdown, 3, unit * figures.cohesive_zone);
+    print_number(markdown, 2, unit * figures.resolved_edge);
+    print_number(markdown, 3, unit * figures.snap_back);
+    if (!markdown) printf("  %s", entry->title);
     printf("\n");
-    for (int32_t i = 0; i < shv_library_count(); i++) print_row(shv_library_get(i));
+}
+
+static void print_table(bool markdown)
+{
+    static const char *const lengths[][3] = {{"R, mm", "h, mm", "s, mm"},
+                                             {"cohesive zone, mm", "largest resolved edge, mm", "snap-back above, mm"}};
+    if (markdown)
+        printf("| name | material |");
+    else
+        shv_cli_print_padded("name", 15);
+    for (int i = 0; i < COLUMNS; i++) print_cell(markdown, columns[i].heading);
+    for (int i = 0; i < 3; i++) print_cell(markdown, lengths[markdown][i]);
+    printf(markdown ? "\n|---|---|" : "  material\n");
+    for (int i = 0; i < COLUMNS + 3 && markdown; i++) printf("---|");
+    if (markdown) printf("\n");
+    for (int32_t i = 0; i < shv_library_count(); i++) print_row(markdown, shv_library_get(i));
+    if (!markdown)
+        printf("\nσ, τ: strength in tension and in shear; φ: friction angle; m: Weibull modulus; R: cohesive zone; h: "
+               "largest mean\nedge that resolves it; s: longer edges snap back (docs/materials.md)\n");
 }
 
 static void print_sources(const char *heading, const char *bullet)
@@ -148,7 +174,7 @@ static int run(const ShvArguments *arguments)
     }
     const bool markdown = arguments->values[MARKDOWN] != NULL;
     if (markdown) printf("%s", head);
-    print_table();
+    print_table(markdown);
     if (markdown) printf("%s", formulas);
     print_sources(markdown ? "### " : "", markdown ? "- " : "  ");
     return SHV_EXIT_DONE;

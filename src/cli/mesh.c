@@ -149,8 +149,8 @@ const ShvCommand shv_command_mesh = {
     .details =
         "Fills a closed triangle surface (STL, OBJ, PLY) or a CAD file that gmsh reads (STEP, IGES, BREP) with\n"
         "tets of about the given edge length, and reports their quality and the lines of a scene that name the new\n"
-        "file. A scene may also name the surface itself: mesh: {stl: {file: …, edge: …}}. A .geo script of gmsh needs "
-        "--script, since it may run any command.",
+        "file. A scene may also name the surface itself: mesh: {stl: {file: …, edge: …}}. A .geo\n"
+        "script of gmsh needs --script, since it may run any command.",
     .least_positional = 1,
     .most_positional = 1,
     .options = {{"--edge", "LENGTH", "target edge length, in the units of the file (required)"},

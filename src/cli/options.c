@@ -1,6 +1,8 @@
 #include "cli/command.h"
 
 #include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -61,16 +63,26 @@ char shv_cli_letter(const ShvOption *option)
     return '\0';
 }
 
+void shv_cli_print_padded(const char *text, int width)
+{
+    int fill = abs(width);
+    for (const char *c = text; *c; c++) fill -= ((unsigned char)*c & 0xc0) != 0x80; /* begins a character of UTF-8 */
+    if (fill < 0) fill = 0;
+    printf("%*s%s%*s", width < 0 ? fill : 0, "", text, width < 0 ? 0 : fill, "");
+}
+
 void shv_cli_print_help(const ShvCommand *command)
 {
     const ShvOption *options[SHV_MOST_LISTED];
     const int count = shv_cli_options(command, options);
-    printf("usage: shiver %s %s [options]\n\n%s\n\n", command->name, command->positional, command->details);
+    printf("usage: shiver %s%s%s [options]\n\n%s\n\n", command->name, command->positional[0] ? " " : "",
+           command->positional, command->details);
     for (int i = 0; i < count; i++) {
         const char letter = shv_cli_letter(options[i]);
         const char form[] = {letter ? '-' : ' ', letter ? letter : ' ', letter ? ',' : ' ', '\0'};
-        printf("  %s %-12s %-8s %s\n", form, options[i]->name, options[i]->value ? options[i]->value : "",
-               options[i]->help);
+        printf("  %s %-12s ", form, options[i]->name);
+        shv_cli_print_padded(options[i]->value ? options[i]->value : "", 8);
+        printf(" %s\n", options[i]->help);
     }
 }
 
@@ -80,7 +92,8 @@ static int bad_usage(const ShvCommand *command, const char *problem, const char 
 {
     fprintf(stderr, "shiver %s: %s%s%s%s%s\n", command->name, problem, word, hint ? "; did you mean " : "",
             hint ? hint : "", hint ? "?" : "");
-    fprintf(stderr, "usage: shiver %s %s [options]; --help tells more\n", command->name, command->positional);
+    fprintf(stderr, "usage: shiver %s%s%s [options]; --help tells more\n", command->name,
+            command->positional[0] ? " " : "", command->positional);
     return SHV_EXIT_INPUT;
 }
 

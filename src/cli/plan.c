@@ -20,7 +20,7 @@ static void print_plan(const ShvPlan *plan)
            "without cracks\n  (measured now)\n",
            plan->step, plan->steps_per_millisecond, plan->steps_per_millisecond * plan->seconds_per_step);
     if (isfinite(plan->first_contact))
-        printf("first contact at about %.4g s; ", plan->first_contact);
+        printf("first contact at %.4g s at the earliest (of bounding spheres); ", plan->first_contact);
     else
         printf("no contact on the free paths; ");
     printf("awake at least %.4g s: %.4g steps, about %.3g s of run time; more if it cracks or pieces wake again\n",

@@ -523,17 +523,16 @@ const ShvCommand shv_command_run = {
     .most_positional = 1,
     .takes_scene = true,
     .takes_stream = true,
-    .options =
-        {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
-         {"--force", NULL, "replace an existing run file"},
-         {"--json", NULL, "print the summary as JSON"},
-         {"--audit-wake", "N",
-          "solve the first N impacts that the wake rule takes for harmless in fracture mode, and report how many "
-          "of them broke something; the run goes on from there"},
-         {"--resume", NULL, "go on from the last checkpoint of the run file, or begin where there is none"},
-         {"--until", "T", "run to T seconds in place of the scene's duration; with --resume also a run that had ended"},
-         {"--checkpoint", "SECONDS",
-          "of run time between checkpoints, 30 unless given; longer where one takes more than a hundredth of that; 0: "
-          "none"}},
+    .options = {{"--output", "FILE", "the run file; unless given, output.file of the scene, or its name with .h5 here"},
+                {"--force", NULL, "replace an existing run file"},
+                {"--json", NULL, "print the summary as JSON"},
+                {"--audit-wake", "N",
+                 "also solve in fracture mode the first N impacts taken for harmless; reports how many of them broke "
+                 "something"},
+                {"--resume", NULL, "go on from the last checkpoint of the run file, or begin where there is none"},
+                {"--until", "T",
+                 "run to T seconds in place of the scene's duration; with --resume also a run that had ended"},
+                {"--checkpoint", "SECONDS",
+                 "of run time between checkpoints; 30 unless given, 0: none; longer where one costs over 1 % of it"}},
     .run = run,
 };

@@ -8,6 +8,7 @@
 #include "base/names.h"
 #include "base/text.h"
 #include "scene/name_index.h"
+#include "shiver/library.h"
 
 typedef struct Checker {
     const ShvSceneItem *scene;
@@ -212,7 +213,12 @@ static void check_mesh(Checker *checker, const ShvNode *node, const ShvMeshDefin
 
 static void check_material_name(Checker *checker, const ShvNode *node, const char *material)
 {
-    if (material && !shv_name_index_find(&checker->materials, material))
+    if (!material || shv_name_index_find(&checker->materials, material)) return;
+    if (shv_library_find(material))
+        shv_error(checker->diagnostics, place_of(node, "material"),
+                  "material '%s' is of the library; add it to the scene: 'materials: {%s: {library: %s}}'", material,
+                  material, material);
+    else
         shv_name_index_report_unknown(&checker->materials, checker->diagnostics, place_of(node, "material"), "material",
                                       material, "material of the scene");
 }

@@ -92,6 +92,10 @@ static void test_wrong_words(void **state)
     shell_fails("$shiver run tiny.yaml --audit-wake 1.5", 2, "--audit-wake takes a whole number");
     shell_fails("$shiver run tiny.yaml --set", 2, "--set needs a value: KEY=VAL");
     shell_fails("$shiver info tiny.yaml --set duration=1", 2, "unknown option --set");
+    shell_fails("$shiver materials glass", 2, "usage: shiver materials [options]; --help");
+    /* Columns are of characters, not of bytes. */
+    shell_works("$shiver export --help", "--frames     A,B,…    svg");
+    shell_works("$shiver export --help", "--every      N        all");
 }
 
 static void test_check_and_plan(void **state)
@@ -570,7 +574,8 @@ static void test_verify(void **state)
 static void test_materials(void **state)
 {
     (void)state;
-    shell_works("$shiver materials", "soda_lime_glass");
+    shell_works("$shiver materials | sed -n 2p",
+                "soda_lime_glass     2500       70      0.2        8"); /* in columns */
     if (shell("$shiver materials --markdown | diff - $scenes/../docs/materials.md") != 0)
         fail_msg("docs/materials.md differs: shiver materials --markdown > docs/materials.md\n%s", output.out);
     shell_works("$shiver materials --json", "\"plaster\"");

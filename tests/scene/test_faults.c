@@ -293,6 +293,9 @@ static void objects(void **state)
               "s.yaml:4:44: error: file 'none.obj' cannot be read; relative names start from scene");
     check_one(WITH_OBJECT("material: n, mesh: {ball: {radius: 1, edge: 1}}"),
               "s.yaml:4:17: error: material 'n' is no material of the scene; there is m");
+    check_one(WITH_OBJECT("material: granite, mesh: {ball: {radius: 1, edge: 1}}"),
+              "s.yaml:4:17: error: material 'granite' is of the library; add it to the scene: 'materials: {granite: "
+              "{library: granite}}'");
     check_one(WITH_OBJECT("material: m, mesh: {ball: {radius: 1, edge: 1}}, groups: [{name: a, material: m}]"),
               "s.yaml:4:64: error: only a mesh from a gmsh file has groups: mesh: {gmsh: …}");
     check_one(WITH_OBJECT("material: m, mesh: {gmsh: {file: /dev/null}}, groups: [{name: a, material: n}]"),
