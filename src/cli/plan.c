@@ -23,7 +23,8 @@ static void print_plan(const ShvPlan *plan)
         printf("first contact at %.4g s at the earliest (of bounding spheres); ", plan->first_contact);
     else
         printf("no contact on the free paths; ");
-    printf("awake at least %.4g s: %.4g steps, about %.3g s of run time; more if it cracks or pieces wake again\n",
+    printf("awake at least %.4g s or to the end: %.4g steps, about %.3g s of run time; more if it cracks or pieces "
+           "wake again\n",
            plan->awake_time, plan->predicted_steps, plan->predicted_seconds);
     printf("%d animation frames\n", (int)plan->frames);
 }
