@@ -142,6 +142,7 @@ ShvStatus shv_browser_ask(ShvBrowser *browser, const char *expression, const cha
 static void become_browser(const char *program, const char *profile, int commands, int answers)
 {
     char folder[SHV_CLI_PATH + 32];
+    setpgid(0, 0);
     snprintf(folder, sizeof folder, "--user-data-dir=%s", profile);
     const int silent = open("/dev/null", O_RDWR);
     dup2(silent, STDIN_FILENO);
@@ -181,6 +182,7 @@ static ShvStatus start(ShvBrowser *browser, const char *profile, ShvError *error
     signal(SIGPIPE, SIG_IGN);
     browser->process = fork();
     if (browser->process == 0) become_browser(program, profile, commands[0], answers[1]);
+    if (browser->process > 0) setpgid(browser->process, browser->process); /* whoever of the two comes first */
     close(commands[0]);
     close(answers[1]);
     return browser->process > 0 ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "no process: %s", strerror(errno));
@@ -239,6 +241,14 @@ ShvStatus shv_browser_open(ShvBrowser *browser, const char *page, const char *pr
     return status;
 }
 
+/* Its helpers, in the group of its own that it was started in: they write into the profile's folder until they end. */
+static void end_helpers(pid_t group)
+{
+    enum { MOST_NAPS = 40 }; /* two seconds */
+    const struct timespec nap = {0, NAP};
+    for (int i = 0; i < MOST_NAPS && kill(-group, SIGKILL) == 0; i++) nanosleep(&nap, NULL);
+}
+
 void shv_browser_close(ShvBrowser *browser)
 {
     if (browser->to >= 0) close(browser->to);
@@ -247,6 +257,7 @@ void shv_browser_close(ShvBrowser *browser)
     if (browser->process > 0) {
         kill(browser->process, SIGTERM);
         wait_for(browser->process);
+        end_helpers(browser->process);
     }
     shv_release(browser->answer);
     *browser = (ShvBrowser){.process = -1, .to = -1, .from = -1};
