@@ -301,7 +301,7 @@ typedef struct ShvBulletPlainDefinition {
 } ShvBulletPlainDefinition;
 
 typedef enum ShvWake {
-    SHV_WAKE_CONTACT, /* every new contact wakes */
+    SHV_WAKE_CONTACT, /* every new contact wakes; under Bullet at most one in a rigid step and body */
     SHV_WAKE_STRESS /* a new contact wakes when its impact stress estimate K ρ c₀ v reaches wake_fraction × strength */
 } ShvWake;
 

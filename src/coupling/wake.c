@@ -60,15 +60,24 @@ static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *con
     return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
+/* The rule of the chapter is asked once a rigid step. Beside what is awake intervals are a tenth of that (advance.c); asked in each of
+   them, the larger pieces of a heap, which something touches at all times, would be awake at all times. */
+static bool wakes_by_contact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const bool never_woke = fragment->wake_energy == 0.0;
+    if (hybrid->mutual && !never_woke && contact->time < fragment->last_insertion + hybrid->scene->rigid.time_step)
+        return false;
+    return is_impact(hybrid, contact) && (isfinite(fragment->strength) || !hybrid->scene->fracture.enabled);
+}
+
 static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
     const double strength = hybrid->fragments.items[contact->fragment].strength;
     if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
     if (rigid->wake == SHV_WAKE_CONTACT)
-        return is_impact(hybrid, contact) && (isfinite(strength) || !hybrid->scene->fracture.enabled)
-                   ? SHV_REASON_CONTACT
-                   : SHV_REASON_NONE;
+        return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
     const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;

@@ -787,7 +787,8 @@ static const ShvKey rigid_keys[] = {
          "Time step of rigid flight; under `bullet` a tenth of it while something is in fracture mode, but not less "
          "than 16 of that mode's steps."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
-     .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one."},
+     .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
+                 "(under Bullet at most one in a rigid time step and body)."},
     {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),
      .sentence = "Share of the weakest facet's strength that the estimate must reach."},
     {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),

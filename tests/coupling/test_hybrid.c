@@ -177,6 +177,33 @@ static void test_given_interval(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* A contact is as good a reason at any time, but under Bullet a body is not asked twice within a rigid step of its last wake. */
+static void test_contact_wakes_once_a_rigid_step(void **unused)
+{
+    (void)unused;
+    const ShvRigidEngine engines[] = {SHV_RIGID_BULLET, SHV_RIGID_ANALYTIC};
+    for (int i = 0; i < 2; i++) {
+        Stage stage;
+        stage_make_breaking_bar(&stage);
+        stage.scene.rigid.engine = engines[i];
+        stage.scene.rigid.wake = SHV_WAKE_CONTACT;
+        ShvHybrid hybrid;
+        start(&hybrid, &stage);
+        ShvFragment *fragment = &hybrid.fragments.items[0];
+        const double step = stage.scene.rigid.time_step;
+        ShvRigidContact contact = {
+            .fragment = 0, .obstacle = 0, .other = -1, .fresh = 1, .other_mass = (double)INFINITY};
+        contact.time = 0.5 * step;
+        assert_true(shv_hybrid_judge(&hybrid, &contact)); /* it has never been awake */
+        fragment->wake_energy = 1.0;
+        fragment->last_insertion = 0.4 * step;
+        assert_int_equal(shv_hybrid_judge(&hybrid, &contact), engines[i] != SHV_RIGID_BULLET);
+        contact.time = 1.5 * step;
+        assert_true(shv_hybrid_judge(&hybrid, &contact));
+        shv_hybrid_release(&hybrid);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -184,6 +211,7 @@ int main(void)
         cmocka_unit_test(test_split),
         cmocka_unit_test(test_clock),
         cmocka_unit_test(test_given_interval),
+        cmocka_unit_test(test_contact_wakes_once_a_rigid_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
