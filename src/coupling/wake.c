@@ -60,8 +60,9 @@ static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *con
     return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
-/* The rule of the chapter is asked once a rigid step from the touch that woke a body, or from its last insertion. Beside what is awake intervals are a tenth of that (advance.c); asked in each of
-   them, the larger pieces of a heap, which something touches at all times, would be awake at all times. */
+/* The rule of the chapter is asked once a rigid step from the touch that woke a body, or from its last insertion. Beside what is awake
+   intervals are a tenth of that (advance.c); asked in each of them, the larger pieces of a heap, which something touches at all
+   times, would be awake at all times. */
 static bool wakes_by_contact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
