@@ -16,8 +16,11 @@ static const double opened_share = 0.9;
 static const double limit_speed = 0.5;
 /* Of the time in which a front crosses a facet: checks are no rarer. */
 static const double check_share = 0.25;
-/* Facets less than 60° from where the crack came from are not ahead. */
+/* Facets less than 60° from where the crack came from are not ahead, */
 static const double ahead_cosine = 0.5;
+/* unless they go on from an opened one over an edge of both, turning by less than a right angle: where the front runs along
+   the edge, both may lie on one side of the node. */
+static const double straight_cosine = 0.0;
 /* Between the pull and a crack's normal: cracks kink by 45° at most. */
 static const double across_cosine = 0.7;
 
@@ -90,16 +93,35 @@ bool shv_front_is_across(ShvVec3 normal, ShvVec3 direction)
 
 /* ---- fronts ---- */
 
-/* From a corner to the middle of the facet, at reference positions. */
-static ShvVec3 wing(const ShvCohesive *cohesive, int32_t facet, int corner)
+/* Of the mesh, counted from a corner on. */
+static int32_t mesh_node_of(const ShvCohesive *cohesive, int32_t facet, int corner)
 {
     const ShvModel *model = cohesive->model;
     const int32_t element = model->adjacency.facet_elements[2 * (int64_t)facet];
     const uint8_t *corners = shv_face_corners[model->adjacency.facet_faces[2 * (int64_t)facet]];
-    const int32_t *nodes = model->mesh.elements + 4 * (int64_t)element;
-    ShvVec3 p[3];
-    for (int i = 0; i < 3; i++) p[i] = shv_mesh_position(&model->mesh, nodes[corners[(corner + i) % 3]]);
-    return shv_unit(shv_sub(shv_scale(shv_add(p[1], p[2]), 0.5), p[0]));
+    return model->mesh.elements[4 * (int64_t)element + corners[corner % 3]];
+}
+
+static ShvVec3 reference_of(const ShvCohesive *cohesive, int32_t facet, int corner)
+{
+    return shv_mesh_position(&cohesive->model->mesh, mesh_node_of(cohesive, facet, corner));
+}
+
+/* From a corner to the middle of the facet, at reference positions. */
+static ShvVec3 wing(const ShvCohesive *cohesive, int32_t facet, int corner)
+{
+    const ShvVec3 middle =
+        shv_scale(shv_add(reference_of(cohesive, facet, corner + 1), reference_of(cohesive, facet, corner + 2)), 0.5);
+    return shv_unit(shv_sub(middle, reference_of(cohesive, facet, corner)));
+}
+
+/* From the edge between a corner and the one `turn` on, into the facet, square to the edge. */
+static ShvVec3 into(const ShvCohesive *cohesive, int32_t facet, int corner, int turn)
+{
+    const ShvVec3 start = reference_of(cohesive, facet, corner);
+    const ShvVec3 along = shv_unit(shv_sub(reference_of(cohesive, facet, corner + turn), start));
+    const ShvVec3 side = shv_sub(reference_of(cohesive, facet, corner + 3 - turn), start);
+    return shv_unit(shv_madd(side, -shv_dot(side, along), along));
 }
 
 /* Facets of a star, each from its first element. */
@@ -121,27 +143,58 @@ static void visit_star(ShvCohesive *cohesive, const ShvState *state, int32_t nod
 }
 
 typedef struct Behind {
+    const ShvState *state;
+    int32_t node;
     ShvVec3 sum;
     int32_t count;
 } Behind;
 
-static void add_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+/* The crack reaches the node here, but has not split it. */
+static bool has_opened(const ShvCohesive *cohesive, int32_t facet, int corner)
 {
     const int32_t index = cohesive->facet_cohesive[facet];
+    return index >= 0 && cohesive->opened[index] &&
+           cohesive->sides[index].first[corner] == cohesive->sides[index].second[corner];
+}
+
+static void add_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+{
     Behind *behind = context;
-    if (index < 0 || !cohesive->opened[index]) return;
-    const ShvCohesiveSides *sides = &cohesive->sides[index];
-    if (sides->first[corner] != sides->second[corner]) return;
+    if (!has_opened(cohesive, facet, corner)) return;
     behind->sum = shv_add(behind->sum, wing(cohesive, facet, corner));
     behind->count++;
 }
 
+typedef struct Continuation {
+    int32_t facet;
+    int corner;
+    bool found;
+} Continuation;
+
+static void compare_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+{
+    Continuation *next = context;
+    if (!has_opened(cohesive, facet, corner)) return;
+    for (int i = 1; i < 3; i++)
+        for (int k = 1; k < 3; k++)
+            if (mesh_node_of(cohesive, facet, corner + i) == mesh_node_of(cohesive, next->facet, next->corner + k))
+                next->found = next->found || shv_dot(into(cohesive, facet, corner, i),
+                                                     into(cohesive, next->facet, next->corner, k)) < straight_cosine;
+}
+
+static bool is_ahead(ShvCohesive *cohesive, int32_t facet, int corner, const Behind *behind)
+{
+    if (behind->count == 0) return false;
+    if (shv_dot(wing(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum)) return true;
+    Continuation next = {facet, corner, false};
+    visit_star(cohesive, behind->state, behind->node, compare_opened, &next);
+    return next.found;
+}
+
 static void lower(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
 {
-    const Behind *behind = context;
     if (cohesive->facet_cohesive[facet] >= 0) return;
-    const bool ahead =
-        behind->count > 0 && shv_dot(wing(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum);
+    const bool ahead = is_ahead(cohesive, facet, corner, context);
     const uint8_t bit = (uint8_t)(1u << corner), now = cohesive->front.ahead[facet];
     const uint8_t then = (uint8_t)(ahead ? now | bit : now & ~bit);
     cohesive->front.ahead[facet] = then;
@@ -165,7 +218,7 @@ ShvVec3 shv_front_slit_normal(const ShvCohesive *cohesive, const ShvState *state
 
 void shv_front_update(ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
-    Behind behind = {0};
+    Behind behind = {.state = state, .node = node};
     visit_star(cohesive, state, node, add_opened, &behind);
     if (is_slit(cohesive, state, node)) {
         behind.count++;

@@ -105,6 +105,68 @@ static void cracks_go_on_below_the_strength(void **state)
     }
 }
 
+static bool is_in_plane(const Fixture *f, int32_t facet)
+{
+    const ShvAdjacency *adjacency = &f->model.adjacency;
+    const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
+    const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet]];
+    for (int i = 0; i < 3; i++)
+        if (fabs(shv_mesh_position(&f->model.mesh, f->model.mesh.elements[4 * element + corners[i]]).x) > 1e-9)
+            return false;
+    return true;
+}
+
+static int32_t shared_nodes(const Fixture *f, int32_t a, int32_t b)
+{
+    const ShvAdjacency *adjacency = &f->model.adjacency;
+    const int32_t facet[2] = {a, b};
+    int32_t node[2][3], count = 0;
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++)
+            node[k][i] = f->model.mesh.elements[4 * adjacency->facet_elements[2 * (int64_t)facet[k]] +
+                                                shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet[k]]][i]];
+    for (int i = 0; i < 9; i++) count += node[0][i / 3] == node[1][i % 3];
+    return count;
+}
+
+/* A single opened facet, no node of it split: those that go on in its plane over any of its edges are ahead, over the diagonal of a
+   square too, where both lie on one side of either end. */
+static void a_facet_goes_on_in_its_plane(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_define(&f, 0.02, 0.03, 0.03, 0.005);
+    f.scene.fracture.criterion = SHV_CRITERION_FORCE;
+    f.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
+    fixture_build_cubes(&f, 4, 6, 6);
+    fixture_start(&f);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    int32_t opened = -1, duplicated, neighbours = 0;
+    for (int32_t i = 0; i < f.model.adjacency.interior_count; i++) {
+        int32_t around = 0;
+        for (int32_t k = 0; is_in_plane(&f, i) && k < f.model.adjacency.interior_count; k++)
+            around += k != i && is_in_plane(&f, k) && shared_nodes(&f, i, k) > 0;
+        if (around == 12) opened = i; /* away from the surface */
+    }
+    assert_true(opened >= 0);
+    fixture_stress(&f, strength, 0.0, 0.0, 0.0, 0.0, 0.0);
+    check_ok(shv_cohesive_insert(&f.cohesive, &f.state, f.stress, &opened, 1, &duplicated, &f.error), f.error);
+    assert_int_equal(duplicated, 0);
+    for (int k = 0; k < 3; k++) {
+        const ShvLaw *law = f.cohesive.law;
+        f.cohesive.history[k] = shv_law_grow(law, f.cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+    }
+    f.state.time = 1e-3;
+    shv_front_open(&f.cohesive, &f.state, 0);
+    for (int32_t i = 0; i < f.model.adjacency.interior_count; i++) {
+        if (i == opened || !is_in_plane(&f, i) || shared_nodes(&f, opened, i) < 2) continue;
+        assert_true(shv_front_strength(&f.cohesive, i) < 0.2 * strength);
+        neighbours++;
+    }
+    assert_int_equal(neighbours, 3);
+    fixture_release(&f);
+}
+
 /* The tip of a slit is a front from the start; its normal is that of the slit. */
 static void a_slit_is_a_crack(void **state)
 {
@@ -147,9 +209,8 @@ static void other_criteria_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fronts_come_with_opened_facets),
-        cmocka_unit_test(cracks_go_on_below_the_strength),
-        cmocka_unit_test(a_slit_is_a_crack),
+        cmocka_unit_test(fronts_come_with_opened_facets), cmocka_unit_test(cracks_go_on_below_the_strength),
+        cmocka_unit_test(a_facet_goes_on_in_its_plane),   cmocka_unit_test(a_slit_is_a_crack),
         cmocka_unit_test(other_criteria_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
