@@ -6,6 +6,8 @@
 
 namespace shiver
 {
+enum Group { FRAGMENT = 1, FREE = 2, FIXED = 4, PARTICLE = 8 };
+
 struct Filter {
     int group, mask;
 };
@@ -13,7 +15,6 @@ struct Filter {
 // Particles meet obstacles alone, and what has no mass none of its kind.
 inline Filter filter_of(ShvBulletLayer layer, bool has_mass)
 {
-    enum { FRAGMENT = 1, FREE = 2, FIXED = 4, PARTICLE = 8 };
     if (layer == SHV_BULLET_PARTICLE) return {PARTICLE, FREE | FIXED};
     if (layer == SHV_BULLET_BODY) return {FRAGMENT, FRAGMENT | FREE | FIXED};
     if (has_mass) return {FREE, FRAGMENT | FREE | FIXED | PARTICLE};

@@ -12,6 +12,7 @@ struct ShvBulletBody {
     int32_t number = 0;
     ShvBulletKind kind = SHV_BULLET_PLANE;
     ShvBulletLayer layer = SHV_BULLET_BODY;
+    size_t place = 0;          // among the particles or the obstacles
     shiver::BodyShapes shapes; // scaled
     btVector3 normal{0, 0, 0}; // plane, scaled offset
     btScalar offset = 0;

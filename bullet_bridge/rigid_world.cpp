@@ -28,6 +28,32 @@ class Dispatcher final : public btCollisionDispatcher
     ShvBulletWorld *const owner;
 };
 
+// Particles meet obstacles alone, of which there are few: each is compared with each of those. In the tree they would find one
+// another, in rubble by the thousand, only to be told that they do not meet.
+class Broadphase final : public btDbvtBroadphase
+{
+  public:
+    btBroadphaseProxy *createProxy(const btVector3 &low, const btVector3 &high, int shape, void *user, int group,
+                                   int mask, btDispatcher *dispatcher) override
+    {
+        if (group != shiver::PARTICLE)
+            return btDbvtBroadphase::createProxy(low, high, shape, user, group, mask, dispatcher);
+        return new btBroadphaseProxy(low, high, user, group, mask);
+    }
+    void destroyProxy(btBroadphaseProxy *proxy, btDispatcher *dispatcher) override
+    {
+        if (proxy->m_collisionFilterGroup == shiver::PARTICLE)
+            delete proxy;
+        else
+            btDbvtBroadphase::destroyProxy(proxy, dispatcher);
+    }
+    void setAabb(btBroadphaseProxy *proxy, const btVector3 &low, const btVector3 &high,
+                 btDispatcher *dispatcher) override
+    {
+        if (proxy->m_collisionFilterGroup != shiver::PARTICLE) btDbvtBroadphase::setAabb(proxy, low, high, dispatcher);
+    }
+};
+
 class World final : public btDiscreteDynamicsWorld
 {
   public:
@@ -51,10 +77,11 @@ struct ShvBulletWorld {
     const ShvBulletOverrides overrides;
     btDefaultCollisionConfiguration configuration;
     Dispatcher dispatcher{&configuration, this};
-    btDbvtBroadphase broadphase;
+    Broadphase broadphase;
     ShvSolver solver;
     World world{&dispatcher, &broadphase, &solver, &configuration};
     std::vector<std::unique_ptr<ShvBulletBody>> bodies; // by number
+    std::vector<ShvBulletBody *> particles, obstacles;
     std::vector<ShvBulletPair> pairs;
     std::vector<int32_t> others;
     ShvCollider collider;
@@ -166,6 +193,12 @@ static void set_box(ShvBulletWorld *world, ShvBulletBody *body, const btVector3 
     world->broadphase.setAabb(body->body->getBroadphaseProxy(), body->box_low, body->box_high, &world->dispatcher);
 }
 
+static std::vector<ShvBulletBody *> *list_of(ShvBulletWorld *world, ShvBulletLayer layer)
+{
+    if (layer == SHV_BULLET_BODY) return nullptr;
+    return layer == SHV_BULLET_PARTICLE ? &world->particles : &world->obstacles;
+}
+
 ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvBulletShape *shape, double inverse_mass,
                                const double inverse_moment[3], ShvError *error)
 {
@@ -180,6 +213,11 @@ ShvStatus shv_bullet_world_add(ShvBulletWorld *world, int32_t number, const ShvB
         make_mass(body.get(), inverse_mass, inverse_moment);
         if (size_t(number) >= world->bodies.size()) world->bodies.resize(size_t(number) + 1);
         const shiver::Filter filter = shiver::filter_of(body->layer, inverse_mass > 0);
+        std::vector<ShvBulletBody *> *list = list_of(world, body->layer);
+        if (list) {
+            body->place = list->size();
+            list->push_back(body.get());
+        }
         world->world.addRigidBody(body->body.get(), filter.group, filter.mask);
         world->bodies[size_t(number)] = std::move(body);
         return SHV_OK;
@@ -193,7 +231,14 @@ static ShvBulletBody *body_of(const ShvBulletWorld *world, int32_t number)
 
 void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 {
-    world->world.removeRigidBody(body_of(world, number)->body.get());
+    const ShvBulletBody *body = body_of(world, number);
+    std::vector<ShvBulletBody *> *list = list_of(world, body->layer);
+    if (list) {
+        (*list)[body->place] = list->back();
+        (*list)[body->place]->place = body->place;
+        list->pop_back();
+    }
+    world->world.removeRigidBody(body->body.get());
     world->bodies[size_t(number)].reset();
 }
 
@@ -284,18 +329,23 @@ static void enter_bodies(ShvBulletWorld *world)
     }
 }
 
+static void add_pair(ShvBulletWorld *world, const ShvBulletBody &a, const ShvBulletBody &b)
+{
+    const bool plane = a.kind == SHV_BULLET_PLANE || b.kind == SHV_BULLET_PLANE;
+    if (boxes_meet(a, b) && (plane || balls_meet(a, b, world->scale)))
+        world->pairs.push_back({std::min(a.number, b.number), std::max(a.number, b.number)});
+}
+
 // Of the pairs whose boxes in the tree meet, which are a little larger: those whose own boxes and balls do. Which they are, and
 // their order, does not depend on the tree's past.
 void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *cache, const btDispatcherInfo &, btDispatcher *)
 {
     const btBroadphasePairArray &found = cache->getOverlappingPairArray();
     owner->pairs.clear();
-    for (int i = 0; i < found.size(); i++) {
-        const ShvBulletBody &a = body_of(owner, found[i].m_pProxy0), &b = body_of(owner, found[i].m_pProxy1);
-        const bool plane = a.kind == SHV_BULLET_PLANE || b.kind == SHV_BULLET_PLANE;
-        if (boxes_meet(a, b) && (plane || balls_meet(a, b, owner->scale)))
-            owner->pairs.push_back({std::min(a.number, b.number), std::max(a.number, b.number)});
-    }
+    for (int i = 0; i < found.size(); i++)
+        add_pair(owner, body_of(owner, found[i].m_pProxy0), body_of(owner, found[i].m_pProxy1));
+    for (const ShvBulletBody *particle : owner->particles)
+        for (const ShvBulletBody *obstacle : owner->obstacles) add_pair(owner, *particle, *obstacle);
     std::sort(owner->pairs.begin(), owner->pairs.end(), before);
     owner->status =
         owner->detect(owner->data, owner->pairs.data(), int32_t(owner->pairs.size()), &owner->task, owner->error);
@@ -365,9 +415,12 @@ struct Neighbours final : btBroadphaseAabbCallback {
     }
     bool process(const btBroadphaseProxy *proxy) override
     {
-        const ShvBulletBody &other = body_of(world, proxy);
-        if (&other != &own && boxes_meet(own, other)) others.push_back(other.number);
+        add(body_of(world, proxy));
         return true;
+    }
+    void add(const ShvBulletBody &other)
+    {
+        if (&other != &own && boxes_meet(own, other)) others.push_back(other.number);
     }
     const ShvBulletWorld *world;
     const ShvBulletBody &own;
@@ -382,7 +435,12 @@ ShvStatus shv_bullet_world_near(ShvBulletWorld *world, int32_t number, const int
         const ShvBulletBody *body = body_of(world, number);
         world->others.clear();
         Neighbours neighbours(world, *body, world->others);
-        world->broadphase.aabbTest(body->box_low, body->box_high, neighbours);
+        if (body->layer != SHV_BULLET_PARTICLE)
+            world->broadphase.aabbTest(body->box_low, body->box_high, neighbours);
+        else
+            for (const ShvBulletBody *obstacle : world->obstacles) neighbours.add(*obstacle);
+        if (body->layer == SHV_BULLET_OBSTACLE)
+            for (const ShvBulletBody *particle : world->particles) neighbours.add(*particle);
         std::sort(world->others.begin(), world->others.end());
         *others = world->others.data();
         *count = int32_t(world->others.size());
