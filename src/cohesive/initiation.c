@@ -129,8 +129,7 @@ ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvS
     visit_faces(cohesive, state, node, find_tensest, &patch);
     if (!(patch.tensest.tension > 0.0)) return (ShvSurfaceTension){0};
     visit_faces(cohesive, state, node, add_face, &patch);
-    const double *s = patch.stress;
-    const ShvMat3 mean = {{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}};
+    const ShvMat3 mean = shv_from_voigt(patch.stress);
     double values[3];
     ShvMat3 axes;
     shv_symmetric_eigen(&mean, values, &axes);

@@ -78,8 +78,8 @@ static double safe_time(const Search *search, const Traveller *node, double time
 {
     const ShvFlight *flight = search->flight;
     const ShvVec3 spin = shv_free_rotation_velocity(flight->rotation, orientation, flight->angular_momentum);
-    const ShvVec3 velocity = shv_add(shv_madd(flight->velocity, time, flight->acceleration),
-                                     shv_cross(spin, shv_rotate(orientation, node->offset)));
+    const ShvVec3 velocity = shv_velocity_at(shv_madd(flight->velocity, time, flight->acceleration), spin,
+                                             shv_rotate(orientation, node->offset));
     const ShvVec3 relative = shv_sub(velocity, search->obstacle->velocity);
     /* |d(ω × r)/dt| ≤ (|ω'| + |ω|²) r and |ω'| ≤ max |I_j − I_k|/I_i |ω|² by Euler's equations */
     const double acceleration = shv_norm(flight->acceleration) +
