@@ -118,7 +118,7 @@ static void keep_nearest(ShvPreflight *preflight, const Approach *approach, cons
     preflight->clearance = approach->gap;
 }
 
-static ShvStatus look_at_obstacles(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
+static ShvStatus measure_obstacles(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
                                    const ShvDistanceSurface *surface, ShvError *error)
 {
     const ShvFragment *fragment = fragment_of(hybrid, object);
@@ -134,7 +134,7 @@ static ShvStatus look_at_obstacles(ShvPreflight *preflight, const ShvHybrid *hyb
     return SHV_OK;
 }
 
-static ShvStatus look_at_object(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object, int32_t other,
+static ShvStatus measure_object(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object, int32_t other,
                                 const ShvDistanceSurface *surface, ShvError *error)
 {
     const ShvFragment *fragment = fragment_of(hybrid, object), *second = fragment_of(hybrid, other);
@@ -162,7 +162,7 @@ static double gap_of_boxes(const ShvBox *a, const ShvBox *b)
 }
 
 /* Objects whose boxes are farther away than the nearest so far are passed over. */
-static ShvStatus look_at_objects(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
+static ShvStatus measure_objects(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
                                  const ShvDistanceSurface *surface, ShvError *error)
 {
     ShvStartBody own, body;
@@ -171,7 +171,7 @@ static ShvStatus look_at_objects(ShvPreflight *preflight, const ShvHybrid *hybri
         if (i == object || hybrid->scene->objects[i].waits) continue;
         shv_start_body(&body, &hybrid->model, i);
         if (preflight->nearest && !(gap_of_boxes(&own.box, &body.box) < preflight->clearance)) continue;
-        SHV_TRY(look_at_object(preflight, hybrid, object, i, surface, error));
+        SHV_TRY(measure_object(preflight, hybrid, object, i, surface, error));
     }
     return SHV_OK;
 }
@@ -182,8 +182,8 @@ ShvStatus shv_find_nearest(ShvPreflight *preflight, const ShvHybrid *hybrid, int
     preflight->clearance = (double)INFINITY;
     preflight->impact_speed = (double)NAN;
     SHV_TRY(make_surface(&surface, &hybrid->model, object, error));
-    ShvStatus status = look_at_obstacles(preflight, hybrid, object, surface, error);
-    if (status == SHV_OK) status = look_at_objects(preflight, hybrid, object, surface, error);
+    ShvStatus status = measure_obstacles(preflight, hybrid, object, surface, error);
+    if (status == SHV_OK) status = measure_objects(preflight, hybrid, object, surface, error);
     shv_distance_surface_destroy(surface);
     return status;
 }
