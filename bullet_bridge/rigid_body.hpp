@@ -77,8 +77,8 @@ class ShvCollider
     // A surface's part is seen from outside only.
     void part_part(const Placed &first, const Placed &second, bool surface_first, bool surface_second);
     btScalar gap_along(const Placed &first, const Placed &second, const btVector3 &normal) const;
-    bool look(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
-              const btVector3 &guess, Axis *axis) const;
+    bool try_nearest(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
+                     const btVector3 &guess, Axis *axis) const;
     void try_faces(const Placed &first, const Placed &second, const btVector3 &outward_first,
                    const btVector3 &outward_second, Axis *axis) const;
     Face nearest_face(const Placed &first, const Placed &second, const btVector3 &normal) const;

@@ -212,8 +212,8 @@ btScalar ShvCollider::gap_along(const Placed &first, const Placed &second, const
 
 // The direction in which two cores are nearest, if it parts the bodies better than what is known; false when the bodies are out
 // of reach.
-bool ShvCollider::look(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
-                       const btVector3 &guess, Axis *axis) const
+bool ShvCollider::try_nearest(const Placed &first, const Placed &second, btScalar share_first, btScalar share_second,
+                              const btVector3 &guess, Axis *axis) const
 {
     const ShvConvex &a_part = *first.convex, &b_part = *second.convex;
     const btScalar far = limit + (1 - share_first) * a_part.radius + (1 - share_second) * b_part.radius;
@@ -300,14 +300,14 @@ void ShvCollider::part_part(const Placed &first, const Placed &second, bool surf
     if (distance > first.convex->radius + second.convex->radius + limit) return;
     if (distance > 0 && gap_along(first, second, between / distance) > limit) return;
     Axis axis;
-    if (!look(first, second, first.convex->core, second.convex->core, between, &axis)) return;
+    if (!try_nearest(first, second, first.convex->core, second.convex->core, between, &axis)) return;
     const btVector3 none(0, 0, 0);
     const btVector3 outward_first = surface_first ? *first.axes * first.convex->faces[0].normal : none;
     const btVector3 outward_second = surface_second ? *second.axes * second.convex->faces[0].normal : none;
     if (axis.gap > 0 && (outward_first.dot(axis.normal) > 0 || outward_second.dot(axis.normal) < 0))
         return; // behind a surface
     if (axis.gap > limit) return;
-    if (!axis.witnessed) look(first, second, first.convex->kernel, second.convex->kernel, between, &axis);
+    if (!axis.witnessed) try_nearest(first, second, first.convex->kernel, second.convex->kernel, between, &axis);
     if (axis.gap < 0) try_faces(first, second, outward_first, outward_second, &axis);
     if (axis.gap > limit) return;
     const btScalar size = surface_first    ? second.convex->radius

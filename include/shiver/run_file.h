@@ -99,7 +99,8 @@ ShvMaterialView shv_run_file_material(const ShvRunFile *file, int32_t index);
 /* Times of all frames, s, and whether they are on the animation grid; frame_count each. */
 const double *shv_run_file_times(const ShvRunFile *file);
 const uint8_t *shv_run_file_animation(const ShvRunFile *file);
-/* The frame nearest to a time, of two the earlier one; 0 where there is none. */
+/* The frame nearest to a time, of two the earlier one; −1 where the run has none, or does not reach to that time. The digits with which
+   times are printed count as reaching (%g: six). */
 int64_t shv_run_file_nearest(const ShvRunFile *file, double time);
 /* The line of every fragment, named by the id of its first piece: the largest child goes on in its parent's line, of equals
    the one with the lowest reference tet. */

@@ -147,6 +147,18 @@ static inline ShvVec3 shv_pose_point(const double *position, const double *orien
     return shv_add(shv_load3(position), shv_rotate(turn, shv_sub(shv_load3(point), shv_load3(centre))));
 }
 
+/* Of the point of a rigid body at `arm` from the one that has `velocity`. */
+static inline ShvVec3 shv_velocity_at(ShvVec3 velocity, ShvVec3 angular_velocity, ShvVec3 arm)
+{
+    return shv_add(velocity, shv_cross(angular_velocity, arm));
+}
+
+/* Symmetric matrix from its Voigt components xx, yy, zz, yz, xz, xy. */
+static inline ShvMat3 shv_from_voigt(const double voigt[6])
+{
+    return (ShvMat3){{{voigt[0], voigt[5], voigt[4]}, {voigt[5], voigt[1], voigt[3]}, {voigt[4], voigt[3], voigt[2]}}};
+}
+
 /* linear.c */
 /* Inverse of a; returns 0 and leaves `inverse` alone when the determinant is zero or not finite. */
 int shv_invert(const ShvMat3 *a, ShvMat3 *inverse);

@@ -71,9 +71,9 @@ static void report(const char *output, const ShvMesh *mesh, bool json)
                quality.shortest_edge, quality.longest_edge, quality.worst_aspect, quality.smallest_dihedral);
         return;
     }
-    printf("%s: %d tets, %d nodes, volume %.6g m³\n", output, (int)quality.element_count, (int)quality.node_count,
-           quality.volume);
-    printf("edges %.4g … %.4g … %.4g m (shortest, mean, longest); smallest altitude %.4g m (tet %d)\n",
+    printf("%s, in the units of the surface: %d tets, %d nodes, volume %.6g\n", output, (int)quality.element_count,
+           (int)quality.node_count, quality.volume);
+    printf("edges %.4g … %.4g … %.4g (shortest, mean, longest); smallest altitude %.4g (tet %d)\n",
            quality.shortest_edge, quality.mean_edge, quality.longest_edge, quality.smallest_altitude,
            (int)quality.smallest_altitude_element);
     printf("3 × inradius/circumradius: worst %.3f (tet %d), mean %.3f; dihedral angles %.1f … %.1f degrees\n",

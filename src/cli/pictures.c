@@ -164,7 +164,11 @@ static int64_t frame_of(const Studio *studio, int64_t i)
 
 static ShvStatus name_picture(const Studio *studio, int64_t i, char path[SHV_CLI_PATH], ShvError *error)
 {
-    const int64_t frame = frame_of(studio, i), count = shv_run_file_info(studio->file)->frame_count;
+    const ShvRunFileInfo *info = shv_run_file_info(studio->file);
+    const int64_t frame = frame_of(studio, i), count = info->frame_count;
+    if (frame < 0 && studio->pictures->time_count > 0)
+        return shv_fail(error, SHV_BAD_INPUT, "there is no time %g s: the run goes from %g to %g s",
+                        studio->pictures->times[i], info->first_time, info->last_time);
     if (frame < 0 || frame >= count)
         return shv_fail(error, SHV_BAD_INPUT, "there is no frame %lld: the run has frames 0 to %lld", (long long)frame,
                         (long long)(count - 1));

@@ -83,7 +83,8 @@ static void print_trial(const ShvTrial *trial, bool may_break)
         print_range(trial, may_break);
     const double share = trial->processor / trial->seconds;
     if (share < 0.8)
-        printf("  others use this machine too: at that rate the run takes about %.3g s\n", trial->predicted / share);
+        printf("  others use this machine too: at that rate the run takes %.2g times as long as its processor time\n",
+               1.0 / share);
 }
 
 static ShvMaterialView material_of(const void *simulation, int32_t index)

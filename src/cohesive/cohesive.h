@@ -110,7 +110,7 @@ enum { SHV_NEAREST_FACETS = 16 };
 typedef enum ShvFacetWatch {
     SHV_FACET_IGNORED,
     SHV_FACET_WATCHED,
-    SHV_FACET_LISTED /* for a close look in the present check */
+    SHV_FACET_LISTED /* to be judged in the present check */
 } ShvFacetWatch;
 
 /* Who puts the stress of some batches of elements, each asked for once a check, where the check finds it. */
@@ -122,11 +122,11 @@ typedef struct ShvStressSource {
 /* Work space of the force criterion (star.h); empty with the others. */
 typedef struct ShvStarSearch {
     ShvStar star;
-    int32_t *nodes;      /* node_capacity: those to look at, then those whose tets part */
-    double *ratio;       /* as nodes */
-    uint8_t *mark;       /* node_capacity; 0 between checks */
-    double *value;       /* node_capacity: largest of a node's facets in the present check; 0 between checks */
-    double *held;        /* node_capacity: the same at the last look, which found that the node holds; 0: none */
+    int32_t *nodes; /* node_capacity: those to look at, then those whose tets part */
+    double *ratio;  /* as nodes */
+    uint8_t *mark;  /* node_capacity; 0 between checks */
+    double *value;  /* node_capacity: largest of a node's facets in the present check; 0 between checks */
+    double *held; /* node_capacity: the same in the last check of the node, which found that the node holds; 0: none */
     double *facet_along; /* interior_count: of facets that were chosen, |cosine| between normal and opening */
 } ShvStarSearch;
 
@@ -153,7 +153,7 @@ typedef struct ShvCohesive {
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
     double *born;        /* time of insertion, s */
     uint8_t *opened;     /* enough for its nodes to be a front (front.h) */
-    int32_t *failed;     /* facets whose bonds failed at the last look, increasing */
+    int32_t *failed;     /* facets whose bonds failed in the last search, increasing */
     int32_t failed_count;
     double worst_overshoot; /* largest criterion / strength met at an insertion */
     int32_t live_count;     /* not separated: */
@@ -311,11 +311,11 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
 #define SHV_BOND_SHARE 0.01
 
 /* Facets of the list of live ones between awake fragments (per fragment index, NULL: all) that have lost their bond since the
-   last look go to cohesive->failed; once a step, after shv_cohesive_begin. */
+   last call go to cohesive->failed; once a step, after shv_cohesive_begin. */
 void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger);
 /* Whether some cohesive facet of these elements still bonds. */
 bool shv_cohesive_holds_cracks(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
-/* Whether some bond inside these elements fails by the present time, half a step after the last look. */
+/* Whether some bond inside these elements fails by the present time, half a step after the last search. */
 bool shv_cohesive_is_failing(const ShvCohesive *cohesive, const ShvState *state, const int32_t *elements,
                              int32_t count);
 /* Largest residual normal strength of a cohesive facet's points as a share of that at the start, 0…1; 0 once torn. */

@@ -46,7 +46,7 @@ static void plane_stress(const ShvMaterial *material, const ShvVec3 reference[2]
     axes[1] = shv_madd(shv_scale(first, b), c, second);
 }
 
-static Face look_at(const ShvCohesive *cohesive, const ShvState *state, int32_t element, int face)
+static Face evaluate_face(const ShvCohesive *cohesive, const ShvState *state, int32_t element, int face)
 {
     const uint8_t *corners = shv_face_corners[face];
     ShvVec3 place[3], moved[3], axes[2], reference[2], change[2];
@@ -116,7 +116,7 @@ static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, int3
         const int32_t corner = state->corners[state->corner_start[node] + i];
         for (int face = 0; face < 4; face++) {
             if (!is_outside(cohesive, corner, face)) continue;
-            const Face here = look_at(cohesive, state, corner / 4, face);
+            const Face here = evaluate_face(cohesive, state, corner / 4, face);
             visit(patch, &here);
         }
     }
@@ -129,8 +129,7 @@ ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvS
     visit_faces(cohesive, state, node, find_tensest, &patch);
     if (!(patch.tensest.tension > 0.0)) return (ShvSurfaceTension){0};
     visit_faces(cohesive, state, node, add_face, &patch);
-    const double *s = patch.stress;
-    const ShvMat3 mean = {{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}};
+    const ShvMat3 mean = shv_from_voigt(patch.stress);
     double values[3];
     ShvMat3 axes;
     shv_symmetric_eigen(&mean, values, &axes);
@@ -146,7 +145,8 @@ static void find_tensions(const ShvCohesive *cohesive, const ShvState *state)
     const int32_t threads = cohesive->model->threads;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int32_t i = 0; i < initiation->count; i++)
-        initiation->tension[i] = look_at(cohesive, state, initiation->faces[i] / 4, initiation->faces[i] % 4).tension;
+        initiation->tension[i] =
+            evaluate_face(cohesive, state, initiation->faces[i] / 4, initiation->faces[i] % 4).tension;
 }
 
 double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count)

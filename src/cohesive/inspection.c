@@ -133,7 +133,7 @@ static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32
 }
 
 /* At the surface of a body, away from cracks, stress decides as well as force (initiation.h). */
-static void look_at_surface(const ShvInspection *inspection, int32_t node, double least)
+static void find_surface_disk(const ShvInspection *inspection, int32_t node, double least)
 {
     ShvCohesive *cohesive = inspection->cohesive;
     const ShvState *state = inspection->state;
@@ -145,14 +145,14 @@ static void look_at_surface(const ShvInspection *inspection, int32_t node, doubl
     shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
 }
 
-static void look(const ShvInspection *inspection, int32_t node)
+static void find_disk(const ShvInspection *inspection, int32_t node)
 {
     ShvCohesive *cohesive = inspection->cohesive;
     const double least = cohesive->settings->threshold;
     const bool cracked = is_cracked(cohesive, inspection->state, node);
     const double needed = cracked ? least : least * (1.0 + nucleation_margin);
     shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
-    if (!cracked && cohesive->search.star.disk_count == 0) look_at_surface(inspection, node, needed);
+    if (!cracked && cohesive->search.star.disk_count == 0) find_surface_disk(inspection, node, needed);
 }
 
 /* What it shares tets with has other forces from now on. */
@@ -169,7 +169,7 @@ static void mark_star(const ShvInspection *inspection, int32_t node, uint8_t mar
     }
 }
 
-/* The disk that `look` has just found. */
+/* The disk that `find_disk` has just found. */
 static void take_disk(const ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count)
 {
     const ShvCohesive *cohesive = inspection->cohesive;
@@ -197,7 +197,7 @@ void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, d
     *count = 0;
     shv_inspection_get(inspection);
     for (int32_t i = 0; i < suspects; i++) {
-        look(inspection, search->nodes[i]);
+        find_disk(inspection, search->nodes[i]);
         if (search->star.disk_count == 0) continue;
         search->held[search->nodes[i]] = 0.0;
         search->nodes[parting] = search->nodes[i];
@@ -206,7 +206,7 @@ void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, d
     shv_sort_descending(search->nodes, search->ratio, parting);
     for (int32_t i = 0; i < parting; i++) {
         if (search->mark[search->nodes[i]]) continue;
-        look(inspection, search->nodes[i]);
+        find_disk(inspection, search->nodes[i]);
         take_disk(inspection, candidates, overstress, count);
         mark_star(inspection, search->nodes[i], 1);
     }

@@ -91,7 +91,7 @@ static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
 
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
-   neighbours that have hardly moved, needs no new look. */
+   neighbours that have hardly moved, needs no new evaluation. */
 static double want(const Pull *pull, int32_t index)
 {
     ShvCohesivePoint *point = &pull->cohesive->points[index];

@@ -2,15 +2,13 @@
 
 #include <math.h>
 
-/* Voigt xx, yy, zz, yz, xz, xy */
 ShvFacetTraction shv_facet_traction(const double *stress, int32_t first, int32_t second, ShvVec3 normal)
 {
     double s[6];
     for (int i = 0; i < 6; i++)
         s[i] = 0.5 * (stress[shv_cohesive_stress_slot(first, i)] + stress[shv_cohesive_stress_slot(second, i)]);
-    const ShvVec3 t = {s[0] * normal.x + s[5] * normal.y + s[4] * normal.z,
-                       s[5] * normal.x + s[1] * normal.y + s[3] * normal.z,
-                       s[4] * normal.x + s[3] * normal.y + s[2] * normal.z};
+    const ShvMat3 mean = shv_from_voigt(s);
+    const ShvVec3 t = shv_apply(&mean, normal);
     const double tension = shv_dot(t, normal);
     return (ShvFacetTraction){tension, shv_norm(shv_madd(t, -tension, normal))};
 }

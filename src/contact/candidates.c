@@ -172,7 +172,7 @@ static ShvStatus choose_all_facets(ShvNodeContact *contact, const ShvState *stat
     return SHV_OK;
 }
 
-static void look(ShvNodeContact *contact, const ShvState *state, const int32_t *nodes, int32_t count)
+static void measure_speed(ShvNodeContact *contact, const ShvState *state, const int32_t *nodes, int32_t count)
 {
     contact->node_speed = largest_node_speed(state, nodes, count);
     contact->since = 0;
@@ -186,10 +186,10 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
 {
     const double others = largest_obstacle_speed(obstacles) + (STEPS_BETWEEN_CHECKS + 1) * step * gravity;
     const bool forced = contact->stale || contact->listed != count;
-    if (!forced && ++contact->since >= STEPS_BETWEEN_CHECKS) look(contact, state, nodes, count);
+    if (!forced && ++contact->since >= STEPS_BETWEEN_CHECKS) measure_speed(contact, state, nodes, count);
     contact->moved += step * (2.0 * contact->node_speed + others);
     if (!forced && contact->moved <= 0.5 * contact->skin) return SHV_OK;
-    look(contact, state, nodes, count);
+    measure_speed(contact, state, nodes, count);
     const double motion = step * (2.0 * contact->node_speed + others);
     const Ball ball = bound(state, nodes, count);
     contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, least_skin * ball.radius);

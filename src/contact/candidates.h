@@ -20,7 +20,7 @@ typedef struct ShvNodePair {
     ShvVec3 before[3];                      /* of each node */
 } ShvNodePair;
 
-/* Rebuilds the candidates when they may no longer hold. Between rebuilds a step costs no look at the nodes, except that
+/* Rebuilds the candidates when they may no longer hold. Between rebuilds a step does not go through the nodes, except that
    their speeds are read every 16 steps; twice that speed is allowed for, and half the skin is kept for what the nodes
    gain unseen. */
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,

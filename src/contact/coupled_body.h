@@ -26,8 +26,8 @@ static inline ShvVec3 shv_coupled_body_point(const ShvCoupledBody *coupled_body,
 
 static inline ShvVec3 shv_coupled_body_velocity(const ShvCoupledBody *coupled_body, ShvVec3 point)
 {
-    const ShvVec3 arm = shv_sub(point, coupled_body->position);
-    return shv_add(coupled_body->velocity, shv_cross(coupled_body->angular_velocity, arm));
+    return shv_velocity_at(coupled_body->velocity, coupled_body->angular_velocity,
+                           shv_sub(point, coupled_body->position));
 }
 
 /* Change of velocity of a point along a unit vector per impulse along it, 1/kg. */

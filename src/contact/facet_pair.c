@@ -119,7 +119,7 @@ static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, co
     return true;
 }
 
-/* ---- a look ---- */
+/* ---- detection ---- */
 
 static ShvVec3 mean_velocity(const ShvFacetPair *pair, const ShvVec3 velocities[3])
 {

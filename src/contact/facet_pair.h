@@ -41,7 +41,7 @@ typedef struct ShvFacetPair {
     double friction_bound;    /* N·s */
     double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
     int32_t slots[4]; /* of the node and the facet's nodes in ShvSurfaceList, −1: of a coupled body or obstacle */
-    int32_t visit;    /* of its last look in the sweeps */
+    int32_t visit;    /* of its last solve in the sweeps */
     bool excluded;    /* another facet stands for it */
     bool deforming;   /* both sides are */
 } ShvFacetPair;

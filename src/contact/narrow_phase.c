@@ -7,7 +7,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-/* Fewer looks than this are done before threads have woken. */
+/* Fewer distances than this are measured before threads have woken. */
 enum { WORTH_THREADS = 256 };
 
 /* By the movers of both sides, m: how far they have come and how far they may come in the step. */
@@ -142,7 +142,7 @@ static void place(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
     }
 }
 
-/* ---- looks ---- */
+/* ---- distances ---- */
 
 /* How far apart they are now is when they are due again. */
 static void measure_distance(ShvSurfaceContact *contact, const Horizon *horizon, ShvDueCandidate *due)
@@ -196,7 +196,7 @@ static ShvStatus reserve_drafts(ShvSurfaceContact *contact, ShvError *error)
     return SHV_OK;
 }
 
-/* Looks at what is due of one kind; those that are near stay in narrow->due. */
+/* Measures what is due of one kind; those that are near stay in narrow->due. */
 static ShvStatus measure_distances(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Horizon *horizon,
                                    ShvError *error)
 {

@@ -18,8 +18,8 @@ typedef struct ShvDueCandidate {
 typedef struct ShvNarrowPhase {
     ShvDueCandidate *due;
     int32_t due_count, due_capacity;
-    int64_t pass;    /* of the present looks */
-    int32_t *nodes;  /* of these looks: places in the list */
+    int64_t pass;    /* of the present search */
+    int32_t *nodes;  /* of this search: places in the list */
     int32_t *facets; /* likewise */
     int32_t node_count, node_capacity, facet_count, facet_capacity;
     ShvFacetPlane *planes; /* per facet of the list, when it was last looked at */

@@ -40,7 +40,7 @@ typedef struct ShvCoupledBodyBefore {
     ShvVec3 velocity, angular_velocity;
 } ShvCoupledBodyBefore;
 
-/* Most steps from one look at coupled bodies among themselves to the next: they have no waves to resolve, and weight moves them by
+/* Most steps from one detection of contact among coupled bodies to the next: they have no waves to resolve, and weight moves them by
    g t²/2, nanometres, in so short a time. */
 enum { SHV_SURFACE_DETECTION_INTERVAL = 8 };
 
@@ -107,7 +107,7 @@ struct ShvSurfaceContact {
     double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];    /* m: how far the fastest has gone since */
-    int32_t rest;                       /* steps until the next look at all nodes */
+    int32_t rest;                       /* steps until the speeds of all nodes are read again */
     int32_t age;                        /* steps since candidates were chosen */
     double seen_time;                   /* s: time up to which motion has been counted */
     ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
@@ -148,8 +148,8 @@ void shv_surface_contact_invalidate(ShvSurfaceContact *contact);
 void shv_surface_contact_wake(ShvSurfaceContact *contact);
 /* Coupled bodies have been given impulses from elsewhere: they are looked at together in the next step. */
 void shv_surface_contact_recheck(ShvSurfaceContact *contact);
-/* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs look at all listed nodes every few steps and
-   at those of candidates each step. */
+/* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs a pass over all listed nodes every few steps and
+   over those of candidates each step. */
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                                     const double gravity[3], ShvError *error);
 /* After the kick; `bodies` as in shv_surface_contact_begin, with which every step starts. Ends with

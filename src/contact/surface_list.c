@@ -47,7 +47,7 @@ static ShvStatus reserve_places(ShvSurfaceList *list, ShvError *error)
     return SHV_OK;
 }
 
-/* Marks are zero between looks. */
+/* Marks are zero between searches. */
 static ShvStatus reserve_marks(ShvSurfaceList *list, ShvError *error)
 {
     if (list->touch_capacity < list->facet_capacity) {
@@ -271,7 +271,7 @@ static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvE
     return SHV_OK;
 }
 
-/* Marks of the last look. */
+/* Marks of the last search for insertions. */
 static void forget(ShvSurfaceList *list)
 {
     for (int32_t k = 0; k < list->touched_count; k++) {

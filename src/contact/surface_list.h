@@ -30,10 +30,10 @@ typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
     int32_t slots[3];    /* of its nodes */
     bool crack;          /* face of a crack that has parted */
-    bool changed;        /* nodes of it were split at the last look */
+    bool changed;        /* nodes of it were split in the last search for insertions */
     bool out_of_skin;    /* of a node that has left its skin */
     bool leaves_skin;    /* of one that does just now */
-    int64_t seen;        /* pass of the last look at it */
+    int64_t seen;        /* pass of the last search that met it */
     uint8_t speed_class; /* the largest of its nodes */
     ShvBox box;          /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
@@ -41,7 +41,7 @@ typedef struct ShvSurfaceFacet {
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
     int32_t watch;    /* place among the nodes of candidates, −1: of none */
-    int32_t twins;    /* the last of the nodes that were split from it at the last look, −1: none */
+    int32_t twins;    /* the last of the nodes that were split from it in the last search for insertions, −1: none */
     int32_t twin;     /* the one before this of the same node, −1: none */
     int32_t original; /* of a copy: the node that it was split from in the list */
     uint8_t speed_class;
@@ -75,7 +75,7 @@ typedef struct ShvSurfaceList {
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
     int32_t *place; /* per element × 4 + face: its place in `facets`, −1: none */
-    /* of the last look at insertions */
+    /* of the last search for insertions */
     int32_t *touched; /* places in `facets`, increasing: of tets that have got a copy in place of a node */
     int32_t touched_count, touched_capacity;
     uint8_t *touch;  /* per place in `facets`: it is one of these */

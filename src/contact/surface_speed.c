@@ -54,7 +54,7 @@ void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurface
     contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
 }
 
-/* Whether something may leave its skin before the next look; twice the speeds are allowed for. */
+/* Whether something may leave its skin before speeds are read next; twice the speeds are allowed for. */
 static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead,
                                   double gravity)
 {
@@ -102,7 +102,7 @@ static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
 /* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
 static int32_t beats_for(const ShvSurfaceContact *contact, double step)
 {
-    const double share = 0.1; /* of a facet's size: twice the way of both sides from one look to the next */
+    const double share = 0.1; /* of a facet's size: twice the way of both sides from one detection to the next */
     double fastest = 0.0;
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         fastest = fmax(fastest, contact->speed[speed_class]);

@@ -91,7 +91,7 @@ static bool damage_rests(const ShvHybrid *hybrid, const ShvFragment *fragment, d
     return dissipated(hybrid, fragment) - fragment->growth_sum <= growth_share * fragment->wake_energy * fragment->mass;
 }
 
-/* Looks at the damage of fragments in which something has been inserted since the last look, or whose damage has grown: from now
+/* Notes the damage of fragments in which something has been inserted since it was noted last, or whose damage has grown: from now
    on they are to be quiet. */
 static void track_damage(ShvHybrid *hybrid)
 {

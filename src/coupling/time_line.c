@@ -36,7 +36,7 @@ static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 li
         double *v = hybrid->state.velocity + 3 * (int64_t)node;
         const ShvVec3 old = shv_load3(v);
         const ShvVec3 arm = shv_sub(shv_state_position(&hybrid->state, node), fragment->position);
-        const ShvVec3 change = shv_add(linear, shv_cross(angular, arm)), now = shv_add(old, change);
+        const ShvVec3 change = shv_velocity_at(linear, angular, arm), now = shv_add(old, change);
         given += 0.5 * hybrid->state.mass[node] * (shv_dot(now, now) - shv_dot(old, old));
         shv_store3(v, now);
         shv_add_to3(hybrid->ghost.before + 3 * (int64_t)node, change);

@@ -93,11 +93,6 @@ void shv_waking_contact_follow(ShvHybrid *hybrid)
     }
 }
 
-static ShvVec3 velocity_at(const ShvFragment *fragment, ShvVec3 point)
-{
-    return shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, shv_sub(point, fragment->position)));
-}
-
 /* Of the other side at a point; false: it is no more. */
 static bool other_velocity(const ShvHybrid *hybrid, const ShvFragment *fragment, ShvVec3 point, ShvVec3 *velocity)
 {
@@ -109,7 +104,7 @@ static bool other_velocity(const ShvHybrid *hybrid, const ShvFragment *fragment,
     ShvFragment other = hybrid->fragments.items[fragment->contact_other];
     if (other.mode == SHV_MODE_DEAD) return false;
     if (other.mode == SHV_MODE_FRACTURE) shv_fragment_fit(&other, &hybrid->fragments, &hybrid->state);
-    *velocity = velocity_at(&other, point);
+    *velocity = shv_fragment_velocity(&other, point);
     return true;
 }
 
@@ -121,7 +116,7 @@ static double closing_speed(const ShvHybrid *hybrid, const ShvFragment *fragment
     shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
     const ShvVec3 point = shv_add(fitted.position, shv_rotate(fitted.orientation, fragment->contact_arm));
     if (!other_velocity(hybrid, fragment, point, &other)) return 0.0;
-    return shv_dot(shv_sub(other, velocity_at(&fitted, point)), fragment->contact_normal);
+    return shv_dot(shv_sub(other, shv_fragment_velocity(&fitted, point)), fragment->contact_normal);
 }
 
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit)

@@ -8,10 +8,9 @@ static double ball_radius(double mass, const ShvMat3 *inertia)
 
 static ShvBody of_fragment(const ShvSceneDefinition *scene, const ShvFragmentView *view, int32_t index)
 {
-    const double *I = view->inertia;
     ShvBody body = {.name = scene->objects[view->object].name,
                     .mass = view->mass,
-                    .inertia = {{{I[0], I[5], I[4]}, {I[5], I[1], I[3]}, {I[4], I[3], I[2]}}},
+                    .inertia = shv_from_voigt(view->inertia),
                     .fragment = index,
                     .obstacle = -1};
     body.radius = ball_radius(body.mass, &body.inertia);

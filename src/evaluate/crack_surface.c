@@ -115,7 +115,7 @@ static double reach(const ShvCrackFacet *facet)
     return largest;
 }
 
-/* Brute force but for a look at the balls around the facets. */
+/* Brute force but for a check of the balls around the facets. */
 static double distance_to_surface(ShvVec3 point, const ShvCrackSurface *surface)
 {
     double nearest = HUGE_VAL;

@@ -43,8 +43,9 @@ ShvSvgOptions shv_svg_default(void)
     return (ShvSvgOptions){.cookie = SHV_DEFINITION_COOKIE, .size = 1200};
 }
 
-static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFileInfo *info, ShvError *error)
+static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFile *file, ShvError *error)
 {
+    const ShvRunFileInfo *info = shv_run_file_info(file);
     if (o->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the drawing's options did not start from shv_svg_default()");
     if (o->size < 200 || o->size > 4000)
@@ -59,9 +60,8 @@ static ShvStatus check_options(const ShvSvgOptions *o, const ShvRunFileInfo *inf
         if (o->frames[i] < 0 || o->frames[i] >= info->frame_count)
             return shv_fail(error, SHV_BAD_INPUT, "there is no frame %lld: the run has frames 0 to %lld",
                             (long long)o->frames[i], (long long)(info->frame_count - 1));
-    const double rounding = 1e-6 * (info->last_time - info->first_time); /* s: times are written with some digits */
     for (int32_t i = 0; i < o->time_count; i++)
-        if (!(o->times[i] >= info->first_time - rounding && o->times[i] <= info->last_time + rounding))
+        if (shv_run_file_nearest(file, o->times[i]) < 0)
             return shv_fail(error, SHV_BAD_INPUT, "there is no time %g s: the run goes from %g to %g s", o->times[i],
                             info->first_time, info->last_time);
     return SHV_OK;
@@ -396,7 +396,7 @@ ShvStatus shv_export_svg(ShvRunFile *file, const char *prefix, const ShvSvgOptio
 {
     Svg svg = {.options = given ? *given : shv_svg_default(), .file = file, .info = shv_run_file_info(file)};
     ShvOutput written;
-    SHV_TRY(check_options(&svg.options, svg.info, error));
+    SHV_TRY(check_options(&svg.options, svg.file, error));
     ShvExportOptions output = shv_export_default();
     output.force = svg.options.force;
     output.memory = svg.options.memory;

@@ -155,5 +155,10 @@ ShvVec3 shv_fragment_shape_position(const ShvFragment *fragment, const ShvState 
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment);
 /* Kinetic energy of the rigid motion, J. */
 double shv_fragment_kinetic(const ShvFragment *fragment);
+/* Of the rigid motion, at a point in space. */
+static inline ShvVec3 shv_fragment_velocity(const ShvFragment *fragment, ShvVec3 point)
+{
+    return shv_velocity_at(fragment->velocity, fragment->angular_velocity, shv_sub(point, fragment->position));
+}
 
 #endif

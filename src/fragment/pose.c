@@ -103,7 +103,7 @@ void shv_fragment_scatter(const ShvFragment *fragment, const ShvFragments *fragm
         const ShvVec3 turned = shv_madd(shv_cross(axis, t), q.w, t);
         shv_store3(state->displacement + k, shv_add(shift, turned));
         shv_store3(state->velocity + k,
-                   shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, shv_add(arm, turned))));
+                   shv_velocity_at(fragment->velocity, fragment->angular_velocity, shv_add(arm, turned)));
     }
 }
 
@@ -149,7 +149,7 @@ void shv_fragment_unfold(const ShvFragment *fragment, const ShvFragments *fragme
         shv_free_rotation_velocity(&rotation, shv_quat_identity(), shv_apply(&rigid, fragment->angular_velocity));
     for (int32_t i = 0; i < fragment->node_count; i++) {
         const ShvVec3 arm = shv_sub(shv_state_position(state, nodes[i]), fragment->position);
-        shv_store3(state->velocity + 3 * (int64_t)nodes[i], shv_add(fragment->velocity, shv_cross(spin, arm)));
+        shv_store3(state->velocity + 3 * (int64_t)nodes[i], shv_velocity_at(fragment->velocity, spin, arm));
     }
 }
 

@@ -134,7 +134,7 @@ static void start_velocities(ShvState *state, const ShvObject *object, const Shv
     for (int32_t i = object->node_begin; i < object->node_end; i++) {
         const ShvVec3 arm = shv_sub(shv_load3(state->reference + 3 * (int64_t)i), centre);
         const ShvVec3 stretching = shv_vec3(rate[0] * arm.x, rate[1] * arm.y, rate[2] * arm.z);
-        shv_store3(state->velocity + 3 * (int64_t)i, shv_add(shv_add(velocity, shv_cross(spin, arm)), stretching));
+        shv_store3(state->velocity + 3 * (int64_t)i, shv_add(shv_velocity_at(velocity, spin, arm), stretching));
     }
 }
 

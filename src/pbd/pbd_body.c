@@ -75,7 +75,7 @@ static void read_record(ShvPbdBody *body, const ShvRigidWorld *world)
     const int32_t *nodes = nodes_of(body, world);
     for (int32_t i = 0; i < fragment->node_count; i++) {
         const ShvVec3 arm = shv_sub(shv_state_position(world->state, nodes[i]), fragment->position);
-        shv_add_to3(world->state->velocity + 3 * (int64_t)nodes[i], shv_add(velocity, shv_cross(spin, arm)));
+        shv_add_to3(world->state->velocity + 3 * (int64_t)nodes[i], shv_velocity_at(velocity, spin, arm));
     }
 }
 
@@ -111,7 +111,7 @@ static ShvVec3 arm_of(const ShvPbdBody *body, const ShvRigidWorld *world, int32_
 /* What a node's velocity has beside the rigid motion. */
 static ShvVec3 deviation(const ShvPbdBody *body, const ShvRigidWorld *world, int32_t node, ShvVec3 arm)
 {
-    const ShvVec3 rigid = shv_add(body->field.velocity, shv_cross(body->field.angular_velocity, arm));
+    const ShvVec3 rigid = shv_velocity_at(body->field.velocity, body->field.angular_velocity, arm);
     return shv_sub(shv_load3(world->state->velocity + 3 * (int64_t)node), rigid);
 }
 

@@ -43,7 +43,7 @@ static ShvStatus add_touch(ShvRelax *relax, const ShvState *state, int32_t node,
     return SHV_OK;
 }
 
-/* ---- looking ---- */
+/* ---- detection ---- */
 
 static void place_obstacles(ShvRelax *relax, const ShvObstacles *obstacles, const ShvRelaxStep *step)
 {

@@ -420,7 +420,7 @@ static void corner_motion(const ShvProbeScene *scene, int32_t element, int corne
     const ShvVec3 reference = shv_load3(state->reference + i);
     const ShvVec3 arm = shv_rotate(fragment->orientation, shv_sub(reference, fragment->reference_centre));
     *displacement = shv_sub(shv_add(fragment->position, arm), reference);
-    *velocity = shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, arm));
+    *velocity = shv_velocity_at(fragment->velocity, fragment->angular_velocity, arm);
 }
 
 static void sample_flight(const ShvSampledProbe *probe, const ShvProbeScene *scene, bool keeps_nodes,

@@ -485,9 +485,15 @@ ShvStatus shv_run_get(ShvRunFile *file, ShvSeriesName name, int64_t index, int64
     return good ? SHV_OK : shv_run_fail_damaged(file, shv_series_path(name), error);
 }
 
+/* Of a time: what is rounded to six digits is off by half of this at most. */
+static const double printed_digits = 1e-5;
+
 int64_t shv_run_file_nearest(const ShvRunFile *file, double time)
 {
     int64_t best = 0;
+    const double first = file->info.first_time, last = file->info.last_time;
+    const double rounding = printed_digits * fmax(fabs(first), fabs(last));
+    if (file->info.frame_count < 1 || !(time >= first - rounding && time <= last + rounding)) return -1;
     for (int64_t i = 1; i < file->info.frame_count; i++)
         if (fabs(file->times[i] - time) < fabs(file->times[best] - time)) best = i;
     return best;

@@ -10,8 +10,8 @@ static const double slop_of_radius = 1e-6, impact_of_radius = 1e-7, small_motion
 ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a, ShvVec3 spin_a, ShvVec3 velocity_b,
                             ShvVec3 spin_b)
 {
-    return shv_sub(shv_add(velocity_a, shv_cross(spin_a, shv_load3(contact->arm_first))),
-                   shv_add(velocity_b, shv_cross(spin_b, shv_load3(contact->arm_second))));
+    return shv_sub(shv_velocity_at(velocity_a, spin_a, shv_load3(contact->arm_first)),
+                   shv_velocity_at(velocity_b, spin_b, shv_load3(contact->arm_second)));
 }
 
 ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletRigidBody *a, const ShvBulletRigidBody *b)

@@ -62,11 +62,10 @@ static void set_support(const ShvBullet *bullet, const ShvContactPair *contact_p
 {
     const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
     const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0);
-    if (!b->moves)
-        shv_store3(contact->support, shv_add(b->velocity, shv_cross(b->spin, shv_load3(contact->arm_second))));
+    if (!b->moves) shv_store3(contact->support, shv_velocity_at(b->velocity, b->spin, shv_load3(contact->arm_second)));
     if (!a->moves)
         shv_store3(contact->support,
-                   shv_sub(none, shv_add(a->velocity, shv_cross(a->spin, shv_load3(contact->arm_first)))));
+                   shv_sub(none, shv_velocity_at(a->velocity, a->spin, shv_load3(contact->arm_first))));
 }
 
 /* Impulses of the last step's nearest contact of the pair, to start from. */

@@ -78,8 +78,8 @@ static double safe_time(const Search *search, const Traveller *node, double time
 {
     const ShvFlight *flight = search->flight;
     const ShvVec3 spin = shv_free_rotation_velocity(flight->rotation, orientation, flight->angular_momentum);
-    const ShvVec3 velocity = shv_add(shv_madd(flight->velocity, time, flight->acceleration),
-                                     shv_cross(spin, shv_rotate(orientation, node->offset)));
+    const ShvVec3 velocity = shv_velocity_at(shv_madd(flight->velocity, time, flight->acceleration), spin,
+                                             shv_rotate(orientation, node->offset));
     const ShvVec3 relative = shv_sub(velocity, search->obstacle->velocity);
     /* |d(ω × r)/dt| ≤ (|ω'| + |ω|²) r and |ω'| ≤ max |I_j − I_k|/I_i |ω|² by Euler's equations */
     const double acceleration = shv_norm(flight->acceleration) +
@@ -91,12 +91,12 @@ static double safe_time(const Search *search, const Traveller *node, double time
 enum { CAREFUL_EVALUATIONS = 100, MOST_EVALUATIONS = 300, BISECTIONS = 60 };
 
 /* Where a node is at a time, and its gap. */
-typedef struct Sight {
+typedef struct Proximity {
     ShvQuat orientation; /* of the fragment */
     double approach;     /* bound of the relative speed from now to the limit */
     bool far;            /* too far to be met before the limit, or met elsewhere: by a node, or another feature */
     ShvSurfacePoint surface;
-} Sight;
+} Proximity;
 
 /* The least gap where facet and feature face each other, else their distance. */
 static double facet_gap(const Search *search, const Traveller *traveller, const ShvObstacle *obstacle,
@@ -110,36 +110,36 @@ static double facet_gap(const Search *search, const Traveller *traveller, const 
     return gap;
 }
 
-static void look_at_facet(const Search *search, const Traveller *traveller, double left, const ShvObstacle *obstacle,
-                          const ShvMat3 *turned, ShvVec3 position, Sight *sight)
+static void measure_facet(const Search *search, const Traveller *traveller, double left, const ShvObstacle *obstacle,
+                          const ShvMat3 *turned, ShvVec3 position, Proximity *proximity)
 {
     const ShvFacetShape facet = shv_facet_placed(traveller->facet, turned, position);
     const double distance = search->spinning ? shv_norm(shv_sub(position, obstacle->position)) + traveller->arm : 0.0;
     bool elsewhere;
-    sight->approach = fastest_approach(search, traveller->arm, distance, left);
-    sight->surface.gap = facet_gap(search, traveller, obstacle, &facet, &elsewhere);
-    sight->far = elsewhere || sight->surface.gap >= 2.0 * search->slop + sight->approach * left;
+    proximity->approach = fastest_approach(search, traveller->arm, distance, left);
+    proximity->surface.gap = facet_gap(search, traveller, obstacle, &facet, &elsewhere);
+    proximity->far = elsewhere || proximity->surface.gap >= 2.0 * search->slop + proximity->approach * left;
 }
 
-static void look_at_node(const Search *search, const Traveller *node, double left, const ShvObstacle *obstacle,
-                         const ShvMat3 *turned, ShvVec3 position, Sight *sight)
+static void measure_node(const Search *search, const Traveller *node, double left, const ShvObstacle *obstacle,
+                         const ShvMat3 *turned, ShvVec3 position, Proximity *proximity)
 {
     const ShvVec3 point = shv_add(position, shv_apply(turned, node->offset));
     const double distance = search->spinning ? shv_norm(shv_sub(point, obstacle->position)) : 0.0;
-    sight->approach = fastest_approach(search, node->arm, distance, left);
-    const double far = 2.0 * search->slop + sight->approach * left;
-    sight->surface = shv_obstacle_closest(obstacle, point, far);
-    sight->far = sight->surface.gap >= far;
+    proximity->approach = fastest_approach(search, node->arm, distance, left);
+    const double far = 2.0 * search->slop + proximity->approach * left;
+    proximity->surface = shv_obstacle_closest(obstacle, point, far);
+    proximity->far = proximity->surface.gap >= far;
 }
 
-static Sight look(const Search *search, const Traveller *traveller, double time, double limit)
+static Proximity measure(const Search *search, const Traveller *traveller, double time, double limit)
 {
     const ShvFlight *flight = search->flight;
-    Sight sight = {.orientation = flight->orientation};
+    Proximity proximity = {.orientation = flight->orientation};
     ShvMat3 turned = search->start;
     if (time > 0.0) {
-        sight.orientation = shv_flight_orientation(flight, time);
-        turned = shv_quat_to_matrix(sight.orientation);
+        proximity.orientation = shv_flight_orientation(flight, time);
+        turned = shv_quat_to_matrix(proximity.orientation);
     }
     ShvObstacle moved;
     const ShvObstacle *obstacle = search->obstacle;
@@ -147,9 +147,9 @@ static Sight look(const Search *search, const Traveller *traveller, double time,
         moved = shv_obstacle_later(search->obstacle, time);
         obstacle = &moved;
     }
-    (traveller->facet ? look_at_facet : look_at_node)(search, traveller, limit - time, obstacle, &turned,
-                                                      shv_flight_position(flight, time), &sight);
-    return sight;
+    (traveller->facet ? measure_facet : measure_node)(search, traveller, limit - time, obstacle, &turned,
+                                                      shv_flight_position(flight, time), &proximity);
+    return proximity;
 }
 
 /* Of the slop: how near its threshold a gap is at a time of impact (between ¼ and ¾ of the slop). */
@@ -162,8 +162,8 @@ static double bisect(const Search *search, const Traveller *node, double above, 
 {
     for (int i = 0; i < BISECTIONS; i++) {
         const double middle = 0.5 * (above + below);
-        const Sight sight = look(search, node, middle, limit);
-        const double clearance = sight.surface.gap - node->threshold;
+        const Proximity proximity = measure(search, node, middle, limit);
+        const double clearance = proximity.surface.gap - node->threshold;
         if (fabs(clearance) <= found_of_slop * search->slop) return middle;
         if (clearance > 0.0)
             above = middle;
@@ -180,17 +180,18 @@ static double impact_of(const Search *search, Traveller *node, double limit)
 {
     double time = 0.0, above = 0.0;
     for (int evaluation = 0; evaluation < MOST_EVALUATIONS; evaluation++) {
-        const Sight sight = look(search, node, time, limit);
-        if (sight.far) return (double)INFINITY;
-        const double gap = sight.surface.gap;
+        const Proximity proximity = measure(search, node, time, limit);
+        if (proximity.far) return (double)INFINITY;
+        const double gap = proximity.surface.gap;
         if (evaluation == 0)
             node->threshold = gap <= search->slop ? fmin(gap, 0.0) - 0.5 * search->slop : 0.5 * search->slop;
         const double clearance = gap - node->threshold;
         if (clearance < -found_of_slop * search->slop) return bisect(search, node, above, time, limit);
         if (clearance <= found_of_slop * search->slop) return time;
-        const double stride = search->spinning || node->facet
-                                  ? clearance / sight.approach
-                                  : safe_time(search, node, time, clearance, sight.surface.normal, sight.orientation);
+        const double stride =
+            search->spinning || node->facet
+                ? clearance / proximity.approach
+                : safe_time(search, node, time, clearance, proximity.surface.normal, proximity.orientation);
         const bool forced = evaluation >= CAREFUL_EVALUATIONS && stride < forced_stride * limit;
         if (time == limit || (!forced && !(time + stride < limit))) return (double)INFINITY;
         above = time;

@@ -2,10 +2,14 @@
 
 enum { MOST_SWEEPS = 400 };
 
+static ShvVec3 point_velocity(const ShvRigidMotion *motion, const ShvTouch *touch)
+{
+    return shv_velocity_at(motion->velocity, motion->angular_velocity, touch->arm);
+}
+
 ShvVec3 shv_touch_velocity(const ShvRigidMotion *motion, const ShvTouch *touch)
 {
-    const ShvVec3 own = shv_add(motion->velocity, shv_cross(motion->angular_velocity, touch->arm));
-    return shv_sub(own, shv_obstacle_velocity(touch->other, touch->point));
+    return shv_sub(point_velocity(motion, touch), shv_obstacle_velocity(touch->other, touch->point));
 }
 
 double shv_touch_normal_speed(const ShvRigidMotion *motion, const ShvTouch *touch)
@@ -129,11 +133,6 @@ void shv_touches_solve(ShvTouch *touches, int32_t count, ShvRigidMotion *motion)
 }
 
 /* ---- work ---- */
-
-static ShvVec3 point_velocity(const ShvRigidMotion *motion, const ShvTouch *touch)
-{
-    return shv_add(motion->velocity, shv_cross(motion->angular_velocity, touch->arm));
-}
 
 static ShvVec3 interpolate(ShvVec3 before, ShvVec3 after, double share)
 {

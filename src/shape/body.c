@@ -15,7 +15,7 @@ static ShvVec3 apply_in_world(const ShvObstacle *obstacle, const ShvMat3 *local,
 ShvVec3 shv_obstacle_velocity(const ShvObstacle *obstacle, ShvVec3 point)
 {
     if (obstacle->motion == SHV_OBSTACLE_FIXED) return shv_vec3(0.0, 0.0, 0.0);
-    return shv_add(obstacle->velocity, shv_cross(obstacle->angular_velocity, shv_sub(point, obstacle->position)));
+    return shv_velocity_at(obstacle->velocity, obstacle->angular_velocity, shv_sub(point, obstacle->position));
 }
 
 double shv_obstacle_inverse_mass(const ShvObstacle *obstacle, ShvVec3 point, ShvVec3 direction)

@@ -55,7 +55,7 @@ static void place(ShvObstacle *obstacle, double time, double step)
     obstacle->position = centre_of(obstacle, pose);
     obstacle->orientation = pose.orientation;
     obstacle->angular_velocity = spin;
-    obstacle->velocity = shv_add(velocity, shv_cross(spin, shv_sub(obstacle->position, pose.position)));
+    obstacle->velocity = shv_velocity_at(velocity, spin, shv_sub(obstacle->position, pose.position));
     if (!(step > 0.0)) return;
     const Pose next = pose_at(obstacle->definition, time + step, &velocity, &spin);
     obstacle->velocity = shv_scale(shv_sub(centre_of(obstacle, next), obstacle->position), 1.0 / step);

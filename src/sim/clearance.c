@@ -32,11 +32,6 @@ static const ShvFragment *fragment_of(const ShvHybrid *hybrid, int32_t object)
     return NULL;
 }
 
-static ShvVec3 velocity_at(const ShvFragment *fragment, ShvVec3 point)
-{
-    return shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, shv_sub(point, fragment->position)));
-}
-
 static Approach between(const ShvSurfaceDistance *nearest)
 {
     const ShvVec3 direction = shv_sub(shv_load3(nearest->second), shv_load3(nearest->first));
@@ -98,8 +93,7 @@ static ShvStatus approach_obstacle(const ShvModel *model, int32_t object, const 
     const ShvSurfacePoint there = shv_obstacle_closest(obstacle, approach->point, HUGE_VAL);
     if (!(approach->gap > 0.0) || obstacle->shape == SHV_OBSTACLE_PLANE)
         approach->direction = shv_scale(there.normal, -1.0);
-    approach->velocity =
-        shv_add(obstacle->velocity, shv_cross(obstacle->angular_velocity, shv_sub(there.point, obstacle->position)));
+    approach->velocity = shv_obstacle_velocity(obstacle, there.point);
     approach->falls = obstacle->motion == SHV_OBSTACLE_FREE;
     return SHV_OK;
 }
@@ -109,7 +103,7 @@ static ShvStatus approach_obstacle(const ShvModel *model, int32_t object, const 
 /* On the straight way by the shortest distance; nothing where it does not get there. */
 static double impact_speed(const ShvHybrid *hybrid, const ShvFragment *fragment, const Approach *approach)
 {
-    const ShvVec3 velocity = shv_sub(velocity_at(fragment, approach->point), approach->velocity);
+    const ShvVec3 velocity = shv_sub(shv_fragment_velocity(fragment, approach->point), approach->velocity);
     const double start = shv_dot(velocity, approach->direction);
     const double fall = approach->falls ? 0.0 : shv_dot(shv_load3(hybrid->gravity), approach->direction);
     const double squared = start * start + 2.0 * fall * approach->gap;
@@ -124,7 +118,7 @@ static void keep_nearest(ShvPreflight *preflight, const Approach *approach, cons
     preflight->clearance = approach->gap;
 }
 
-static ShvStatus look_at_obstacles(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
+static ShvStatus measure_obstacles(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
                                    const ShvDistanceSurface *surface, ShvError *error)
 {
     const ShvFragment *fragment = fragment_of(hybrid, object);
@@ -140,7 +134,7 @@ static ShvStatus look_at_obstacles(ShvPreflight *preflight, const ShvHybrid *hyb
     return SHV_OK;
 }
 
-static ShvStatus look_at_object(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object, int32_t other,
+static ShvStatus measure_object(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object, int32_t other,
                                 const ShvDistanceSurface *surface, ShvError *error)
 {
     const ShvFragment *fragment = fragment_of(hybrid, object), *second = fragment_of(hybrid, other);
@@ -153,7 +147,7 @@ static ShvStatus look_at_object(ShvPreflight *preflight, const ShvHybrid *hybrid
     Approach approach = between(&nearest);
     keep_nearest(preflight, &approach, hybrid->model.objects[other].name, false);
     if (!fragment || !second || approach.gap > preflight->clearance) return SHV_OK;
-    approach.velocity = velocity_at(second, shv_load3(nearest.second));
+    approach.velocity = shv_fragment_velocity(second, shv_load3(nearest.second));
     approach.falls = true;
     preflight->impact_speed = fmax(preflight->impact_speed, impact_speed(hybrid, fragment, &approach));
     return SHV_OK;
@@ -168,7 +162,7 @@ static double gap_of_boxes(const ShvBox *a, const ShvBox *b)
 }
 
 /* Objects whose boxes are farther away than the nearest so far are passed over. */
-static ShvStatus look_at_objects(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
+static ShvStatus measure_objects(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object,
                                  const ShvDistanceSurface *surface, ShvError *error)
 {
     ShvStartBody own, body;
@@ -177,7 +171,7 @@ static ShvStatus look_at_objects(ShvPreflight *preflight, const ShvHybrid *hybri
         if (i == object || hybrid->scene->objects[i].waits) continue;
         shv_start_body(&body, &hybrid->model, i);
         if (preflight->nearest && !(gap_of_boxes(&own.box, &body.box) < preflight->clearance)) continue;
-        SHV_TRY(look_at_object(preflight, hybrid, object, i, surface, error));
+        SHV_TRY(measure_object(preflight, hybrid, object, i, surface, error));
     }
     return SHV_OK;
 }
@@ -188,8 +182,8 @@ ShvStatus shv_find_nearest(ShvPreflight *preflight, const ShvHybrid *hybrid, int
     preflight->clearance = (double)INFINITY;
     preflight->impact_speed = (double)NAN;
     SHV_TRY(make_surface(&surface, &hybrid->model, object, error));
-    ShvStatus status = look_at_obstacles(preflight, hybrid, object, surface, error);
-    if (status == SHV_OK) status = look_at_objects(preflight, hybrid, object, surface, error);
+    ShvStatus status = measure_obstacles(preflight, hybrid, object, surface, error);
+    if (status == SHV_OK) status = measure_objects(preflight, hybrid, object, surface, error);
     shv_distance_surface_destroy(surface);
     return status;
 }

@@ -21,7 +21,7 @@ typedef struct Watch {
     double start, processor_start;
     ShvTrial trial;
     size_t bytes[SHV_PART_COUNT]; /* at the last time before the first crack */
-    double last_time;             /* s: simulated, at the last look */
+    double last_time;             /* s: simulated, when last noted */
     bool was_awake;
     double last_processor;
     double flown, flight; /* s simulated with nothing awake, and the processor time of that */
@@ -73,7 +73,7 @@ static void note_time(Watch *watch)
     watch->was_awake = awake;
 }
 
-static void look(Watch *watch)
+static void note_progress(Watch *watch)
 {
     const ShvHybrid *hybrid = watch->hybrid;
     note_time(watch);
@@ -92,10 +92,10 @@ static bool is_over(const Watch *watch)
            shv_now() - watch->start >= 4.0 * watch->limit;
 }
 
-static bool look_and_stop(void *data)
+static bool note_and_stop(void *data)
 {
     Watch *watch = data;
-    look(watch);
+    note_progress(watch);
     watch->interrupted = watch->stop && watch->stop(watch->stop_data);
     return watch->interrupted || is_over(watch);
 }
@@ -216,7 +216,7 @@ static ShvStatus run(ShvSimulation *simulation, Watch *watch, ShvError *error)
     ShvStatus status = SHV_OK;
     while (status == SHV_OK && !shv_simulation_finished(simulation)) {
         status = shv_simulation_advance(simulation, error);
-        look(watch);
+        note_progress(watch);
         if (is_over(watch)) break;
     }
     return status == SHV_INTERRUPTED && !watch->interrupted ? SHV_OK : status;
@@ -235,8 +235,8 @@ ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan 
                    .was_awake = hybrid->awake.count > 0,
                    .trial = {.first_wake = (double)NAN, .first_crack = (double)NAN}};
     if (!(seconds > 0.0)) return SHV_OK;
-    look(&watch);
-    hybrid->stop = look_and_stop;
+    note_progress(&watch);
+    hybrid->stop = note_and_stop;
     hybrid->stop_data = &watch;
     ShvStatus status = run(simulation, &watch, error);
     hybrid->stop = watch.stop;

@@ -55,8 +55,7 @@ static void draw_shake(ShvProbe *probe, uint64_t seed)
         shv_fragment_fit(fragment, &hybrid->fragments, state);
         for (int32_t n = 0; n < fragment->node_count; n++) {
             const int32_t node = hybrid->fragments.nodes[fragment->node_begin + n];
-            const ShvVec3 arm = shv_sub(shv_state_position(state, node), fragment->position);
-            const ShvVec3 rigid = shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, arm));
+            const ShvVec3 rigid = shv_fragment_velocity(fragment, shv_state_position(state, node));
             double *v = probe->shake + 3 * (int64_t)node;
             shv_store3(v, shv_sub(shv_load3(v), rigid));
         }

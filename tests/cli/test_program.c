@@ -411,6 +411,7 @@ static void test_export(void **state)
     shell_fails("$shiver export gltf out.h5 --output there --size 5", 2, "--size does not go with gltf");
     shell_fails("$shiver export mp4 out.h5 --output there --lasts 1e", 2, "--lasts");
     shell_fails("$shiver export png out.h5 --output there --frames 99", 2, "frames 0 to 5");
+    shell_fails("$shiver export png out.h5 --output there --time 0,99", 2, "no time 99 s");
     shell_fails("$shiver export png out.h5 --output there --size 20", 2, "pixels");
     /* Where nothing is on the PATH: what is missing is told. */
     shell_fails("PATH=/nowhere $shiver export mp4 out.h5 --output there", 2, "Debian's package ffmpeg");

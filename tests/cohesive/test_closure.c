@@ -299,7 +299,7 @@ static void faces_give_back(void **state)
 }
 
 /* A step that was booked, and then was not taken, leaves nothing behind. */
-static void a_look_holds_nothing(void **state)
+static void an_observed_step_holds_nothing(void **state)
 {
     (void)state;
     Fixture f;
@@ -372,7 +372,7 @@ int main(void)
         cmocka_unit_test(pressed_faces_do_no_work),
         cmocka_unit_test(rattling_never_gains),
         cmocka_unit_test(faces_give_back),
-        cmocka_unit_test(a_look_holds_nothing),
+        cmocka_unit_test(an_observed_step_holds_nothing),
         cmocka_unit_test(slid_away_pairs_are_dropped),
         cmocka_unit_test(sleepers_rest),
     };

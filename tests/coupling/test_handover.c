@@ -282,7 +282,7 @@ static void an_undeformed_fragment_keeps_its_pose(void **unused)
 }
 
 /* The ledger as it stands. */
-static ShvLedgerView look(ShvHybrid *hybrid)
+static ShvLedgerView observe(ShvHybrid *hybrid)
 {
     ShvError error = {SHV_OK, ""};
     check_ok(shv_hybrid_observe(hybrid, &error), error);
@@ -313,10 +313,10 @@ static void deformation_goes_on_or_is_dropped(void **unused)
         stage.scene.fracture.deformation = kept ? SHV_DEFORMATION_KEEP : SHV_DEFORMATION_DROP;
         ShvHybrid hybrid;
         start(&hybrid, &stage, false);
-        const ShvLedgerView awake = look(&hybrid);
+        const ShvLedgerView awake = observe(&hybrid);
         assert_true(awake.strain > 0.0 && awake.cohesive_recoverable > 0.0);
         rest_all(&hybrid);
-        const ShvLedgerView resting = look(&hybrid);
+        const ShvLedgerView resting = observe(&hybrid);
         check_closed(&awake, &resting);
         assert_true(resting.cohesive_released > 0.0); /* by facets to other fragments at least */
         check_near(resting.strain, kept ? awake.strain : 0.0, 1e-10 * awake.strain);
@@ -325,10 +325,10 @@ static void deformation_goes_on_or_is_dropped(void **unused)
         else
             check_near(resting.cohesive_recoverable, 0.0, 1e-10 * awake.cohesive_recoverable);
         for (int32_t i = 0; i < hybrid.fragments.count; i++) move(&hybrid.fragments.items[i]);
-        const ShvLedgerView moved = look(&hybrid);
+        const ShvLedgerView moved = observe(&hybrid);
         assert_true(moved.strain == resting.strain);
         wake_all(&hybrid);
-        const ShvLedgerView woken = look(&hybrid);
+        const ShvLedgerView woken = observe(&hybrid);
         check_closed(&moved, &woken);
         check_near(woken.strain, resting.strain, 1e-10 * awake.strain);
         check_near(woken.cohesive_recoverable, resting.cohesive_recoverable, 1e-10 * awake.cohesive_recoverable);
@@ -346,13 +346,13 @@ static void flown_nodes_wake_in_their_shape(void **unused)
     stage.scene.gravity[2] = 0.0;
     ShvHybrid hybrid;
     start(&hybrid, &stage, false);
-    const ShvLedgerView awake = look(&hybrid);
+    const ShvLedgerView awake = observe(&hybrid);
     rest_all(&hybrid);
-    const ShvLedgerView resting = look(&hybrid);
+    const ShvLedgerView resting = observe(&hybrid);
     check_closed(&awake, &resting);
     assert_true(resting.cohesive_recoverable > 0.0);
     wake_all(&hybrid);
-    const ShvLedgerView woken = look(&hybrid);
+    const ShvLedgerView woken = observe(&hybrid);
     check_closed(&resting, &woken);
     assert_true(woken.kinetic < resting.kinetic);
     check_near(woken.strain, 0.0, 1e-10 * awake.strain);
@@ -387,10 +387,10 @@ static void flown_nodes_wake_outside_of_obstacles(void **unused)
     start(&hybrid, &stage, false);
     rest_all(&hybrid);
     sink(&hybrid, lowest_node(&hybrid) - floor + depth);
-    const ShvLedgerView resting = look(&hybrid);
+    const ShvLedgerView resting = observe(&hybrid);
     wake_all(&hybrid);
     check_near(lowest_node(&hybrid), floor, 1e-12);
-    const ShvLedgerView woken = look(&hybrid);
+    const ShvLedgerView woken = observe(&hybrid);
     assert_true(woken.gravity_potential > resting.gravity_potential);
     check_near(woken.residual, resting.residual, 1e-12 * resting.largest);
     shv_hybrid_release(&hybrid);
@@ -407,11 +407,11 @@ static void kept_strain_counts_once(void **unused)
     ShvError error = {SHV_OK, ""};
     start(&hybrid, &stage, true);
     rest_all(&hybrid);
-    const ShvLedgerView resting = look(&hybrid);
+    const ShvLedgerView resting = observe(&hybrid);
     for (int32_t i = 0; i < hybrid.fragments.count; i += 2)
         if (hybrid.fragments.items[i].mode == SHV_MODE_FLIGHT) wake(&hybrid, i);
     check_ok(shv_awake_refresh(&hybrid, &error), error);
-    const ShvLedgerView mixed = look(&hybrid);
+    const ShvLedgerView mixed = observe(&hybrid);
     check_near(mixed.strain, resting.strain, 1e-10 * resting.strain);
     check_closed(&resting, &mixed);
     shv_hybrid_release(&hybrid);
@@ -429,10 +429,10 @@ static void binned_dust_stays_in_the_sums(void **unused)
     ShvHybrid hybrid;
     ShvError error = {SHV_OK, ""};
     start(&hybrid, &stage, true);
-    const ShvLedgerView before = look(&hybrid);
+    const ShvLedgerView before = observe(&hybrid);
     const int32_t first = hybrid.log.count;
     rest_all(&hybrid);
-    const ShvLedgerView after = look(&hybrid);
+    const ShvLedgerView after = observe(&hybrid);
     check_closed(&before, &after);
     assert_true(after.kinetic == 0.0 && before.kinetic > 0.0);
     double mass = 0.0;
@@ -447,7 +447,7 @@ static void binned_dust_stays_in_the_sums(void **unused)
     const ShvVec3 there = hybrid.fragments.items[hybrid.fragments.count - 1].position;
     int64_t taken = 0;
     check_ok(shv_hybrid_advance(&hybrid, hybrid.state.time + 0.01, 0, &taken, &error), error);
-    const ShvLedgerView later = look(&hybrid);
+    const ShvLedgerView later = observe(&hybrid);
     assert_memory_equal(later.momentum, after.momentum, sizeof after.momentum);
     assert_memory_equal(&there, &hybrid.fragments.items[hybrid.fragments.count - 1].position, sizeof there);
     shv_hybrid_release(&hybrid);
@@ -477,7 +477,7 @@ static void particles_fly_and_meet_obstacles_alone(void **unused)
     assert_true(one->dust);
     const ShvVec3 inwards = shv_scale(shv_unit(shv_sub(centre, one->position)), 2.0);
     one->velocity = inwards;
-    const double given = look(&hybrid).residual;
+    const double given = observe(&hybrid).residual;
     const ShvVec3 from = one->position;
     const double flight = 0.02;
     int64_t taken = 0;
@@ -486,7 +486,7 @@ static void particles_fly_and_meet_obstacles_alone(void **unused)
     one = &hybrid.fragments.items[pushed];
     check_near(shv_norm(shv_sub(shv_sub(one->position, from), way)), 0.0, 1e-12);
     check_ok(shv_hybrid_advance(&hybrid, 3.0, 0, &taken, &error), error);
-    const ShvLedgerView end = look(&hybrid);
+    const ShvLedgerView end = observe(&hybrid);
     assert_int_equal(taken, 0);
     assert_true(end.contact < 0.0);
     check_near(end.residual, given, 1e-4 * end.largest); /* of rolling on corners, second order in the rigid step */
@@ -539,7 +539,7 @@ static void contacts_gain_no_energy(void **unused)
         stage_floor(&stage);
         check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
         if (driven) hybrid.obstacles.items[0].motion = SHV_OBSTACLE_SCRIPTED;
-        look(&hybrid);
+        observe(&hybrid);
         ShvFragment *ball = &hybrid.fragments.items[0];
         const double height = 1.0, energy = ball->mass * 9.81 * height;
         ball->position.z -= height;
@@ -548,7 +548,7 @@ static void contacts_gain_no_energy(void **unused)
             ball->velocity = shv_vec3(0.0, 0.0, sqrt(2.0 * 9.81 * height * left[i]));
             hybrid.ledger.booked[SHV_WORK_CONTACT] = (left[i] - 1.0) * energy;
             if (i < 3 || driven)
-                look(&hybrid);
+                observe(&hybrid);
             else
                 check_fails(shv_hybrid_observe(&hybrid, &error), SHV_DIVERGED, error, "contacts have gained energy by");
             check_near(hybrid.balance.residual, 0.0, 1e-12 * energy);
@@ -638,10 +638,10 @@ static void events_leave_binned_dust_alone(void **unused)
     ShvError error = {SHV_OK, ""};
     start(&hybrid, &stage, false);
     rest_all(&hybrid);
-    const ShvLedgerView before = look(&hybrid);
+    const ShvLedgerView before = observe(&hybrid);
     int64_t taken = 0;
     check_ok(shv_hybrid_advance(&hybrid, 0.004, 0, &taken, &error), error);
-    const ShvLedgerView after = look(&hybrid);
+    const ShvLedgerView after = observe(&hybrid);
     assert_int_equal(hybrid.next_event, 1);
     check_closed(&before, &after);
     assert_true(after.event == 0.0);

@@ -174,6 +174,25 @@ static void test_refusals(void **state)
     shv_run_file_close(file);
 }
 
+/* A time that was read off a report with six digits may lie a little beyond the run's end; more is none of the run's. */
+static void test_rounded_end(void **state)
+{
+    ShvError error;
+    ShvRunFile *file = open_run(*state, false);
+    const double last = shv_run_file_info(file)->last_time, rounded = last * (1.0 + 5e-6), beyond = last * (1.0 + 1e-4);
+    ShvSvgOptions options = shv_svg_default();
+    options.times = &rounded;
+    options.time_count = 1;
+    free(draw(*state, file, &options));
+    options.times = &beyond;
+    check_fails(shv_export_svg(file, file_in(*state, "b"), &options, &error), SHV_BAD_INPUT, error, "no time");
+    assert_int_equal(shv_run_file_nearest(file, rounded), FRAMES - 1);
+    assert_int_equal(shv_run_file_nearest(file, 0.4 * last), 3);
+    assert_int_equal(shv_run_file_nearest(file, beyond), -1);
+    assert_int_equal(shv_run_file_nearest(file, (double)NAN), -1);
+    shv_run_file_close(file);
+}
+
 /* Whichever allocation fails: the status says so and no file is left. */
 static void test_out_of_memory(void **state)
 {
@@ -205,6 +224,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_frame_around_the_fragments, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_same_bytes_in_any_locale, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_refusals, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_rounded_end, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_out_of_memory, make_folder, remove_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

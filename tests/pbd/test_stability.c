@@ -85,7 +85,7 @@ static void still(Body *body)
     shv_fragment_fit(fragment, &world->fragments, &world->state);
     for (int32_t i = 0; i < world->state.node_count; i++) {
         const ShvVec3 arm = shv_sub(shv_state_position(&world->state, i), fragment->position);
-        const ShvVec3 rigid = shv_add(fragment->velocity, shv_cross(fragment->angular_velocity, arm));
+        const ShvVec3 rigid = shv_velocity_at(fragment->velocity, fragment->angular_velocity, arm);
         shv_store3(world->state.velocity + 3 * i, shv_sub(shv_load3(world->state.velocity + 3 * i), rigid));
     }
 }

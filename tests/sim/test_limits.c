@@ -150,7 +150,7 @@ static bool enough(void *data)
 }
 
 /* Stopped in flight and in fracture mode alike; the frame shows that time, and going on leads where an
-   undisturbed run goes. A look between frames names pieces earlier, which orders sums differently and may let a piece rest
+   undisturbed run goes. Observing between frames names pieces earlier, which orders sums differently and may let a piece rest
    earlier: here none rests. */
 static void test_interruption(void **state)
 {
