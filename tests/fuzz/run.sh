@@ -18,6 +18,17 @@ seeds()
     esac
 }
 
+# How many bytes: whole run files, and all of the others' seeds.
+longest()
+{
+    case $1 in run_file) echo 400000 ;; *) echo 20000 ;; esac
+}
+
+words()
+{
+    case $1 in scene | set | study | case) echo "-dict=$root/tests/fuzz/yaml.dict" ;; esac
+}
+
 bad=0
 for reader in "$@"; do
     work=$folder/corpus/$reader
@@ -31,7 +42,7 @@ for reader in "$@"; do
     echo "== $reader"
     if ! LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.txt:print_suppressions=0 \
         ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$folder/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" \
-        -timeout=20 -rss_limit_mb=2048 -max_len=20000 -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
+        -timeout=20 -rss_limit_mb=2048 -max_len="$(longest "$reader")" $(words "$reader") -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
         -artifact_prefix="$folder/found/$reader-" "$work" ${kept:+"$kept"} >"$folder/$reader.log" 2>&1; then
         echo "fuzz: $reader found something, see $folder/$reader.log" >&2
         tail -n 30 "$folder/$reader.log" >&2
