@@ -394,6 +394,7 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, co
                         double start)
 {
     ShvError error;
+    catch_signals(); /* until now there was nothing to lose, and a signal ended the program */
     ShvStatus status = make_record(arguments, scene, path, watch, &error);
     if (status != SHV_OK) {
         shv_record_abandon(watch->record);
@@ -504,7 +505,6 @@ static int run(const ShvArguments *arguments)
     ShvScene *scene;
     const int loaded = shv_resume_load_scene(&scene, &own);
     if (!scene) return loaded;
-    catch_signals();
     const int exit_status = run_scene(&own, scene, &watch, audits, start);
     shv_scene_destroy(scene);
     return exit_status;
