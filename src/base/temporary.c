@@ -140,6 +140,7 @@ void shv_temporary_join(const ShvTemporary *temporary)
 {
     const pid_t own = getpid();
     setpgid(0, 0);
+    setenv("TMPDIR", temporary->folder, 1);
     (void)send(temporary->line, &own, sizeof own, MSG_NOSIGNAL);
 }
 

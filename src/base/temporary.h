@@ -18,7 +18,8 @@ typedef struct ShvTemporary {
 /* Makes the folder, in $TMPDIR where that is an absolute path, else in /tmp. `file` (may be NULL): is removed with it, should it be
    there still. */
 ShvStatus shv_temporary_open(ShvTemporary *temporary, const char *file, ShvError *error);
-/* In a child that will become another program: makes it the first of a process group that ends with this process. */
+/* In a child that will become another program: makes it the first of a process group that ends with this process. The
+   folder becomes its $TMPDIR. */
 void shv_temporary_join(const ShvTemporary *temporary);
 /* Ends the group of a child that has been waited for: its helpers, too, are gone when this returns (or after two seconds). */
 void shv_temporary_end(const ShvTemporary *temporary, pid_t child);
