@@ -1,5 +1,6 @@
 #!/bin/sh
 # Runs fuzzers, each for so many seconds of processor time; what they find is kept beside the build and ends with a failure.
+# libraries.sh: with HDF5 and libfyaml instrumented, too.
 # usage: run.sh SECONDS [READER …]
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -21,7 +22,7 @@ seeds()
 # How many bytes: whole run files, and all of the others' seeds.
 longest()
 {
-    case $1 in run_file) echo 400000 ;; *) echo 20000 ;; esac
+    case $1 in run_file) echo 1000000 ;; *) echo 20000 ;; esac
 }
 
 words()
@@ -35,7 +36,9 @@ for reader in "$@"; do
     mkdir -p "$work" "$folder/found"
     seeds "$reader" | while read -r file; do cp "$file" "$work/seed-$(basename "$(dirname "$file")")-$(basename "$file")"; done
     if [ "$reader" = run_file ] && [ -x "$root/build/release/shiver" ]; then
-        "$root/build/release/shiver" run "$root/scenes/extreme/24_parts.yaml" --quiet --force --output "$work/seed.h5"
+        for scene in scenes/extreme/24_parts.yaml tests/fuzz/run.yaml; do
+            "$root/build/release/shiver" run "$root/$scene" --quiet --force --output "$work/seed-$(basename "$scene" .yaml).h5"
+        done
     fi
     kept=$root/tests/fuzz/corpus/$reader
     [ -d "$kept" ] || kept=
