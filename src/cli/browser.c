@@ -139,10 +139,11 @@ ShvStatus shv_browser_ask(ShvBrowser *browser, const char *expression, const cha
 /* ---- opening ---- */
 
 /* In the child. */
-static void become_browser(const char *program, const char *profile, int commands, int answers)
+static void become_browser(const ShvBrowser *browser, const char *program, const char *profile, int commands,
+                           int answers)
 {
     char folder[SHV_CLI_PATH + 32];
-    setpgid(0, 0);
+    shv_temporary_join(browser->place);
     snprintf(folder, sizeof folder, "--user-data-dir=%s", profile);
     const int silent = open("/dev/null", O_RDWR);
     dup2(silent, STDIN_FILENO);
@@ -181,8 +182,7 @@ static ShvStatus start(ShvBrowser *browser, const char *profile, ShvError *error
     fcntl(browser->from, F_SETFD, FD_CLOEXEC);
     signal(SIGPIPE, SIG_IGN);
     browser->process = fork();
-    if (browser->process == 0) become_browser(program, profile, commands[0], answers[1]);
-    if (browser->process > 0) setpgid(browser->process, browser->process); /* whoever of the two comes first */
+    if (browser->process == 0) become_browser(browser, program, profile, commands[0], answers[1]);
     close(commands[0]);
     close(answers[1]);
     return browser->process > 0 ? SHV_OK : shv_fail(error, SHV_FILE_ERROR, "no process: %s", strerror(errno));
@@ -231,22 +231,15 @@ static ShvStatus wait_for_page(ShvBrowser *browser, ShvError *error)
     return fail_browser(error, "has not shown the page for two minutes");
 }
 
-ShvStatus shv_browser_open(ShvBrowser *browser, const char *page, const char *profile, ShvError *error)
+ShvStatus shv_browser_open(ShvBrowser *browser, const ShvTemporary *place, const char *page, const char *profile,
+                           ShvError *error)
 {
-    *browser = (ShvBrowser){.process = -1, .to = -1, .from = -1};
+    *browser = (ShvBrowser){.place = place, .process = -1, .to = -1, .from = -1};
     ShvStatus status = start(browser, profile, error);
     if (status == SHV_OK) status = attach(browser, page, error);
     if (status == SHV_OK) status = wait_for_page(browser, error);
     if (status != SHV_OK) shv_browser_close(browser);
     return status;
-}
-
-/* Its helpers, in the group of its own that it was started in: they write into the profile's folder until they end. */
-static void end_helpers(pid_t group)
-{
-    enum { MOST_NAPS = 40 }; /* two seconds */
-    const struct timespec nap = {0, NAP};
-    for (int i = 0; i < MOST_NAPS && kill(-group, SIGKILL) == 0; i++) nanosleep(&nap, NULL);
 }
 
 void shv_browser_close(ShvBrowser *browser)
@@ -257,7 +250,8 @@ void shv_browser_close(ShvBrowser *browser)
     if (browser->process > 0) {
         kill(browser->process, SIGTERM);
         wait_for(browser->process);
-        end_helpers(browser->process);
+        shv_temporary_end(browser->place,
+                          browser->process); /* its helpers write into the profile's folder until they end */
     }
     shv_release(browser->answer);
     *browser = (ShvBrowser){.process = -1, .to = -1, .from = -1};

@@ -82,11 +82,10 @@ static void report(const char *output, const ShvMesh *mesh, bool json)
     print_object(output, mesh);
 }
 
-static ShvStatus mesh_to(const Job *job, const char *temporary, ShvError *error)
+static ShvStatus read_back(const Job *job, const char *path, ShvError *error)
 {
     ShvMesh mesh;
-    SHV_TRY(shv_fill_file(job->input, job->edge, temporary, &interrupted, error));
-    SHV_TRY(shv_mesh_read_gmsh(&mesh, NULL, temporary, error));
+    SHV_TRY(shv_mesh_read_gmsh(&mesh, NULL, path, error));
     const ShvStatus status = shv_mesh_validate(&mesh, job->output, error);
     if (status == SHV_OK) report(job->output, &mesh, job->json);
     shv_mesh_release(&mesh);
@@ -94,16 +93,26 @@ static ShvStatus mesh_to(const Job *job, const char *temporary, ShvError *error)
 }
 
 /* An existing mesh is replaced only by one that has been read back. */
+static ShvStatus mesh_to(const Job *job, const char *unfinished, int descriptor, ShvError *error)
+{
+    ShvTemporary place;
+    SHV_TRY(shv_temporary_open(&place, unfinished, error));
+    ShvStatus status = shv_fill_file(job->input, job->edge, &place, unfinished, &interrupted, error);
+    if (status == SHV_OK) status = read_back(job, unfinished, error);
+    if (status == SHV_OK) status = shv_publish_end(unfinished, descriptor, job->output, job->force, error);
+    shv_temporary_close(&place);
+    return status;
+}
+
 static ShvStatus make(const Job *job, ShvError *error)
 {
-    char *temporary = NULL;
+    char *unfinished = NULL;
     int descriptor;
-    SHV_TRY(shv_publish_begin(NULL, job->output, &temporary, &descriptor, error));
-    ShvStatus status = mesh_to(job, temporary, error);
-    if (status == SHV_OK) status = shv_publish_end(temporary, descriptor, job->output, job->force, error);
-    if (status != SHV_OK) unlink(temporary);
+    SHV_TRY(shv_publish_begin(NULL, job->output, &unfinished, &descriptor, error));
+    const ShvStatus status = mesh_to(job, unfinished, descriptor, error);
+    if (status != SHV_OK) unlink(unfinished);
     close(descriptor);
-    shv_release(temporary);
+    shv_release(unfinished);
     return status;
 }
 

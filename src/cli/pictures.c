@@ -23,13 +23,17 @@ enum { MOST_BYTES = 1 << 30 };
 typedef struct Studio {
     const ShvPictures *pictures;
     ShvRunFile *file;
-    char folder[SHV_CLI_PATH], page[SHV_CLI_PATH], profile[SHV_CLI_PATH];
+    ShvTemporary place;
+    char page[SHV_CLI_PATH], profile[SHV_CLI_PATH];
     ShvBrowser browser;
 } Studio;
+
+static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
 {
     (void)number;
+    interrupted = 1;
 }
 
 /* ---- one picture ---- */
@@ -85,6 +89,7 @@ static ShvStatus draw(Studio *studio, const char *time, const char *path, bool f
     const int width = studio->pictures->width;
     snprintf(expression, sizeof expression, "shiver.then(v => v.capture(%s, %d, %d))", time, width, width * 9 / 32 * 2);
     SHV_TRY(shv_browser_ask(&studio->browser, expression, &text, error));
+    if (interrupted) return shv_fail(error, SHV_INTERRUPTED, "interrupted");
     if (strncmp(text, head, sizeof head - 1) != 0)
         return shv_fail(error, SHV_FILE_ERROR, "the browser could not draw a picture of %d pixels", width);
     char *bytes = studio->browser.answer + (text - studio->browser.answer) + sizeof head - 1;
@@ -127,23 +132,19 @@ static ShvStatus set_up_page(Studio *studio, ShvError *error)
 
 static ShvStatus open_studio(Studio *studio, ShvError *error)
 {
-    const char *base = getenv("TMPDIR");
     shv_interrupt_waiting(on_signal); /* what was begun is removed */
-    SHV_TRY(shv_cli_path(studio->folder, error, "%s/shiver-XXXXXX", base && *base == '/' ? base : "/tmp"));
-    if (!mkdtemp(studio->folder))
-        return shv_fail(error, SHV_FILE_ERROR, "cannot make a folder '%s': %s", studio->folder, strerror(errno));
-    SHV_TRY(shv_cli_path(studio->page, error, "%s/page.html", studio->folder));
-    SHV_TRY(shv_cli_path(studio->profile, error, "%s/profile", studio->folder));
+    SHV_TRY(shv_temporary_open(&studio->place, NULL, error));
+    SHV_TRY(shv_cli_path(studio->page, error, "%s/page.html", studio->place.folder));
+    SHV_TRY(shv_cli_path(studio->profile, error, "%s/profile", studio->place.folder));
     SHV_TRY(write_page(studio, error));
-    SHV_TRY(shv_browser_open(&studio->browser, studio->page, studio->profile, error));
+    SHV_TRY(shv_browser_open(&studio->browser, &studio->place, studio->page, studio->profile, error));
     return set_up_page(studio, error);
 }
 
 static void close_studio(Studio *studio)
 {
     shv_browser_close(&studio->browser);
-    if (studio->folder[0] && access(studio->folder, F_OK) == 0)
-        shv_run_program((const char *const[]){"rm", "-rf", "--", studio->folder, NULL});
+    shv_temporary_close(&studio->place);
 }
 
 static ShvStatus check_width(const ShvPictures *pictures, ShvError *error)
@@ -224,10 +225,10 @@ ShvStatus shv_write_png(ShvRunFile *file, const ShvPictures *pictures, ShvError 
 
 /* ---- films ---- */
 
-static bool run_ffmpeg(const char *folder, const char *rate, const char *result, bool webp)
+static bool run_ffmpeg(const ShvTemporary *place, const char *rate, const char *result, bool webp)
 {
-    char input[SHV_CLI_PATH + 16];
-    snprintf(input, sizeof input, "%s/%%06d.png", folder);
+    char input[SHV_TEMPORARY_PATH + 16];
+    snprintf(input, sizeof input, "%s/%%06d.png", place->folder);
     /* One thread and no dates: equal films have equal bytes. */
     const char *film[] = {"ffmpeg",   "-y",        "-loglevel", "error",      "-framerate", rate,
                           "-i",       input,       "-c:v",      "libx264",    "-pix_fmt",   "yuv420p",
@@ -236,7 +237,7 @@ static bool run_ffmpeg(const char *folder, const char *rate, const char *result,
     const char *page[] = {
         "ffmpeg", "-y", "-loglevel",          "error", "-framerate", rate, "-i",       input, "-c:v", "libwebp_anim",
         "-q:v",   "62", "-compression_level", "6",     "-loop",      "0",  "-threads", "1",   result, NULL};
-    return shv_run_program(webp ? page : film);
+    return shv_run_program(place, webp ? page : film);
 }
 
 static ShvStatus film(Studio *studio, const char *path, bool webp, ShvError *error)
@@ -244,13 +245,13 @@ static ShvStatus film(Studio *studio, const char *path, bool webp, ShvError *err
     char picture[SHV_CLI_PATH], place[64], rate[16], result[SHV_CLI_PATH];
     const int frequency = webp ? PAGE_RATE : FILM_RATE, count = (int)(studio->pictures->lasts * frequency);
     for (int i = 0; i < count; i++) {
-        SHV_TRY(shv_cli_path(picture, error, "%s/%06d.png", studio->folder, i));
+        SHV_TRY(shv_cli_path(picture, error, "%s/%06d.png", studio->place.folder, i));
         snprintf(place, sizeof place, "v.clock.timeOf(%.9g)", count > 1 ? (double)i / (count - 1) : 0.0);
         SHV_TRY(draw(studio, place, picture, true, error));
     }
-    SHV_TRY(shv_cli_path(result, error, "%s/film.%s", studio->folder, webp ? "webp" : "mp4"));
+    SHV_TRY(shv_cli_path(result, error, "%s/film.%s", studio->place.folder, webp ? "webp" : "mp4"));
     snprintf(rate, sizeof rate, "%d", frequency);
-    if (!run_ffmpeg(studio->folder, rate, result, webp))
+    if (!run_ffmpeg(&studio->place, rate, result, webp))
         return shv_fail(error, SHV_FILE_ERROR, "ffmpeg could not make a film of the pictures; see its message above");
     char *bytes = NULL;
     size_t size;

@@ -22,15 +22,17 @@ bool shv_on_path(const char *program)
     return false;
 }
 
-bool shv_run_program(const char *const *arguments)
+bool shv_run_program(const ShvTemporary *place, const char *const *arguments)
 {
     const pid_t child = fork();
     if (child < 0) return false;
     if (child > 0) {
         int status = 0;
         while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+        shv_temporary_end(place, child);
         return status == 0;
     }
+    shv_temporary_join(place);
     char *copies[32] = {NULL};
     for (int i = 0; i < 31 && arguments[i]; i++) copies[i] = strdup(arguments[i]);
     execvp(copies[0], copies);

@@ -10,20 +10,20 @@
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
 
 #include "base/text.h"
 #include "mesh/generate.h"
 #include "mesh/surface.h"
 
-enum { LONGEST_PATH = 4096, LONGEST_COMPLAINT = 300, NO_PROGRAM = 127 };
+enum { LONGEST_PATH = SHV_TEMPORARY_PATH, LONGEST_COMPLAINT = 300, NO_PROGRAM = 127 };
+enum { NAP = 5 * 1000 * 1000 }; /* ns between looks at gmsh */
 
-/* Files of one call, in a folder of its own that is removed at the end. */
+/* Files of one call. */
 typedef struct Workshop {
-    char folder[LONGEST_PATH], script[LONGEST_PATH], surface[LONGEST_PATH], log[LONGEST_PATH], input[LONGEST_PATH];
+    const ShvTemporary *place;
+    char script[LONGEST_PATH], surface[LONGEST_PATH], log[LONGEST_PATH], input[LONGEST_PATH];
     double edge; /* in the units of the file */
 } Workshop;
 
@@ -126,12 +126,10 @@ static ShvStatus write_script(const Workshop *workshop, ShvError *error)
 
 /* ---- gmsh ---- */
 
-/* In the child: gmsh ends with its parent, and runs into its own limit of memory before the machine's. */
+/* In the child: gmsh runs into its own limit of memory before the machine's. */
 static void become_gmsh(const Workshop *workshop, const char *output)
 {
-#ifdef __linux__
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
+    shv_temporary_join(workshop->place);
     const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     if (pages > 0 && size > 0) {
         const rlim_t most = (rlim_t)pages / 4 * 3 * (rlim_t)size;
@@ -159,6 +157,18 @@ static ShvStatus complain(const Workshop *workshop, ShvError *error)
                     workshop->input, *said ? "; it says: " : "", said);
 }
 
+/* A signal may come at any moment, also just before a wait without end. */
+static int wait_for(pid_t child, const volatile sig_atomic_t *interrupted)
+{
+    int status = 0;
+    const struct timespec nap = {0, NAP};
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        if (interrupted && *interrupted) kill(child, SIGKILL);
+        nanosleep(&nap, NULL);
+    }
+    return status;
+}
+
 static ShvStatus call_gmsh(const Workshop *workshop, const char *output, const volatile sig_atomic_t *interrupted,
                            ShvError *error)
 {
@@ -166,9 +176,8 @@ static ShvStatus call_gmsh(const Workshop *workshop, const char *output, const v
     const pid_t child = fork();
     if (child < 0) return shv_fail(error, SHV_FILE_ERROR, "cannot start gmsh: %s", strerror(errno));
     if (child == 0) become_gmsh(workshop, output);
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-        if (interrupted && *interrupted) kill(child, SIGKILL);
+    const int status = wait_for(child, interrupted);
+    shv_temporary_end(workshop->place, child);
     if (interrupted && *interrupted) return shv_fail(error, SHV_INTERRUPTED, "stopped");
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return SHV_OK;
     if (WIFEXITED(status) && WEXITSTATUS(status) == NO_PROGRAM)
@@ -201,51 +210,41 @@ static ShvStatus find_input(Workshop *workshop, const char *path, ShvError *erro
     return put_path(workshop->input, folder, path, error);
 }
 
-static ShvStatus open_workshop(Workshop *workshop, ShvError *error)
+static ShvStatus open_workshop(Workshop *workshop, const ShvTemporary *place, ShvError *error)
 {
-    const char *temporary = getenv("TMPDIR");
-    SHV_TRY(put_path(workshop->folder, temporary && *temporary ? temporary : "/tmp", "shiver-XXXXXX", error));
-    if (!mkdtemp(workshop->folder))
-        return shv_fail(error, SHV_FILE_ERROR, "cannot make a temporary folder like %s: %s", workshop->folder,
-                        strerror(errno));
-    SHV_TRY(put_path(workshop->script, workshop->folder, "mesh.geo", error));
-    SHV_TRY(put_path(workshop->log, workshop->folder, "log", error));
-    return put_path(workshop->surface, workshop->folder, "surface.stl", error);
+    workshop->place = place;
+    SHV_TRY(put_path(workshop->script, place->folder, "mesh.geo", error));
+    SHV_TRY(put_path(workshop->log, place->folder, "log", error));
+    return put_path(workshop->surface, place->folder, "surface.stl", error);
 }
 
-static ShvStatus fill(const Workshop *workshop, const char *output, const volatile sig_atomic_t *interrupted,
-                      ShvError *error)
-{
-    if (is_surface(workshop->input)) SHV_TRY(convert_surface(workshop, error));
-    SHV_TRY(write_script(workshop, error));
-    return call_gmsh(workshop, output, interrupted, error);
-}
-
-ShvStatus shv_fill_file(const char *input, double edge, const char *output, const volatile sig_atomic_t *interrupted,
-                        ShvError *error)
+ShvStatus shv_fill_file(const char *input, double edge, const ShvTemporary *place, const char *output,
+                        const volatile sig_atomic_t *interrupted, ShvError *error)
 {
     Workshop workshop = {.edge = edge};
     SHV_TRY(find_input(&workshop, input, error));
-    SHV_TRY(open_workshop(&workshop, error));
-    const ShvStatus status = fill(&workshop, output, interrupted, error);
-    unlink(workshop.script);
-    unlink(workshop.surface);
-    unlink(workshop.log);
-    rmdir(workshop.folder);
-    return status;
+    SHV_TRY(open_workshop(&workshop, place, error));
+    if (is_surface(workshop.input)) SHV_TRY(convert_surface(&workshop, error));
+    SHV_TRY(write_script(&workshop, error));
+    return call_gmsh(&workshop, output, interrupted, error);
+}
+
+static ShvStatus fill_in(const ShvTemporary *place, ShvMesh *mesh, ShvMemory *memory,
+                         const ShvMeshDefinition *definition, const char *path, ShvError *error)
+{
+    char output[LONGEST_PATH];
+    SHV_TRY(put_path(output, place->folder, "filled.msh", error));
+    SHV_TRY(shv_fill_file(path, definition->edge / definition->scale, place, output, NULL, error));
+    return shv_mesh_read_gmsh(mesh, memory, output, error);
 }
 
 ShvStatus shv_mesh_fill(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinition *definition, const char *path,
                         ShvError *error)
 {
-    char output[] = "/tmp/shiver-mesh-XXXXXX";
+    ShvTemporary place;
     SHV_TRY(shv_fill_check(path, false, error));
-    const int descriptor = mkstemp(output);
-    if (descriptor < 0)
-        return shv_fail(error, SHV_FILE_ERROR, "cannot make a temporary file like %s: %s", output, strerror(errno));
-    close(descriptor);
-    ShvStatus status = shv_fill_file(path, definition->edge / definition->scale, output, NULL, error);
-    if (status == SHV_OK) status = shv_mesh_read_gmsh(mesh, memory, output, error);
-    unlink(output);
+    SHV_TRY(shv_temporary_open(&place, NULL, error));
+    const ShvStatus status = fill_in(&place, mesh, memory, definition, path, error);
+    shv_temporary_close(&place);
     return status;
 }

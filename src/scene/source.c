@@ -1,5 +1,7 @@
 #include "scene/source.h"
 
+#include <string.h>
+
 /* Length of the UTF-8 character at text[0 … length), 0 when it is none: overlong forms, surrogates and values beyond
    U+10FFFF are none (Unicode standard, table 3-7). */
 static size_t character_length(const unsigned char *text, size_t length)
@@ -29,6 +31,43 @@ static bool is_blank(unsigned byte)
     return byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r';
 }
 
+static bool is_space(unsigned byte)
+{
+    return byte == ' ' || byte == '\t';
+}
+
+/* Whether a '?' that begins a key of its own may stand here. */
+static bool is_complex_key(const char *text, size_t length, size_t i)
+{
+    return text[i] == '?' && (i + 1 == length || is_blank((unsigned char)text[i + 1]));
+}
+
+/* A colon, spaces with a tab among them, and what begins a block: what libfyaml takes for indentation by a tab. */
+static bool is_tab_before_block(const char *text, size_t length, size_t i)
+{
+    bool tab = false;
+    if (text[i] != ':') return false;
+    for (i++; i < length && is_space((unsigned char)text[i]); i++) tab = tab || text[i] == '\t';
+    return tab && i < length && strchr("?:|>-", text[i]);
+}
+
+/* libfyaml 0.7.12 frees a key twice where it finds such a tab within or after a complex key. */
+static bool check_complex_keys(ShvDiagnostics *diagnostics, const char *text, size_t length, int32_t origin)
+{
+    ShvPlace place = {1, 1, origin};
+    bool complex_key = false;
+    for (size_t i = 0; i < length; i++) {
+        complex_key = complex_key || is_complex_key(text, length, i);
+        if (complex_key && is_tab_before_block(text, length, i)) {
+            shv_error(diagnostics, place, "a tab follows this colon, after a key that begins with '?'; use spaces");
+            return false;
+        }
+        place.column++;
+        if (text[i] == '\n') place = (ShvPlace){place.line + 1, 1, origin};
+    }
+    return true;
+}
+
 bool shv_source_check(ShvDiagnostics *diagnostics, const char *text, size_t length, int32_t origin)
 {
     ShvPlace place = {1, 1, origin};
@@ -53,5 +92,5 @@ bool shv_source_check(ShvDiagnostics *diagnostics, const char *text, size_t leng
         if (*at == '\n') place = (ShvPlace){place.line + 1, 1, origin};
         i += step;
     }
-    return true;
+    return check_complex_keys(diagnostics, text, length, origin);
 }

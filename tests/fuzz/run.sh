@@ -1,5 +1,6 @@
 #!/bin/sh
 # Runs fuzzers, each for so many seconds of processor time; what they find is kept beside the build and ends with a failure.
+# libraries.sh: with HDF5 and libfyaml instrumented, too.
 # usage: run.sh SECONDS [READER …]
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -18,20 +19,33 @@ seeds()
     esac
 }
 
+# How many bytes: whole run files, and all of the others' seeds.
+longest()
+{
+    case $1 in run_file) echo 1000000 ;; *) echo 20000 ;; esac
+}
+
+words()
+{
+    case $1 in scene | set | study | case) echo "-dict=$root/tests/fuzz/yaml.dict" ;; esac
+}
+
 bad=0
 for reader in "$@"; do
     work=$folder/corpus/$reader
     mkdir -p "$work" "$folder/found"
     seeds "$reader" | while read -r file; do cp "$file" "$work/seed-$(basename "$(dirname "$file")")-$(basename "$file")"; done
     if [ "$reader" = run_file ] && [ -x "$root/build/release/shiver" ]; then
-        "$root/build/release/shiver" run "$root/scenes/extreme/24_parts.yaml" --quiet --force --output "$work/seed.h5"
+        for scene in scenes/extreme/24_parts.yaml tests/fuzz/run.yaml; do
+            "$root/build/release/shiver" run "$root/$scene" --quiet --force --output "$work/seed-$(basename "$scene" .yaml).h5"
+        done
     fi
     kept=$root/tests/fuzz/corpus/$reader
     [ -d "$kept" ] || kept=
     echo "== $reader"
     if ! LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.txt:print_suppressions=0 \
         ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$folder/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" \
-        -timeout=20 -rss_limit_mb=2048 -max_len=20000 -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
+        -timeout=20 -rss_limit_mb=2048 -max_len="$(longest "$reader")" $(words "$reader") -close_fd_mask=0 -print_final_stats=1 -verbosity=0 \
         -artifact_prefix="$folder/found/$reader-" "$work" ${kept:+"$kept"} >"$folder/$reader.log" 2>&1; then
         echo "fuzz: $reader found something, see $folder/$reader.log" >&2
         tail -n 30 "$folder/$reader.log" >&2

@@ -160,6 +160,25 @@ static void limits_hold(void **state)
     check_refused(text, length, "unknown key 'a'");
 }
 
+/* libfyaml 0.7.12 frees a key twice over these, and the program ended in a signal. */
+static void tabs_after_complex_keys_are_refused(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"? a:\t|\n",        "? a:\t? b\n",    "? a:\t- b\n",   "? a: \t > b\n: c",
+                                        "? - a\n  - b:\t|", "a:\n - ? b:\t|", "?\na:\t\t: c\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        size_t length;
+        char *text = repeated(texts[i], "", 0, "", &length);
+        check_refused(text, length, "a tab follows this colon");
+    }
+    static const char *const good[] = {"name:\tx\n", "name:\t- x\n", "name: what ? is\n", "? name\n: a\tb\n"};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        Parsed parsed = parse_bytes(good[i], strlen(good[i]), NULL, 0);
+        if (strstr(parsed.error.message, "tab follows")) fail_msg("%s: %s", good[i], parsed.error.message);
+        release(&parsed);
+    }
+}
+
 /* Ten references to ten references to …: tiny as a file, 10^9 values when it is followed. */
 static void alias_bombs_are_defused(void **state)
 {
@@ -226,6 +245,7 @@ int main(void)
         cmocka_unit_test(every_lack_of_memory_is_reported),
         cmocka_unit_test(every_lack_of_memory_is_reported_by_load),
         cmocka_unit_test(limits_hold),
+        cmocka_unit_test(tabs_after_complex_keys_are_refused),
         cmocka_unit_test(alias_bombs_are_defused),
         cmocka_unit_test(many_anchors_are_refused),
         cmocka_unit_test(many_faults_are_counted),
