@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "cohesive/facet_rotation.h"
 #include "cohesive/solve.h"
@@ -149,24 +150,55 @@ static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, doubl
     closing.elastic = cohesive->sides[closing.rotation->index].returned > 0.0;
     closing.friction = cohesive->sides[closing.rotation->index].friction;
     bool any = false;
-    if (cohesive->phase[closing.rotation->index] == SHV_COHESIVE_SEPARATED) return false;
+    if (!closing.rotation->known || cohesive->phase[closing.rotation->index] == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
         if (closing.rotation->first[closing.corner] == closing.rotation->second[closing.corner]) continue;
-        closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
+        if (closing.elastic)
+            closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
         any = close_pair(&closing, state, kick, step) || any;
         if (closing.friction > 0.0) any = rub(&closing, state, kick, step) || any;
     }
     return any;
 }
 
+/* What a facet finds to do hangs on the velocities of its nodes alone: it is asked again once one of them was struck. */
+static bool has_news(const ShvCohesive *cohesive, int32_t k)
+{
+    const ShvFacetRotation *rotation = &cohesive->rotations[k];
+    const int32_t *struck = cohesive->struck, before = cohesive->closed[k];
+    for (int i = 0; i < 3; i++)
+        if (struck[rotation->first[i]] > before || struck[rotation->second[i]] > before) return true;
+    return false;
+}
+
+static bool may_meet(const ShvCohesive *cohesive, const ShvState *state, int32_t k, double step)
+{
+    const double apart = cohesive->apart[k];
+    return !(apart > 0.0 && apart > step * shv_cohesive_spread_of_speeds(&cohesive->rotations[k], state));
+}
+
+static void note_strike(ShvCohesive *cohesive, int32_t k, int32_t number)
+{
+    const ShvFacetRotation *rotation = &cohesive->rotations[k];
+    for (int i = 0; i < 3; i++) cohesive->struck[rotation->first[i]] = cohesive->struck[rotation->second[i]] = number;
+    cohesive->apart[k] = 0.0;
+}
+
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step)
 {
     if (!(step > 0.0 && kick > 0.0)) return;
     bool again = true;
+    int32_t strikes = 0;
+    if (cohesive->rotation_count > 0) memset(cohesive->struck, 0, (size_t)state->node_count * sizeof *cohesive->struck);
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
         again = false;
-        for (int32_t k = 0; k < cohesive->rotation_count; k++)
-            again = close_facet(cohesive, state, k, kick, step) || again;
+        for (int32_t k = 0; k < cohesive->rotation_count; k++) {
+            if (pass > 0 && !has_news(cohesive, k)) continue;
+            cohesive->closed[k] = strikes;
+            if (!may_meet(cohesive, state, k, step) || !close_facet(cohesive, state, k, kick, step)) continue;
+            note_strike(cohesive, k, ++strikes);
+            again = true;
+        }
         cohesive->pushed = cohesive->pushed || again;
     }
 }

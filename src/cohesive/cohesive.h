@@ -66,6 +66,7 @@ typedef struct ShvFacetRotation {
     bool rotates;   /* couples are answered */
     bool news;      /* nodes of it have other velocities since the last pull */
     bool answers;   /* `answer` is not zero */
+    bool known;     /* what follows is that of the present step */
     ShvVec3 normal; /* of the mean of both faces, from the first to the second */
     ShvVec3 rate;   /* of turn, rad/s */
     ShvVec3 arm[3]; /* of the middles from their mean, m */
@@ -165,6 +166,8 @@ typedef struct ShvCohesive {
     ShvFacetRotation *rotations;
     ShvVec3 *couple;     /* 3 per turn: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps;  /* as `turns` */
+    double *apart;       /* as `turns`, m: ways of its nodes on which its faces cannot meet (solve.h); > 0: nothing has pushed them */
+    int32_t *closed;     /* as `turns`: strikes before it was looked at last, of the present closing */
     bool pushed;         /* some closing forces are not zero */
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
@@ -179,6 +182,7 @@ typedef struct ShvCohesive {
     double pull_kick, pull_step; /* what `pairs` were made for; 0: nothing yet */
     double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
     uint8_t *node_news;          /* node_capacity: it has another velocity since */
+    int32_t *struck;             /* node_capacity: number of its last strike by closing faces; 0: none in the step */
     int32_t *origin_fill;        /* mesh.node_count; zero between steps */
     double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;

@@ -27,6 +27,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, rotations, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, couple, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, gaps, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, apart, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, points, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, cluster, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, cluster_corner, SHV_FIELD_BLOCK),
@@ -50,8 +51,10 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, watched, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, watched_nodes, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, node_value, SHV_FIELD_BLOCK),
-    /* made by the first pull of a step */
+    /* made by the first pull of a step, and by each closing */
     SHV_FIELD_OF(ShvCohesive, pairs, SHV_FIELD_ROOM),
+    SHV_FIELD_OF(ShvCohesive, closed, SHV_FIELD_ROOM),
+    SHV_FIELD_OF(ShvCohesive, struck, SHV_FIELD_ROOM),
     /* made from the scene, and scratch of a fixed size */
     SHV_FIELD_OF(ShvCohesive, memory, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, model, SHV_FIELD_KEPT),

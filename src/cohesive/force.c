@@ -155,7 +155,7 @@ static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetRo
         if (cohesive->peak[3 * (int64_t)rotation->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
         farthest = shv_larger(farthest, shv_dot(gaps->opening[i], gaps->opening[i]));
     }
-    const double edge_squared = cohesive->area[rotation->index] * (4.0 / sqrt(3.0));
+    const double edge_squared = cohesive->area[rotation->index] * SHV_SQUARE_OF_EDGE;
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
 }
 
@@ -176,6 +176,8 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
         gaps->before[i] = shv_scale(shv_sub(rate, shv_cross(rotation->rate, gaps->opening[i])), 0.5 * state->last_step);
     }
     cohesive->phase[index] = (uint8_t)next_phase(cohesive, rotation, gaps);
+    const bool elastic = cohesive->sides[index].returned > 0.0; /* what its faces hold they give back when they part */
+    cohesive->apart[k] = elastic ? 0.0 : shv_cohesive_way_apart(rotation, gaps, cohesive->area[index]);
 }
 
 static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
@@ -222,6 +224,18 @@ static void pass_clusters(ShvCohesive *cohesive, const ShvState *state, bool end
 /* Lists are made anew when this share of their facets carries no more. */
 static const double idle_share = 0.05;
 
+/* In a step nodes may become faster by this factor before faces that were apart meet unseen; the next step finds them. */
+static const double most_speeding = 4.0;
+
+/* A facet that has failed, and whose faces will not meet in this step. */
+static bool stays_apart(ShvCohesive *cohesive, const ShvState *state, int32_t k)
+{
+    if (!(cohesive->apart[k] > 0.0) || cohesive->rotations[k].carries || !(state->last_step > 0.0)) return false;
+    const double way = state->last_step * shv_cohesive_spread_of_speeds(&cohesive->rotations[k], state);
+    cohesive->apart[k] -= way;
+    return cohesive->apart[k] > most_speeding * way;
+}
+
 static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
 {
     const int32_t count = cohesive->rotation_count, threads = cohesive->model->threads;
@@ -229,9 +243,10 @@ static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(+ : separated, idle)
     for (int32_t k = 0; k < count; k++) {
-        const ShvFacetRotation *rotation = &cohesive->rotations[k];
+        ShvFacetRotation *rotation = &cohesive->rotations[k];
         if (cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED) continue;
-        begin_facet(cohesive, state, k);
+        rotation->known = !stays_apart(cohesive, state, k);
+        if (rotation->known) begin_facet(cohesive, state, k);
         separated += cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED;
         idle += rotation->carries && cohesive->phase[rotation->index] != SHV_COHESIVE_CARRYING;
     }
@@ -272,6 +287,7 @@ static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
 {
     if (!cohesive->pushed || state->time == cohesive->booked_time) return;
     for (int32_t k = 0; k < cohesive->rotation_count; k++) {
+        if (cohesive->apart[k] > 0.0) continue;
         const int32_t index = cohesive->rotations[k].index;
         for (int i = 0; i < 3; i++) {
             const int64_t point = 3 * (int64_t)index + i;
@@ -331,6 +347,7 @@ static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double ste
 {
     PointWork closing = {0.0, 0.0}, rubbing = {0.0, 0.0};
     for (int32_t k = 0; cohesive->pushed && k < cohesive->rotation_count; k++) {
+        if (cohesive->apart[k] > 0.0) continue;
         const ShvFacetRotation *rotation = &cohesive->rotations[k];
         ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
@@ -361,7 +378,8 @@ void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step
     const int32_t least = count / MOST_BOOK_BLOCKS + 1, size = least > BOOK_BLOCK ? least : BOOK_BLOCK;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))
     for (int32_t k = 0; k < rotations; k++)
-        cohesive->rotations[k].rate = shv_facet_rotation_rate(&cohesive->rotations[k], state);
+        if (cohesive->rotations[k].carries || !(cohesive->apart[k] > 0.0))
+            cohesive->rotations[k].rate = shv_facet_rotation_rate(&cohesive->rotations[k], state);
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
     for (int32_t b = 0; b < (count + size - 1) / size; b++)
         for (int32_t i = b * size; i < count && i < (b + 1) * size; i++) {

@@ -180,6 +180,7 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
     list_corners(cohesive, state);
     list_points(cohesive);
     for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[k] = 0.0;
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }

@@ -359,7 +359,7 @@ static bool find_changed_velocities(const Pull *pull)
     for (int32_t k = 0; k < rotations; k++) {
         ShvFacetRotation *rotation = &cohesive->rotations[k];
         rotation->news = false;
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; rotation->carries && i < 3; i++)
             rotation->news =
                 rotation->news || cohesive->node_news[rotation->first[i]] || cohesive->node_news[rotation->second[i]];
         if (rotation->news) rotation->rate = shv_facet_rotation_rate(rotation, pull->state);

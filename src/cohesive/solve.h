@@ -8,6 +8,9 @@
 /* Below this many, starting threads costs more than they save. */
 enum { SHV_FEWEST_PARALLEL = 256 };
 
+/* Of the edge of an equilateral triangle over its area: 4/√3. */
+#define SHV_SQUARE_OF_EDGE 2.3094010767585034
+
 static inline bool shv_cohesive_in_parallel(const ShvCohesive *cohesive, int32_t count)
 {
     return cohesive->model->threads > 1 && count >= SHV_FEWEST_PARALLEL;
@@ -25,6 +28,16 @@ void shv_cohesive_drop_separated(ShvCohesive *cohesive);
 /* What the faces of a pair may give when they part, J. */
 double shv_cohesive_releasable(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetRotation *rotation,
                                int corner);
+
+/* ---- faces that stand apart (apart.c) ----
+   need not be looked at before their nodes have come far enough for them to meet, as neighbours beyond a skin. In debris most
+   facets that have failed are. */
+
+/* The way that each node of a facet has to go, seen from one of them, before its faces can meet, or are so far apart that they
+   separate, m; negative where they meet. */
+double shv_cohesive_way_apart(const ShvFacetRotation *rotation, const ShvFacetGaps *gaps, double area);
+/* Largest speed of a facet's nodes, seen from its first one, m/s. */
+double shv_cohesive_spread_of_speeds(const ShvFacetRotation *rotation, const ShvState *state);
 
 /* Of opening, seen by one who turns with the facet. */
 static inline ShvVec3 shv_cohesive_rate(const ShvCohesive *cohesive, const ShvState *state,

@@ -23,6 +23,8 @@
     X(int32_t, live, 1)                                                                                                \
     X(ShvFacetRotation, rotations, 1)                                                                                  \
     X(ShvFacetGaps, gaps, 1)                                                                                           \
+    X(double, apart, 1)                                                                                                \
+    X(int32_t, closed, 1)                                                                                              \
     X(ShvVec3, couple, 3)                                                                                              \
     X(ShvCohesivePoint, points, 3)                                                                                     \
     X(ShvPair, pairs, 3)                                                                                               \
@@ -73,9 +75,11 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
     SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->pulled_velocity, 3 * (size_t)nodes, "velocities of nodes",
-               25 * (size_t)nodes, error);
+               29 * (size_t)nodes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_news, (size_t)nodes, "velocities of nodes",
-               25 * (size_t)nodes, error);
+               29 * (size_t)nodes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->struck, (size_t)nodes, "velocities of nodes",
+               29 * (size_t)nodes, error);
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
         const size_t values = 2 * (size_t)nodes;
         SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, values, "principal stresses of nodes",
