@@ -147,14 +147,13 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
 static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step)
 {
     Closing closing = {.rotation = &cohesive->rotations[k], .gaps = &cohesive->gaps[k]};
-    closing.elastic = cohesive->sides[closing.rotation->index].returned > 0.0;
-    closing.friction = cohesive->sides[closing.rotation->index].friction;
+    closing.elastic = closing.rotation->returned > 0.0;
+    closing.friction = closing.rotation->friction;
     bool any = false;
     if (!closing.rotation->known || cohesive->phase[closing.rotation->index] == SHV_COHESIVE_SEPARATED) return false;
     for (closing.corner = 0; closing.corner < 3; closing.corner++) {
         if (closing.rotation->first[closing.corner] == closing.rotation->second[closing.corner]) continue;
-        if (closing.elastic)
-            closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
+        if (closing.elastic) closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
         any = close_pair(&closing, state, kick, step) || any;
         if (closing.friction > 0.0) any = rub(&closing, state, kick, step) || any;
     }
@@ -181,7 +180,7 @@ static void note_strike(ShvCohesive *cohesive, int32_t k, int32_t number)
 {
     const ShvFacetRotation *rotation = &cohesive->rotations[k];
     for (int i = 0; i < 3; i++) cohesive->struck[rotation->first[i]] = cohesive->struck[rotation->second[i]] = number;
-    cohesive->apart[k] = 0.0;
+    cohesive->apart[k] = -(double)INFINITY;
 }
 
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step)

@@ -62,11 +62,14 @@ typedef struct ShvCohesiveCorner {
 typedef struct ShvFacetRotation {
     int32_t index; /* cohesive facet */
     int32_t first[3], second[3];
-    bool carries;   /* its points are listed */
-    bool rotates;   /* couples are answered */
-    bool news;      /* nodes of it have other velocities since the last pull */
-    bool answers;   /* `answer` is not zero */
-    bool known;     /* what follows is that of the present step */
+    bool carries; /* its points are listed */
+    bool rotates; /* couples are answered */
+    bool news;    /* nodes of it have other velocities since the last pull */
+    bool answers; /* `answer` is not zero */
+    bool known;   /* what follows its constants is that of the present step */
+    double area;  /* m², as all of its constants those of its two sides */
+    double returned, friction;
+    ShvVec3 reference[2];
     ShvVec3 normal; /* of the mean of both faces, from the first to the second */
     ShvVec3 rate;   /* of turn, rad/s */
     ShvVec3 arm[3]; /* of the middles from their mean, m */
@@ -164,10 +167,11 @@ typedef struct ShvCohesive {
     const uint8_t *list_awake; /* what they were made with */
     int32_t rotation_count;
     ShvFacetRotation *rotations;
-    ShvVec3 *couple;     /* 3 per turn: of pulls, opening × pull, N m */
-    ShvFacetGaps *gaps;  /* as `turns` */
-    double *apart;       /* as `turns`, m: ways of its nodes on which its faces cannot meet (solve.h); > 0: nothing has pushed them */
-    int32_t *closed;     /* as `turns`: strikes before it was looked at last, of the present closing */
+    ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
+    ShvFacetGaps *gaps; /* as `rotations` */
+    double *
+        apart; /* as `rotations`, m: ways of its nodes on which its faces cannot meet (solve.h); −∞: they have been pushed */
+    int32_t *closed;     /* as `rotations`: strikes before it was looked at last, of the present closing */
     bool pushed;         /* some closing forces are not zero */
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */

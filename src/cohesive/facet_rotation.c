@@ -5,21 +5,21 @@
 static const double smallest_share = 0.25;
 
 /* Relative to the middle of corner 0, so that no digits are lost far from the origin. */
-void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvCohesiveSides *sides, double area,
-                              const ShvState *state)
+void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvState *state)
 {
     const ShvVec3 start = shv_scale(shv_facet_rotation_twice_middle(rotation, 0, state->displacement), 0.5);
+    const ShvVec3 *reference = rotation->reference;
     const ShvVec3 side =
-        shv_sub(shv_madd(sides->arm[0], 0.5, shv_facet_rotation_twice_middle(rotation, 1, state->displacement)), start);
+        shv_sub(shv_madd(reference[0], 0.5, shv_facet_rotation_twice_middle(rotation, 1, state->displacement)), start);
     const ShvVec3 other =
-        shv_sub(shv_madd(sides->arm[1], 0.5, shv_facet_rotation_twice_middle(rotation, 2, state->displacement)), start);
+        shv_sub(shv_madd(reference[1], 0.5, shv_facet_rotation_twice_middle(rotation, 2, state->displacement)), start);
     const ShvVec3 twice_area = shv_cross(side, other), mean = shv_scale(shv_add(side, other), 1.0 / 3.0);
     rotation->normal = shv_unit(twice_area);
     rotation->arm[0] = shv_scale(mean, -1.0);
     rotation->arm[1] = shv_sub(side, mean);
     rotation->arm[2] = shv_sub(other, mean);
     const double square = shv_dot(twice_area, twice_area);
-    rotation->rotates = square > 4.0 * smallest_share * smallest_share * area * area;
+    rotation->rotates = square > 4.0 * smallest_share * smallest_share * rotation->area * rotation->area;
     rotation->tilt = 3.0 / square;
     rotation->spread = 0.0;
     for (int i = 0; i < 3; i++) rotation->spread += shv_dot(rotation->arm[i], rotation->arm[i]);

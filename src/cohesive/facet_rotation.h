@@ -14,8 +14,7 @@
 
 /* Of a facet whose nodes are known: where it stands and turns now. One whose middles have shrunk to a quarter of its area does
    not turn: its couples stay unanswered. */
-void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvCohesiveSides *sides, double area,
-                              const ShvState *state);
+void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvState *state);
 /* Finds the answer to what is new of the sum of the couples of three pulls, N m. */
 void shv_facet_rotation_answer(ShvFacetRotation *rotation, const ShvVec3 couple[3]);
 

@@ -152,10 +152,10 @@ static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetRo
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
         if (rotation->first[i] == rotation->second[i]) return SHV_COHESIVE_CARRYING;
-        if (cohesive->peak[3 * (int64_t)rotation->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
+        if (rotation->carries && cohesive->peak[3 * (int64_t)rotation->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
         farthest = shv_larger(farthest, shv_dot(gaps->opening[i], gaps->opening[i]));
     }
-    const double edge_squared = cohesive->area[rotation->index] * SHV_SQUARE_OF_EDGE;
+    const double edge_squared = rotation->area * SHV_SQUARE_OF_EDGE;
     return farthest > 0.25 * edge_squared ? SHV_COHESIVE_SEPARATED : SHV_COHESIVE_FAILED;
 }
 
@@ -164,20 +164,18 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
     ShvFacetRotation *rotation = &cohesive->rotations[k];
     ShvFacetGaps *gaps = &cohesive->gaps[k];
     const int32_t index = rotation->index;
-    shv_facet_rotation_begin(rotation, &cohesive->sides[index], cohesive->area[index], state);
+    if (shv_cohesive_is_pushed(cohesive, k)) *gaps = (ShvFacetGaps){0};
+    shv_facet_rotation_begin(rotation, state);
     for (int i = 0; i < 3; i++) {
         const int64_t first = 3 * (int64_t)rotation->first[i], second = 3 * (int64_t)rotation->second[i];
-        gaps->push[i] = gaps->rub[i] = gaps->opening[i] = gaps->before[i] = shv_vec3(0.0, 0.0, 0.0);
-        gaps->taken[i] = gaps->freed[i] = 0.0;
-        gaps->pressed[i] = false;
         if (first == second) continue;
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + second), shv_load3(state->velocity + first));
         gaps->opening[i] = shv_cohesive_opening(state, rotation->first[i], rotation->second[i]);
         gaps->before[i] = shv_scale(shv_sub(rate, shv_cross(rotation->rate, gaps->opening[i])), 0.5 * state->last_step);
     }
     cohesive->phase[index] = (uint8_t)next_phase(cohesive, rotation, gaps);
-    const bool elastic = cohesive->sides[index].returned > 0.0; /* what its faces hold they give back when they part */
-    cohesive->apart[k] = elastic ? 0.0 : shv_cohesive_way_apart(rotation, gaps, cohesive->area[index]);
+    const bool elastic = rotation->returned > 0.0; /* what its faces hold they give back when they part */
+    cohesive->apart[k] = elastic ? 0.0 : shv_cohesive_way_apart(rotation, gaps);
 }
 
 static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
@@ -287,7 +285,7 @@ static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
 {
     if (!cohesive->pushed || state->time == cohesive->booked_time) return;
     for (int32_t k = 0; k < cohesive->rotation_count; k++) {
-        if (cohesive->apart[k] > 0.0) continue;
+        if (!shv_cohesive_is_pushed(cohesive, k)) continue;
         const int32_t index = cohesive->rotations[k].index;
         for (int i = 0; i < 3; i++) {
             const int64_t point = 3 * (int64_t)index + i;
@@ -347,7 +345,7 @@ static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double ste
 {
     PointWork closing = {0.0, 0.0}, rubbing = {0.0, 0.0};
     for (int32_t k = 0; cohesive->pushed && k < cohesive->rotation_count; k++) {
-        if (cohesive->apart[k] > 0.0) continue;
+        if (!shv_cohesive_is_pushed(cohesive, k)) continue;
         const ShvFacetRotation *rotation = &cohesive->rotations[k];
         ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
@@ -378,7 +376,7 @@ void shv_cohesive_book(ShvCohesive *cohesive, const ShvState *state, double step
     const int32_t least = count / MOST_BOOK_BLOCKS + 1, size = least > BOOK_BLOCK ? least : BOOK_BLOCK;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))
     for (int32_t k = 0; k < rotations; k++)
-        if (cohesive->rotations[k].carries || !(cohesive->apart[k] > 0.0))
+        if (cohesive->rotations[k].carries || shv_cohesive_is_pushed(cohesive, k))
             cohesive->rotations[k].rate = shv_facet_rotation_rate(&cohesive->rotations[k], state);
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
     for (int32_t b = 0; b < (count + size - 1) / size; b++)

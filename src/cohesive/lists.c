@@ -56,6 +56,10 @@ static void place_rotation(ShvCohesive *cohesive, int32_t index, ShvFacetRotatio
     rotation->index = index;
     rotation->answers = rotation->news = false;
     rotation->carries = carries(cohesive, index);
+    rotation->area = cohesive->area[index];
+    rotation->returned = sides->returned;
+    rotation->friction = sides->friction;
+    for (int i = 0; i < 2; i++) rotation->reference[i] = sides->arm[i];
     for (int i = 0; i < 3; i++) {
         rotation->first[i] = sides->first[i];
         rotation->second[i] = sides->second[i];
@@ -180,7 +184,7 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
     list_corners(cohesive, state);
     list_points(cohesive);
     for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[k] = 0.0;
+    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[k] = -(double)INFINITY;
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }

@@ -3,6 +3,8 @@
 #ifndef SHV_COHESIVE_SOLVE_H
 #define SHV_COHESIVE_SOLVE_H
 
+#include <math.h>
+
 #include "cohesive/cohesive.h"
 
 /* Below this many, starting threads costs more than they save. */
@@ -35,7 +37,12 @@ double shv_cohesive_releasable(const ShvCohesive *cohesive, const ShvState *stat
 
 /* The way that each node of a facet has to go, seen from one of them, before its faces can meet, or are so far apart that they
    separate, m; negative where they meet. */
-double shv_cohesive_way_apart(const ShvFacetRotation *rotation, const ShvFacetGaps *gaps, double area);
+double shv_cohesive_way_apart(const ShvFacetRotation *rotation, const ShvFacetGaps *gaps);
+/* Whether closing faces of a facet have been pushed in the step. */
+static inline bool shv_cohesive_is_pushed(const ShvCohesive *cohesive, int32_t rotation)
+{
+    return cohesive->apart[rotation] == -(double)INFINITY;
+}
 /* Largest speed of a facet's nodes, seen from its first one, m/s. */
 double shv_cohesive_spread_of_speeds(const ShvFacetRotation *rotation, const ShvState *state);
 
