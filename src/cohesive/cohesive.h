@@ -169,10 +169,9 @@ typedef struct ShvCohesive {
     ShvFacetRotation *rotations;
     ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps; /* as `rotations` */
-    double *
-        apart; /* as `rotations`, m: ways of its nodes on which its faces cannot meet (solve.h); −∞: they have been pushed */
-    int32_t *closed;     /* as `rotations`: strikes before it was looked at last, of the present closing */
-    bool pushed;         /* some closing forces are not zero */
+    double *apart;   /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
+    int32_t *closed; /* as `rotations`: strikes before it was looked at last, of the present closing */
+    bool pushed;     /* some closing forces are not zero */
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;
