@@ -213,6 +213,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->budget);
     shv_release(cohesive->pulled_velocity);
     shv_release(cohesive->node_news);
+    shv_release(cohesive->struck);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->facet_watch);
     shv_release(cohesive->face_weight);
