@@ -5,8 +5,8 @@
    until that stress is three times the strength. But a face on the surface knows that stress, whatever the tet behind it is:
    from its strain, since nothing pulls on it from outside. Averaged over a node's faces, it is the stress by which cracks
    begin there: once it reaches the strength, mean over the disk across it, the disk parts whatever it passes on, and
-   its laws start with just that. Their energy stays. Where the mesh resolves the zone, σ_tip (front.h) exceeds the strength,
-   and the force alone decides; so it does at nodes that cracks have come to.
+   its laws start with just that. Their energy is that of what they cover of its plane. Where the mesh resolves the zone, σ_tip
+   (front.h) exceeds the strength, and the force alone decides; so it does at nodes that cracks have come to.
 
    Linear tets are too stiff in bending: of the work of the load a part goes into shear that the mesh has and the
    body has not. It counts: where the tets on the surface bear a larger principal stress than it does, that is taken, but no

@@ -91,15 +91,25 @@ static double activation(const ShvCohesive *cohesive, const ShvState *state, con
 
 /* Of a strength, that a law starts with at least: with less, the final opening would outgrow the body. */
 static const double least_share = 0.1;
+/* Of an energy: a facet that leans over by more than some 40 degrees is a wall of a piece and not roughness of a crack. */
+static const double least_covered = 0.75;
+
+/* Ahead of a front facets hold the same in any direction, and their energy counts by what they cover of the crack's plane: that a
+   mesh makes a crack rough is nothing that the material pays for. */
+static void judge_as_ahead(ShvMaterial *material, double along)
+{
+    material->strength[SHV_SHEAR] = material->strength[SHV_NORMAL];
+    for (int i = 0; i < 2; i++) material->fracture_energy[i] *= fmax(along, least_covered);
+}
 
 /* The components of the traction that the force criterion counted on. Camacho and Ortiz' law starts on that ellipse by itself. */
 static ShvLaw judged_law(const ShvCohesive *cohesive, const ShvMaterial *material, int32_t facet, double scale)
 {
+    const double along = cohesive->search.facet_along[facet];
     ShvMaterial judged = *material;
-    if (cohesive->front.any && cohesive->front.ahead[facet] & SHV_FRONT_LOWERED)
-        judged.strength[SHV_SHEAR] = judged.strength[SHV_NORMAL];
+    if (cohesive->front.any && cohesive->front.ahead[facet] & SHV_FRONT_LOWERED) judge_as_ahead(&judged, along);
     if (material->law == SHV_PPR) {
-        const double along = cohesive->search.facet_along[facet], beta = shv_shear_ratio(&judged);
+        const double beta = shv_shear_ratio(&judged);
         const double share = shv_strength_share(along, beta);
         judged.strength[SHV_NORMAL] *= fmax(along / share, least_share);
         if (isfinite(beta)) judged.strength[SHV_SHEAR] *= fmax(beta * sqrt(1.0 - along * along) / share, least_share);

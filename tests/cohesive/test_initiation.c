@@ -74,7 +74,7 @@ static void the_surface_tells_its_stress(void **state)
     fixture_release(&f);
 }
 
-/* The disk parts at the strength of the surface, on the side under tension, and holds what its tets carry; the energy stays. */
+/* The disk parts at the strength of the surface, on the side under tension, and holds what its tets carry, with the energy of the plane that it covers. */
 static void cracks_begin_at_the_strength_of_the_surface(void **state)
 {
     (void)state;
@@ -91,7 +91,8 @@ static void cracks_begin_at_the_strength_of_the_surface(void **state)
         const ShvLaw *law = &f.cohesive.law[k];
         assert_true(fixture_facet_centre(&f, f.cohesive.facet[k]).z > 0.0);
         assert_true(law->strength[SHV_NORMAL] <= 0.5 * strength && law->strength[SHV_NORMAL] > 0.05 * strength);
-        check_near(law->energy[SHV_NORMAL], 8.0, 1e-12);
+        const double along = f.cohesive.search.facet_along[f.cohesive.facet[k]]; /* tension leans at the strip's rims */
+        check_near(law->energy[SHV_NORMAL], 8.0 * fmax(along, 0.75), 1e-12);
     }
     /* next to them nothing else begins at once */
     const int32_t more = choose(&f, candidates, 1.1 * strength);
