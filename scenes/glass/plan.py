@@ -2,6 +2,8 @@
 """Plan of a cracked pane: facets by damage (grey above 0.02, orange above 0.5, black above 0.99), seen along z.
 
 usage: plan.py RUN.h5 PICTURE TIME,TIME,…   (a run with `output: {nodes: true}`; takes python3-h5py, python3-matplotlib)
+       plan.py arms RUN.h5 TIME RADIUS,RADIUS,… [GAP]     arms of the star, mm: directions in which facets with a damage of more than a half
+                                                          cross circles round the middle, as far apart as GAP (4 mm) at least
 """
 import sys
 
@@ -44,4 +46,23 @@ def main(run, picture, times):
     figure.savefig(picture)
 
 
-main(sys.argv[1], sys.argv[2], [float(time) for time in sys.argv[3].split(",")])
+def arms(run, time, radii, gap=4.0):
+    with h5py.File(run) as file:
+        frame = int(np.argmin(abs(file["trajectory/time"][()] - time)))
+        corners = file["mesh/positions"][()][file["mesh/elements"][()]]
+        edges = edges_between(0.5, np.inf, corners, file["nodes/damage"][frame])
+    place = edges - corners.reshape(-1, 3).mean(0)[:2]
+    distance = np.linalg.norm(place, axis=2)
+    counts = []
+    for radius in radii:
+        crossing = (distance.min(1) < radius * 1e-3) & (distance.max(1) >= radius * 1e-3)
+        middle = place[crossing].mean(1)
+        turn = np.sort(np.arctan2(middle[:, 1], middle[:, 0]))
+        counts.append(int((np.diff(turn, append=turn[:1] + 2 * np.pi) > gap / radius).sum()))
+    return counts
+
+
+if sys.argv[1] == "arms":
+    print(*arms(sys.argv[2], float(sys.argv[3]), [float(r) for r in sys.argv[4].split(",")], *map(float, sys.argv[5:])))
+else:
+    main(sys.argv[1], sys.argv[2], [float(time) for time in sys.argv[3].split(",")])

@@ -5,8 +5,8 @@ usage: strips.py PROGRAM FOLDER [EDGES [MESHES [SLITS]]]      for example  strip
        strips.py griffith
 
 Griffith's load is that of a plane model of its own: the energy that squares of 1 and 0.5 mm release as the slit grows by two of them,
-extrapolated to none. Each next mesh has edges 2 % shorter. The table has the largest nominal stress over Griffith's, areas over that of the ligament, and the energy of
-fracture over G × ligament. Takes gmsh, python3-h5py, python3-scipy.
+extrapolated to none. Each next mesh has edges 2 % shorter. The table has the largest nominal stress until two edges at each tip have
+failed over Griffith's, areas over that of the ligament, and the energy of fracture over G × ligament. Takes gmsh, python3-h5py, python3-scipy.
 """
 import json
 import os
@@ -95,7 +95,10 @@ def run(program, folder, name, edge, mesh):
                           + [word for change in changes for word in ("--set", change)],
                           check=True, capture_output=True, text=True).stdout
     with h5py.File(path + ".h5") as file:
-        load = np.nanmax(abs(file["probes/samples"][:, 0, REACTION]))
+        failed, time = file["ledger"]["failed_area"], file["trajectory/time"][()]
+        grown = failed >= 2 * edge * tips * thickness * 1e-6
+        until = file["probes/time"][()] <= (time[grown][0] if grown.any() else time[-1])
+        load = np.nanmax(abs(file["probes/samples"][:, 0, REACTION][until]))
     end = json.loads(text)
     ligament = (WIDTH - SLITS[name][1] + SLITS[name][0]) * thickness * 1e-6
     return (load / (WIDTH * thickness * 1e-6) / griffith(name), end["inserted_area"] / ligament, end["failed_area"] / ligament,
