@@ -135,14 +135,14 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
    but not with the bits of a run that nothing looked at in between. Its own `stop` is asked as ever. */
 ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error);
 
-/* What is awake, and how long it may stay so if nothing breaks or wakes again: for a guess of the run time to go. */
+/* What is awake, and how long it is expected to stay so if nothing breaks or wakes again: for a guess of the run time to go. */
 typedef struct ShvAwakeView {
-    double
-        load; /* tets awake, and a tenth of all tets on top: a step has costs that few tets have, too; 0: nothing is awake */
-    double ahead; /* s: of `load`, summed from now to the end of the scene or until all may rest */
-    double rest;  /* s: the time at which the last of it may rest, or the scene's end */
+    double load;  /* tets awake, and a tenth of all tets for costs that few tets have, too; 0: no steps are made */
+    double ahead; /* s: of `load`, summed from now to the end of the scene or until all is expected to rest */
+    double rest;  /* s: the time at which the last of it is expected to rest, or the scene's end */
+    double step;  /* s: the last step of fracture mode; 0: none yet */
 } ShvAwakeView;
-/* Cheap, and may be asked from `stop`. */
+/* Changes nothing, and may be asked from `stop`. It looks at every awake tet, as a step does. */
 ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation);
 
 #ifdef __cplusplus

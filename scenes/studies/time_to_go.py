@@ -3,12 +3,14 @@
 each guess, from a quarter of the run on, with what it then took. The program guesses in run time; a shared machine makes that uneven, so both
 are taken in processor time, the guess at the rate of processor to run time so far.
 usage: scenes/studies/time_to_go.py PROGRAM [SCENE …]; prints a table, a line a scene"""
-import os, pty, re, subprocess, sys, tempfile
+import os, pty, re, statistics, subprocess, sys, tempfile
 
 FACTOR, FROM = 1.5, 0.25
 START = 0.3  # s: start of the program and its run file, which a plan leaves out
-SCENES = """household/heap household/vase hybrid/ball_on_plate hybrid/stack_of_plates hybrid/bar_on_point hybrid/two_balls hybrid/wall_and_ball
-rigid/pile slab_on_stone rigid/stack_of_boxes""".split()
+SCENES = """rigid/pile hybrid/bar_on_point hybrid/two_balls slab_on_stone hybrid/wall_and_ball hybrid/stack_of_plates household/floor_tile
+hybrid/ball_on_plate hybrid/second_generation household/brick_stack""".split()
+
+LINE = re.compile(r" (\d+) s run, (?:time to go: cannot tell yet|about (\S+) s to go(?: \((\S+) to (\S+)\))?)")
 
 
 def processor_time(process):
@@ -18,7 +20,7 @@ def processor_time(process):
 
 
 def run(program, scene, folder):
-    """Guesses of a run: (processor time so far, processor time to go or None), and all of its processor time."""
+    """Guesses of a run: (processor time so far, processor time to go or None, least, most), and all of its processor time."""
     child, terminal = pty.fork()
     if child == 0:
         os.execv(program, [program, "run", scene, "--set", "threads=1", "--force", "-o", os.path.join(folder, "run.h5")])
@@ -28,13 +30,13 @@ def run(program, scene, folder):
             text += os.read(terminal, 65536).decode(errors="replace")
         except OSError:
             break
-        for line in re.findall(r" (\d+) s run, ([^\r\n]*)", text):
-            spent = processor_time(child)
-            told = re.search(r"about (\S+) s to go", line[1])
-            wall = float(line[0])
+        end = 0
+        for line in LINE.finditer(text):
+            wall, to_go, low, high = [float(x) if x else None for x in line.groups()]
+            spent, end = processor_time(child), line.end()
             if wall > 0:
-                guesses.append((spent, float(told[1]) * spent / wall if told else None))
-        text = ""
+                guesses.append((spent, *[x and x * spent / wall for x in (to_go, low, high)]))
+        text = text[end:]
     usage = os.wait4(child, 0)[2]
     return guesses, usage.ru_utime + usage.ru_stime
 
@@ -52,19 +54,23 @@ def plan(program, scene, truth):
 
 def main(program, scenes):
     root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-    print("| scene | processor time, s | guesses from a quarter on | told | of them within 1.5 | least and most of guess/truth | `plan`, s | held |")
-    print("|---|---|---|---|---|---|---|---|")
+    print(f"| scene | processor time, s | guesses from a quarter on | told | within {FACTOR} | in the range told | guess/truth: median, and 5 … 95 % | `plan`, s | held |")
+    print("|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes:
             path = scene if os.path.exists(scene) else os.path.join(root, scene + ".yaml")
             guesses, all_of_it = run(program, path, folder)
-            late = [(s, g) for s, g in guesses if FROM * all_of_it <= s < 0.98 * all_of_it]
-            ratios = [g / (all_of_it - s) for s, g in late if g is not None]
+            late = [(s, *g) for s, *g in guesses if FROM * all_of_it <= s < 0.98 * all_of_it]
+            told = [(g / (all_of_it - s), low, all_of_it - s, high) for s, g, low, high in late if g is not None]
+            ratios = sorted(ratio for ratio, *_ in told)
             good = sum(1 / FACTOR <= r <= FACTOR for r in ratios)
+            ranges = [low <= truth <= high for _, low, truth, high in told if low is not None]
             said, held = plan(program, path, all_of_it)
-            span = f"{min(ratios):.2f} … {max(ratios):.2f}" if ratios else "–"
-            print(f"| {scene} | {all_of_it:.1f} | {len(late)} | {len(ratios)} | {good} | {span} | "
-                  f"{said} | {held} |", flush=True)
+            at = lambda share: ratios[min(len(ratios) - 1, int(share * len(ratios)))]
+            span = f"{statistics.median(ratios):.2f}, {at(0.05):.2f} … {at(0.95):.2f}" if ratios else "–"
+            percent = lambda part, whole: f"{100 * part / whole:.0f} %" if whole else "–"
+            print(f"| {scene} | {all_of_it:.1f} | {len(late)} | {percent(len(ratios), len(late))} | {percent(good, len(late))} | "
+                  f"{percent(sum(ranges), len(ranges))} | {span} | {said} | {held} |", flush=True)
 
 
 main(sys.argv[1], sys.argv[2:] or SCENES)

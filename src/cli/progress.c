@@ -5,113 +5,74 @@
 #include <unistd.h>
 
 #include "base/timer.h"
-#include "shiver/plan.h"
 
 ShvProgress shv_progress_start(double duration, bool quiet)
 {
     const double now = shv_now();
-    return (ShvProgress){.duration = duration,
-                         .quiet = quiet,
+    return (ShvProgress){.quiet = quiet,
                          .terminal = isatty(STDERR_FILENO) == 1,
                          .start = now,
                          .shown = now,
-                         .sampled_at = now};
+                         .estimate = {.duration = duration},
+                         .processor_start = shv_processor_now(),
+                         .sampled = now};
 }
 
-/* ---- time to go ---- */
-
-/* Work of the last stretch to the cost rate of the mode that it was in. What cost so much a while ago says less: it counts by the
-   share of the run that has passed since. */
-static void measure(ShvProgress *progress, const ShvSimulationSummary *view, double load, double now)
+/* Work is measured in processor time, which other programs leave alone, and told in run time at the rate of the run so far. */
+static double run_time_to_go(const ShvProgress *progress, double now)
 {
-    const double memory = 0.25; /* of the run so far */
-    const double stretch = now - progress->sampled_at, run = now - progress->start,
-                 time = view->time - progress->sampled_time;
-    const bool awake = view->fracture && progress->sampled_load > 0.0;
-    ShvCostRate *cost = &progress->cost[awake];
-    const double kept = exp(-stretch / (memory * run + 1e-9));
-    cost->wall = kept * cost->wall + stretch;
-    cost->work = kept * cost->work + time * (awake ? 0.5 * (load + progress->sampled_load) : 1.0);
-    progress->sampled_at = now;
-    progress->sampled_time = view->time;
-    progress->sampled_load = load;
-    progress->woken |= view->fracture;
+    const double processor = progress->estimate.last.processor - progress->processor_start;
+    return shv_time_to_go(&progress->estimate) * (processor > 0.0 ? (now - progress->start) / processor : 1.0);
 }
 
-/* Run time of a second of flight or of load; in flight, before that has been seen, nothing. */
-static double rate(const ShvCostRate *cost)
+static void tell(const ShvProgress *progress, double to_go, char *text, size_t size)
 {
-    return cost->work > 0.0 ? cost->wall / cost->work : 0.0;
-}
-
-/* Steps of what is awake until it may rest, and flight from there. */
-static double time_to_go(const ShvProgress *progress, const ShvAwakeView *awake)
-{
-    return awake->ahead * rate(&progress->cost[1]) +
-           fmax(0.0, progress->duration - awake->rest) * rate(&progress->cost[0]);
-}
-
-/* Where there is no more room every second guess goes. */
-static void keep_guess(ShvProgress *progress, double wall, double to_go)
-{
-    ShvGuess *guesses = progress->guesses;
-    if (progress->guess_count > 0 && wall < guesses[progress->guess_count - 1].wall + progress->guess_spacing) return;
-    if (progress->guess_count == SHV_PROGRESS_GUESSES) {
-        progress->guess_count /= 2;
-        for (int32_t i = 0; i < progress->guess_count; i++) guesses[i] = guesses[2 * i];
-        progress->guess_spacing = wall / progress->guess_count / 2.0;
-    }
-    guesses[progress->guess_count++] = (ShvGuess){wall, to_go};
-}
-
-/* A guess is told while those since half of the run so far would have been right, had this one been the truth: cracks that
-   spread and pieces that wake again make all of them wrong. */
-static bool is_told(const ShvProgress *progress, double wall, double to_go)
-{
-    const double trusted = 1.25; /* times */
-    bool told = false;
-    for (int32_t i = 0; i < progress->guess_count; i++) {
-        const ShvGuess *guess = &progress->guesses[i];
-        if (guess->wall < 0.5 * wall) continue;
-        const double truth = wall + to_go - guess->wall;
-        if (guess->to_go > trusted * truth || truth > trusted * guess->to_go) return false;
-        told = true;
-    }
-    return told;
-}
-
-/* ---- the line ---- */
-
-static void show(ShvProgress *progress, const ShvSimulationSummary *view, double to_go, double now)
-{
-    const double wall = now - progress->start;
-    const double steps = (double)(view->steps - progress->shown_steps) / (now - progress->shown);
-    const bool told = is_told(progress, wall, to_go);
-    fprintf(stderr, "%st = %.6f of %.6g s, %s, %d fragments, %.0f steps/s, %.0f s run, ",
-            progress->terminal ? "\r\033[K" : "", view->time, progress->duration,
-            view->fracture ? "fracture mode" : "in flight", (int)view->alive_count, steps, wall);
-    if (told)
-        fprintf(stderr, "about %.3g s to go%s", to_go, progress->woken ? "" : " if nothing breaks");
+    const double spread = shv_time_to_go_spread;
+    if (isnan(to_go))
+        snprintf(text, size, "time to go: cannot tell yet");
+    else if (!progress->woken)
+        snprintf(text, size, "about %.3g s to go if nothing breaks", to_go);
     else
-        fprintf(stderr, "time to go: cannot tell yet");
-    if (!progress->terminal) fprintf(stderr, "\n");
+        snprintf(text, size, "about %.2g s to go (%.2g to %.2g)", to_go, to_go / spread, to_go * spread);
+}
+
+/* In one piece, for whoever reads it from a pipe. */
+static void show(ShvProgress *progress, double now)
+{
+    const ShvSimulationSummary *view = &progress->estimate.last.summary;
+    const double steps = (double)(view->steps - progress->shown_steps) / (now - progress->shown);
+    char to_go[96];
+    tell(progress, run_time_to_go(progress, now), to_go, sizeof to_go);
+    fprintf(stderr, "%st = %.6f of %.6g s, %s, %d fragments, %.0f steps/s, %.0f s run, %s%s",
+            progress->terminal ? "\r\033[K" : "", view->time, progress->estimate.duration,
+            view->fracture ? "fracture mode" : "in flight", (int)view->alive_count, steps, now - progress->start, to_go,
+            progress->terminal ? "" : "\n");
     fflush(stderr);
     progress->shown = now;
     progress->shown_steps = view->steps;
 }
 
+/* Often enough to see flight and fracture mode apart, and at a fiftieth of the run time at most. */
+static bool sample_is_due(const ShvProgress *progress, double now)
+{
+    const double least = 0.05, share = 0.02; /* s */
+    return now - progress->sampled >= fmax(least, progress->asking / share);
+}
+
 void shv_progress_tick(ShvProgress *progress)
 {
-    const double sample_every = 0.05, line_every = progress->terminal ? 0.2 : 5.0; /* s */
+    const double line_every = progress->terminal ? 0.2 : 5.0; /* s */
     if (progress->quiet || !progress->simulation) return;
     const double now = shv_now();
-    if (now - progress->sampled_at < sample_every) return;
-    const ShvSimulationSummary view = shv_simulation_summary(progress->simulation);
-    const ShvAwakeView awake = shv_simulation_awake(progress->simulation);
-    measure(progress, &view, awake.load, now);
-    const double to_go = time_to_go(progress, &awake);
-    keep_guess(progress, now - progress->start, to_go);
-    if (now - progress->shown >= line_every) show(progress, &view, to_go, now);
+    if (progress->estimate.begun && !sample_is_due(progress, now)) return;
+    const ShvRunSample sample = {.processor = shv_processor_now(),
+                                 .summary = shv_simulation_summary(progress->simulation),
+                                 .awake = shv_simulation_awake(progress->simulation)};
+    progress->sampled = now;
+    progress->asking = shv_now() - now;
+    progress->woken |= sample.awake.load > 0.0;
+    shv_time_to_go_add(&progress->estimate, &sample);
+    if (now - progress->shown >= line_every) show(progress, now);
 }
 
 void shv_progress_end(ShvProgress *progress)

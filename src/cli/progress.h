@@ -2,33 +2,17 @@
 #ifndef SHV_CLI_PROGRESS_H
 #define SHV_CLI_PROGRESS_H
 
-#include "shiver/simulation.h"
-
-/* What work costs in one mode: run time, and seconds of flight or of load (ShvAwakeView), of which what is long past counts less. */
-typedef struct ShvCostRate {
-    double wall, work;
-} ShvCostRate;
-
-enum { SHV_PROGRESS_GUESSES = 64 };
-
-/* An earlier guess, by which later ones are judged: s since the start, and s to go. */
-typedef struct ShvGuess {
-    double wall, to_go;
-} ShvGuess;
+#include "cli/time_to_go.h"
 
 typedef struct ShvProgress {
     const ShvSimulation *simulation; /* NULL until it is made */
-    double duration;                 /* s, simulated */
     bool quiet, terminal;
     double start, shown; /* wall clock, s */
     int64_t shown_steps;
-    /* for the time to go */
-    ShvCostRate cost[2]; /* in flight; in fracture mode */
-    double sampled_at, sampled_time, sampled_load;
-    ShvGuess guesses[SHV_PROGRESS_GUESSES]; /* about evenly over the run so far */
-    int32_t guess_count;
-    double guess_spacing; /* s */
-    bool woken;           /* something was in fracture mode */
+    ShvTimeToGo estimate;
+    double processor_start; /* s */
+    double sampled, asking; /* s: wall clock when the simulation was asked last, and how long that took */
+    bool woken;             /* steps of fracture mode were made */
 } ShvProgress;
 
 ShvProgress shv_progress_start(double duration, bool quiet);

@@ -205,6 +205,9 @@ void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
+/* s: until what a cracked body carries beside its rigid motion has fallen to what it may rest with, as it falls in scenes that were
+   watched: e-fold in about the longest window of a body without a crack. */
+double shv_hybrid_time_to_decay(const ShvHybrid *hybrid, const ShvFragment *fragment);
 /* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to
    the latest time, or `until`; others for the geometric mean of the least and the longest time. */
 ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error);

@@ -328,6 +328,20 @@ static bool carries_little(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return carried <= carried_share * reference_energy(fragment);
 }
 
+/* Velocities as they stand, those of half a step ago: near enough for an estimate, and nothing has to be moved for it. */
+double shv_hybrid_time_to_decay(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    ShvVec3 momentum, angular;
+    double kinetic;
+    ShvFragment fitted = *fragment;
+    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
+    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
+    const double carried = kinetic - shv_fragment_kinetic(&fitted) + shv_audit_strain(hybrid, fragment) +
+                           shv_audit_cohesive(hybrid, fragment);
+    const double little = carried_share * reference_energy(fragment);
+    return carried > little ? fragment->longest * log(carried / little) : 0.0;
+}
+
 /* Of the longest time: the shortest that an estimate of the rest reckons with. */
 static const double least_expected = 0.01;
 

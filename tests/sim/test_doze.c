@@ -43,6 +43,8 @@ static void it_stirs_when_something_comes(void **state)
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     assert_true(frame->fracture);
     assert_int_equal(frame->steps, 0);
+    const ShvAwakeView dormant = shv_simulation_awake(simulation);
+    assert_true(dormant.load == 0.0 && dormant.ahead == 0.0 && dormant.rest == frame->time);
     check_near(frame->ledger.residual, 0.0, 1e-12 * frame->ledger.largest);
     frame = stage_finish(simulation);
     assert_true(frame->steps > 0);

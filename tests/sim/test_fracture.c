@@ -339,6 +339,46 @@ static void test_watching_changes_nothing(void **state)
     shv_simulation_destroy(watched);
 }
 
+typedef struct Asked {
+    const ShvSimulation *simulation;
+    int times, awake; /* asked; and of these times, with work ahead */
+    double duration;
+} Asked;
+
+static bool ask(void *data)
+{
+    Asked *asked = data;
+    if (!asked->simulation) return false;
+    const ShvAwakeView view = shv_simulation_awake(asked->simulation);
+    const ShvSimulationSummary summary = shv_simulation_summary(asked->simulation);
+    assert_true(view.rest >= summary.time && view.rest <= asked->duration * (1.0 + 1e-12));
+    assert_true(view.ahead >= 0.0 && view.ahead <= view.load * (view.rest - summary.time) * (1.0 + 1e-12));
+    assert_int_equal(view.load > 0.0, summary.fracture);
+    asked->times++;
+    asked->awake += view.ahead > 0.0;
+    return false;
+}
+
+/* Whoever asks what is awake, while it breaks and goes to rest, changes no bit. */
+static void test_asking_changes_nothing(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_gentle_break(&stage);
+    Asked asked = {.duration = stage.scene.duration};
+    ShvSimulationOptions options = shv_simulation_options_default();
+    options.stop = ask;
+    options.stop_data = &asked;
+    ShvSimulation *simulation = NULL;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_simulation_create(&simulation, &stage.scene, &options, &error), error);
+    asked.simulation = simulation;
+    const ShvFrameView *frame = stage_finish(simulation);
+    assert_true(asked.times > 0 && asked.awake > 0 && frame->inserted > 0);
+    assert_true(shv_simulation_hash(simulation) == stage_hash(&stage));
+    shv_simulation_destroy(simulation);
+}
+
 /* A strength that rises in steps no greater than those of the stress is met within a tenth. */
 static void test_checks_keep_up(void **state)
 {
@@ -535,6 +575,7 @@ int main(void)
         cmocka_unit_test(test_wake_beside_cracking),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_watching_changes_nothing),
+        cmocka_unit_test(test_asking_changes_nothing),
         cmocka_unit_test(test_checks_keep_up),
         cmocka_unit_test(test_check_interval),
         cmocka_unit_test(test_extreme_strength),
