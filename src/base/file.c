@@ -73,7 +73,7 @@ static ShvStatus await_pipe(int descriptor, const char *path, ShvError *error)
     while (ready < 0 && errno == EINTR) ready = poll(&wanted, 1, 1000 * PATIENCE);
     if (ready < 0) return fail_reading(error, path, errno);
     if (ready == 0)
-        return shv_fail(error, SHV_FILE_ERROR, "nothing has been written to the pipe '%s' for %d s; give a file", path,
+        return shv_fail(error, SHV_BAD_INPUT, "nothing has been written to the pipe '%s' for %d s; give a file", path,
                         PATIENCE);
     const int flags = fcntl(descriptor, F_GETFL);
     if (flags < 0 || fcntl(descriptor, F_SETFL, flags & ~O_NONBLOCK) < 0) return fail_reading(error, path, errno);
@@ -90,7 +90,7 @@ static ShvStatus open_readable(const char *path, FILE **file, int64_t *length, S
     if (fstat(descriptor, &about) != 0)
         status = fail_reading(error, path, errno);
     else if (S_ISDIR(about.st_mode))
-        status = fail_reading(error, path, EISDIR);
+        status = shv_fail(error, SHV_BAD_INPUT, "'%s' is a folder; give a file", path);
     else if (S_ISFIFO(about.st_mode))
         status = await_pipe(descriptor, path, error);
     else if (!S_ISREG(about.st_mode))

@@ -125,14 +125,30 @@ static int admit(ShvMemory *memory)
     return atomic_fetch_add(&memory->requests, 1) < atomic_load(&memory->fail_from);
 }
 
+static atomic_bool missed;
+
+bool shv_memory_missed(void)
+{
+    return atomic_exchange(&missed, false);
+}
+
+/* Requests that are larger may come from a number of a damaged file. */
+static const size_t ORDINARY = (size_t)256 << 20;
+
+static void *miss(size_t bytes)
+{
+    if (bytes <= ORDINARY) atomic_store(&missed, true);
+    return NULL;
+}
+
 /* An aligned block whose bytes are not yet set. */
 static void *take(ShvMemory *memory, ShvPart part, size_t count, size_t size)
 {
-    if (!admit(memory)) return NULL;
+    const bool admitted = admit(memory) != 0;
     if (size != 0 && count > ((size_t)PTRDIFF_MAX - ALIGNMENT) / size) return NULL;
     const size_t bytes = count * size;
     void *start = NULL;
-    if (posix_memalign(&start, ALIGNMENT, ALIGNMENT + bytes) != 0) return NULL;
+    if (!admitted || posix_memalign(&start, ALIGNMENT, ALIGNMENT + bytes) != 0) return miss(bytes);
     *(Header *)start = (Header){memory, bytes, part};
     if (memory) {
         count_in(memory, (int)part, bytes);

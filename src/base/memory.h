@@ -3,6 +3,7 @@
 #ifndef SHV_BASE_MEMORY_H
 #define SHV_BASE_MEMORY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -52,6 +53,9 @@ size_t shv_block_bytes(const void *block);
 ShvPart shv_block_part(const void *block);
 /* A copy of a terminated string, or NULL. */
 char *shv_copy_text(ShvMemory *memory, ShvPart part, const char *text);
+
+/* Whether a request of ordinary size has failed since this was last asked: for where a library between does not say why it failed. */
+bool shv_memory_missed(void);
 
 /* shv_fail with SHV_NO_MEMORY and one wording for all: "out of memory for <what> (<bytes> bytes)". */
 ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes);

@@ -111,8 +111,10 @@ int shv_program(int argc, char **argv)
 
 int shv_cli_failed(ShvStatus status, const ShvError *error)
 {
+    ShvError told = *error;
+    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&told);
     fprintf(stderr, "shiver: ");
-    shv_cli_print_plain(stderr, error->message);
+    shv_cli_print_plain(stderr, told.message);
     putc('\n', stderr);
     if (status == SHV_BAD_INPUT || status == SHV_UNSUPPORTED) return SHV_EXIT_INPUT;
     return status == SHV_INTERRUPTED ? SHV_EXIT_INTERRUPTED : SHV_EXIT_FAILED;

@@ -422,8 +422,10 @@ static int run_recorded(const ShvArguments *arguments, const ShvScene *scene, co
     const ShvStatus closed = shv_record_close(watch->record, status, status == SHV_OK ? "" : error.message, &closing);
     shv_progress_end(&watch->progress);
     print_end(arguments, watch, path, shv_now() - start, status);
-    if (status != SHV_OK) return shv_cli_failed(status, &error);
-    return closed == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(closed, &closing);
+    const int exit_status = status == SHV_OK ? (int)SHV_EXIT_DONE : shv_cli_failed(status, &error);
+    /* Who stops a run must be told, too, that its file has gone. */
+    const bool went_well = status == SHV_OK || status == SHV_INTERRUPTED;
+    return closed == SHV_OK || !went_well ? exit_status : shv_cli_failed(closed, &closing);
 }
 
 /* The number of --audit-wake, 0 without it, −1 where it is none. */

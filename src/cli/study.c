@@ -142,9 +142,7 @@ static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
 static ShvStatus make_runs(ShvStudy *study, const Share *share, bool merge, ShvError *error)
 {
     if (merge) return SHV_OK;
-    const ShvStatus status =
-        share->jobs > 1 ? shv_jobs_run(share->jobs, run_share, share, error) : shv_study_run(study, error);
-    return status == SHV_INTERRUPTED ? shv_cli_why_stopped(error) : status;
+    return share->jobs > 1 ? shv_jobs_run(share->jobs, run_share, share, error) : shv_study_run(study, error);
 }
 
 static ShvStatus show(ShvStudy *study, bool json, ShvError *error)

@@ -199,7 +199,6 @@ static int run(const ShvArguments *arguments)
     shv_jobs_catch_signals();
     status = shv_survive_open(&survive, arguments->positional[0], &options, &error);
     if (status == SHV_OK) status = search(survive, arguments, &options, jobs, &error);
-    if (status == SHV_INTERRUPTED) status = shv_cli_why_stopped(&error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
     if (status == SHV_OK && !arguments->values[TASK]) result = show(survive, arguments, options.output);
     shv_survive_close(survive);

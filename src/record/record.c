@@ -18,16 +18,17 @@ ShvRecordDefinition shv_record_default(void)
 ShvStatus shv_record_fail(const ShvRecord *record, ShvError *error)
 {
     const int number = shv_stage_failure(record->stage);
-    if (number == ENOMEM) return shv_fail(error, SHV_NO_MEMORY, "out of memory for the run file '%s'", record->path);
+    if (number == ENOMEM || (number == 0 && shv_memory_missed()))
+        return shv_fail(error, SHV_NO_MEMORY, "out of memory for the run file '%s'", record->path);
     if (number == 0)
         return shv_fail(error, SHV_FILE_ERROR, "HDF5 could not write frame %lld of '%s'; the frames before it are kept",
                         (long long)record->frames, record->path);
     char reason[128] = "unknown error";
     if (strerror_r(number, reason, sizeof reason) != 0) strcpy(reason, "unknown error");
-    return shv_fail(error, SHV_FILE_ERROR,
-                    "no space for frame %lld of '%s': %s; make room on the disk (or raise the limit of file size); the "
-                    "frames before it are kept",
-                    (long long)record->frames, record->path, reason);
+    const bool full = number == ENOSPC || number == EDQUOT || number == EFBIG;
+    return shv_fail(error, SHV_FILE_ERROR, "%s frame %lld of '%s': %s; %sthe frames before it are kept",
+                    full ? "no space for" : "cannot write", (long long)record->frames, record->path, reason,
+                    full ? "make room on the disk (or raise the limit of file size); " : "");
 }
 
 /* ---- making ---- */

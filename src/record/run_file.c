@@ -90,7 +90,7 @@ ShvStatus shv_run_fail_damaged(const ShvRunFile *file, const char *what, ShvErro
 {
     /* HDF5 does not say whether memory was out; asking for a little tells. */
     enum { LITTLE = 1 << 16 };
-    void *room = shv_allocate(file->memory, SHV_PART_RECORD, LITTLE, 1);
+    void *room = shv_memory_missed() ? NULL : shv_allocate(file->memory, SHV_PART_RECORD, LITTLE, 1);
     if (!room) return shv_fail_memory(error, what, LITTLE);
     shv_release(room);
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is damaged: %s cannot be read", file->path, what);

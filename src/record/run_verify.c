@@ -39,15 +39,19 @@ static bool frame_agrees(const ShvRunFile *file, int64_t frame, const Frames *fr
            shv_frame_checksum(sums, events, times, samples) == frames->sum.checksum;
 }
 
+static ShvStatus fail_frame(const ShvRunFile *file, int64_t frame, ShvError *error)
+{
+    if (shv_memory_missed()) return shv_fail(error, SHV_NO_MEMORY, "out of memory for a frame of '%s'", file->path);
+    return shv_fail(error, SHV_BAD_INPUT, "'%s' is damaged: frame %lld of %lld does not agree with its checksum",
+                    file->path, (long long)frame, (long long)file->info.frame_count);
+}
+
 static ShvStatus verify_frames(const ShvRunFile *file, ShvError *error)
 {
     Frames frames = {{0, 0, 0, 0}, {0, 0, 0, 0}};
     for (int64_t i = 0; i < file->info.frame_count; i++) {
         const bool told = shv_series_read(&file->series[SHV_SERIES_SUM], i, 1, 0, &frames.sum);
-        if (!told || !frame_agrees(file, i, &frames))
-            return shv_fail(error, SHV_BAD_INPUT,
-                            "'%s' is damaged: frame %lld of %lld does not agree with its checksum", file->path,
-                            (long long)i, (long long)file->info.frame_count);
+        if (!told || !frame_agrees(file, i, &frames)) return fail_frame(file, i, error);
         frames.before = frames.sum;
     }
     if (frames.sum.fragments == file->info.fragment_count && frames.sum.events == file->info.event_count &&

@@ -108,7 +108,7 @@ static void pipes_without_a_writer_are_left(void **state)
     ShvError error;
     snprintf(path, sizeof path, "/tmp/shiver_pipe_%ld", (long)getpid());
     assert_int_equal(mkfifo(path, 0600), 0);
-    check_fails(shv_read_file(NULL, SHV_PART_SCENE, path, 10, &data, &size, &error), SHV_FILE_ERROR, error,
+    check_fails(shv_read_file(NULL, SHV_PART_SCENE, path, 10, &data, &size, &error), SHV_BAD_INPUT, error,
                 "nothing has been written");
     unlink(path);
 }
@@ -123,7 +123,8 @@ static void unreadable_files_are_named(void **state)
                 "/nowhere/a.yaml");
     check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/dev/zero", 10, &data, &size, &error), SHV_BAD_INPUT, error,
                 "is a device");
-    check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/tmp", 10, &data, &size, &error), SHV_FILE_ERROR, error, "'/tmp'");
+    check_fails(shv_read_file(NULL, SHV_PART_SCENE, "/tmp", 10, &data, &size, &error), SHV_BAD_INPUT, error,
+                "'/tmp' is a folder");
     assert_null(data);
 }
 

@@ -90,6 +90,23 @@ static void impossible_sizes_fail(void **state)
     shv_release(empty);
 }
 
+/* A request that no machine could serve tells of a wrong number, not of memory that is out. */
+static void misses_are_told_once(void **state)
+{
+    (void)state;
+    ShvMemory *memory = shv_memory_create();
+    assert_non_null(memory);
+    (void)shv_memory_missed();
+    shv_memory_fail_after(memory, 0);
+    assert_null(shv_allocate(memory, SHV_PART_MESH, 1000, 1));
+    assert_true(shv_memory_missed());
+    assert_false(shv_memory_missed());
+    assert_null(shv_allocate(memory, SHV_PART_MESH, (size_t)1 << 40, 1));
+    assert_null(shv_allocate(memory, SHV_PART_MESH, SIZE_MAX, 2));
+    assert_false(shv_memory_missed());
+    shv_memory_destroy(memory);
+}
+
 static void no_counter_is_accepted(void **state)
 {
     (void)state;
@@ -161,6 +178,7 @@ int main(void)
         cmocka_unit_test(growing_keeps_the_old_and_zeroes_the_new),
         cmocka_unit_test(failures_are_injected_where_asked),
         cmocka_unit_test(impossible_sizes_fail),
+        cmocka_unit_test(misses_are_told_once),
         cmocka_unit_test(no_counter_is_accepted),
         cmocka_unit_test(counters_hold_from_many_threads),
         cmocka_unit_test(parts_have_names_and_failures_one_wording),

@@ -70,6 +70,16 @@ static void test_made_longer(void **state)
     shell_works("$shiver run long.h5 --resume", "finished before: t = 0.022 s");
 }
 
+/* Also where a signal ends the run. */
+static void test_file_that_went_away(void **state)
+{
+    (void)state;
+    shell_fails("$shiver run balls.yaml --output gone.h5 --quiet --until 1000 & "
+                "until test -e gone.h5; do sleep 0.05; done; rm gone.h5; kill -TERM $!; wait $!",
+                1, "was deleted or moved away");
+    assert_non_null(strstr(output.err, "stopped at"));
+}
+
 static void test_refused(void **state)
 {
     (void)state;
@@ -112,6 +122,7 @@ int main(void)
         cmocka_unit_test(test_stopped_at_signals),
         cmocka_unit_test(test_made_longer),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_file_that_went_away),
         cmocka_unit_test(test_without_checkpoints),
     };
     return cmocka_run_group_tests(tests, enter, shell_leave);

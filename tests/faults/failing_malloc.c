@@ -1,9 +1,11 @@
-/* Loaded before the C library: allocation number SHIVER_FAIL_FROM fails, and with SHIVER_FAIL_ALL every later one. */
+/* Loaded before the C library: allocation number SHIVER_FAIL_FROM fails, and with SHIVER_FAIL_ALL every later one; with SHIVER_FAIL_IN
+   in the program of that name alone, not in those that it starts. SHIVER_FAIL_COUNT tells at the end how many there were. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,8 +36,8 @@ static bool start(void)
     *(void **)(void *)&own_calloc = dlsym(RTLD_NEXT, "calloc");
     *(void **)(void *)&own_realloc = dlsym(RTLD_NEXT, "realloc");
     *(void **)(void *)&own_memalign = dlsym(RTLD_NEXT, "posix_memalign");
-    const char *number = getenv("SHIVER_FAIL_FROM");
-    if (number) from = atol(number);
+    const char *number = getenv("SHIVER_FAIL_FROM"), *name = getenv("SHIVER_FAIL_IN");
+    if (number && (!name || strcmp(name, program_invocation_short_name) == 0)) from = atol(number);
     all = getenv("SHIVER_FAIL_ALL") != NULL;
     return started = true;
 }
@@ -70,4 +72,9 @@ int posix_memalign(void **block, size_t alignment, size_t size)
 {
     if (!start() || fails()) return ENOMEM;
     return own_memalign(block, alignment, size);
+}
+
+__attribute__((destructor)) static void tell(void)
+{
+    if (getenv("SHIVER_FAIL_COUNT")) fprintf(stderr, "failing_malloc: %ld\n", atomic_load(&count));
 }

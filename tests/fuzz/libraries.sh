@@ -10,9 +10,11 @@ export ASAN_OPTIONS=detect_leaks=0 # of the programs that the builds run
 cd "$folder"
 apt-get source hdf5 libfyaml
 
-cmake -G Ninja -S hdf5-*/ -B hdf5 -DCMAKE_INSTALL_PREFIX="$folder" -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=None \
+# HDF5's configuration looks in its build folder for a file that its probe leaves in the working one.
+mkdir -p hdf5
+(cd hdf5 && cmake -G Ninja -S ../hdf5-*/ -B . -DCMAKE_INSTALL_PREFIX="$folder" -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=None \
     -DCMAKE_C_FLAGS="$flags" -DBUILD_SHARED_LIBS=OFF -DBUILD_TESTING=OFF -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF \
-    -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=OFF
+    -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=OFF)
 cmake --build hdf5 --target install
 
 (cd libfyaml-*/ && ./configure CC=clang CFLAGS="$flags" --disable-shared --enable-static --prefix="$folder")

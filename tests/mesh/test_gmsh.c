@@ -222,7 +222,7 @@ static void refuses_what_is_no_file(void **state)
     (void)state;
     ShvError error = {0};
     check_fails(read_once(NULL, "data/absent.msh", &error), SHV_FILE_ERROR, error, "data/absent.msh");
-    check_fails(read_once(NULL, "data", &error), SHV_FILE_ERROR, error, "data");
+    check_fails(read_once(NULL, "data", &error), SHV_BAD_INPUT, error, "data");
 }
 
 int main(void)
