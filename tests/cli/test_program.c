@@ -235,7 +235,7 @@ static void test_bad_scenes(void **state)
     }
     assert_int_not_equal(access("bad.h5", F_OK), 0);
     shell_fails("$shiver check missing.yaml", 2, "missing.yaml");
-    shell_fails("$shiver check .", 2, "directory");
+    shell_fails("$shiver check .", 2, "folder");
     shell_write("cut.yaml", "shiver: 1\nmaterials: {chalk: {density: 12");
     shell_fails("$shiver check cut.yaml", 2, "cut.yaml:");
     shell_fails("head -c 5000 $shiver >binary.yaml; $shiver check binary.yaml", 2, "binary.yaml");

@@ -625,7 +625,7 @@ static void files_are_loaded(void **state)
                 "scene/none.yaml");
     assert_null(scene);
     assert_null(diagnostics);
-    check_fails(shv_scene_load(&scene, "scene", NULL, 0, NULL, NULL, &error), SHV_FILE_ERROR, error, "scene");
+    check_fails(shv_scene_load(&scene, "scene", NULL, 0, NULL, NULL, &error), SHV_BAD_INPUT, error, "folder");
 }
 
 /* Each unit against the literal in SI units: equal to the last bit wherever one rounding can do it. */
