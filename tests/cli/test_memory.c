@@ -18,7 +18,8 @@ static const char tiny_scene[] =
 static const char falls_case[] =
     "verification: 1\ntitle: a bar lands\nscene: tiny.yaml\nsource: none\n"
     "quantities:\n  - {name: steps, measure: last(frame.steps), reference: \"0\", compare: above}\n";
-static const char study[] = "shiver_study: 1\nname: t\nvary: {fracture.stabiliser: [none]}\nmeasures: [dissipated]\n";
+static const char study[] = "shiver_study: 1\nname: t\nvary: {duration: [2e-3]}\n"
+                            "reference: {duration: 3e-3}\nmeasures: [dissipated]\n";
 
 static int enter(void **state)
 {
@@ -27,6 +28,7 @@ static int enter(void **state)
     shell_write("study.yaml", study);
     shell_write("falls.case.yaml", falls_case);
     shell_works("$shiver run tiny.yaml --output r.h5 --quiet", "");
+    shell_works("$shiver study tiny.yaml study.yaml --output whole && $shiver verify ./falls.case.yaml", "");
     return 0;
 }
 

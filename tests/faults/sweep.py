@@ -134,7 +134,10 @@ class Files:
             return "the old file" if told else None
         if int(found["frames"]) < told:
             return f"{found['frames']} frames of {told}"
-        for whole, part in zip(self.tables, tables(self.program, self.folder)):
+        parts = tables(self.program, self.folder)
+        if not parts:
+            return f"cannot be exported: {found}"
+        for whole, part in zip(self.tables, parts):
             if not whole.startswith(part):
                 return "other frames"
         return None
@@ -186,12 +189,13 @@ def sweep_files(program, injector, faults, folder, tally):
         for mode, (number, always) in MODES.items():
             for at in spread(files.calls, places):
                 files.fault(tally, f"{variant}, {mode}", at, number, always)
+            print(f"{variant}, {mode}: {sum(tally.outcomes.values())} faults so far", flush=True)
         print(f"{variant}: {files.calls} operations", flush=True)
 
 
 # ---- memory ----
 
-STUDY = "shiver_study: 1\nname: t\nvary: {fracture.stabiliser: [none]}\nmeasures: [dissipated]\n"
+STUDY = "shiver_study: 1\nname: t\nvary: {duration: [0.002]}\nreference: {duration: 0.003}\nmeasures: [dissipated]\n"
 CASE = """\
 verification: 1
 title: A bar breaks on the floor
@@ -217,7 +221,7 @@ f 3 4 8 7
 f 4 1 5 8
 """
 FALLS = SCENE.replace("velocity: [0, 0, -2]", "velocity: [0, 0, -1]").replace("duration: 0.005", "duration: 0.002")
-RIGID = SCENE.replace("fracture_energy: 0.05, cohesive_strength: 20e3", "fracture_energy: 1e6, cohesive_strength: 1e12")
+RIGID = SCENE.replace("fracture_energy: 0.05, cohesive_strength: 20e3", "breakable: false")
 # Words of a command; what it writes begins with `out`.
 COMMANDS = {
     "run": ["run", "tiny.yaml", "--output", "out.h5", "--quiet"],
@@ -243,19 +247,23 @@ COMMANDS = {
 
 
 def outcome_of(program, result, folder):
-    """What a command printed and wrote: texts and bytes by name."""
-    found = {"what it prints": result.stdout.encode()}
+    """What a command printed and wrote: texts and bytes by name, without what may differ."""
+    printed = re.sub(r"[\d.]+ s\b", "# s", result.stdout).encode()
+    found = {"what it prints": without_numbers(printed) if "mesh" in result.args else printed}
     for path in sorted(folder.glob("out*")):
         for file in [path] if path.is_file() else sorted(path.rglob("*")):
             if file.is_file():
                 found[str(file.relative_to(folder))] = file.read_bytes()
+    if "out.msh" in found:  # gmsh's meshes depend on its environment, in which the faults stand
+        found["out.msh"] = b""
     if "out.h5" in found:  # holds times of day and run times beside what must be equal
         found["out.h5"] = re.search(r'"checksum": "\w+', call(program, ["info", "--json", "out.h5"], folder).stdout)[0].encode()
     return found
 
 
 def without_numbers(data):
-    return re.sub(rb"[-+]?\d[-+.\w]*", b"#", data)
+    """Nor what stands by them in a table: spaces, and the star of whoever is on a Pareto front of run times."""
+    return re.sub(rb"[ *]+", b" ", re.sub(rb"[-+]?\d[-+.\w]*", b"#", data))
 
 
 def compare(one, other, like):
