@@ -356,11 +356,10 @@ typedef struct ShvFractureDefinition {
     bool enabled;    /* false: bodies deform but nothing opens */
     ShvSelection on; /* facets that may open: those whose three nodes are chosen, on the placed mesh; all */
     ShvStabiliser stabiliser;
-    double time_step; /* s; NaN: automatic */
-    double safety;    /* share of the stable step when automatic, 0…1; 0.9 */
-    int32_t
-        check_every; /* steps between checks; 0: automatic, an overshoot of 10 % at most while stress grows as it did */
-    double threshold; /* share of the strength at which facets open; 1 */
+    double time_step;    /* s; NaN: automatic */
+    double safety;       /* share of the stable step when automatic, 0…1; 0.9 */
+    int32_t check_every; /* steps between checks; 0: automatic, for an overshoot of 10 % while stress grows as it did */
+    double threshold;    /* share of the strength at which facets open; 1 */
     ShvCriterion criterion;
     ShvActivation activation;
     double

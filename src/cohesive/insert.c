@@ -91,7 +91,8 @@ static double activation(const ShvCohesive *cohesive, const ShvState *state, con
 
 /* Of a strength, that a law starts with at least: with less, the final opening would outgrow the body. */
 static const double least_share = 0.1;
-/* Of an energy: a facet that leans over by more than some 40 degrees is a wall of a piece and not roughness of a crack. */
+/* Of an energy: beyond some 40 degrees a facet is taken for a wall of a piece, not for roughness of a crack. It matters little
+   (docs/decisions.md). */
 static const double least_covered = 0.75;
 
 /* Ahead of a front facets hold the same in any direction, and their energy counts by what they cover of the crack's plane: that a

@@ -316,16 +316,21 @@ static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
+/* Of all its energy, what a fragment carries beside its rigid motion, J. */
+static double carried_beside(const ShvHybrid *hybrid, const ShvFragment *fragment, double kinetic, double strain)
+{
+    ShvFragment fitted = *fragment;
+    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
+    return kinetic - shv_fragment_kinetic(&fitted) + strain + shv_audit_cohesive(hybrid, fragment);
+}
+
 /* Whether what a fragment carries beside its rigid motion would let it rest now; velocities as shv_hybrid_velocities_without_impulses leaves
    them. */
 static bool carries_little(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     double kinetic, strain;
-    ShvFragment fitted = *fragment;
-    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
     carried_energy(hybrid, fragment, &kinetic, &strain);
-    const double carried = kinetic - shv_fragment_kinetic(&fitted) + strain + shv_audit_cohesive(hybrid, fragment);
-    return carried <= carried_share * reference_energy(fragment);
+    return carried_beside(hybrid, fragment, kinetic, strain) <= carried_share * reference_energy(fragment);
 }
 
 /* Velocities as they stand, those of half a step ago: near enough for an estimate, and nothing has to be moved for it. */
@@ -333,11 +338,8 @@ double shv_hybrid_time_to_decay(const ShvHybrid *hybrid, const ShvFragment *frag
 {
     ShvVec3 momentum, angular;
     double kinetic;
-    ShvFragment fitted = *fragment;
-    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
     shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
-    const double carried = kinetic - shv_fragment_kinetic(&fitted) + shv_audit_strain(hybrid, fragment) +
-                           shv_audit_cohesive(hybrid, fragment);
+    const double carried = carried_beside(hybrid, fragment, kinetic, shv_audit_strain(hybrid, fragment));
     const double little = carried_share * reference_energy(fragment);
     return carried > little ? fragment->longest * log(carried / little) : 0.0;
 }

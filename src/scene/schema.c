@@ -846,10 +846,8 @@ static const ShvKey fracture_keys[] = {
     {"check_every", SHV_KEY_INT32, .flags = SHV_KEY_AUTOMATIC, .range = &not_negative,
      .offset = SCENE(fracture.check_every), .absent = "auto",
      .sentence = "Steps between checks of the criterion; `auto` (or 0) checks often enough for an overshoot of at most "
-                 "10 % while stress grows as it "
-                 "did. Where a body is struck, a wave front crosses a tet in a step or two, and stress exceeds the "
-                 "strength severalfold "
-                 "(docs/cohesive.md)."},
+                 "10 % while stress grows as it did. Where a body is struck, a wave front crosses a tet in a step or "
+                 "two, and stress exceeds the strength severalfold (docs/cohesive.md)."},
     {"threshold", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.threshold),
      .sentence = "Share of the strength at which facets open."},
     {"criterion", SHV_KEY_CHOICE, .choices = criterion_choices, .offset = SCENE(fracture.criterion),
