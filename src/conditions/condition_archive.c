@@ -17,9 +17,9 @@ static bool condition_archive(ShvImposedCondition *condition, ShvArchive *archiv
 bool shv_imposed_archive(ShvImposed *imposed, ShvArchive *archive)
 {
     static const ShvField fields[] = {
-        SHV_FIELD_OF(ShvImposed, memory, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvImposed, items, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvImposed, count, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposed, memory, SHV_FIELD_KEPT), SHV_FIELD_OF(ShvImposed, items, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposed, count, SHV_FIELD_KEPT),  SHV_FIELD_OF(ShvImposed, model, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvImposed, held, SHV_FIELD_BLOCK),
     };
     bool good = SHV_ARCHIVE_STRUCT(archive, imposed, fields);
     for (int32_t i = 0; good && i < imposed->count; i++) good = condition_archive(&imposed->items[i], archive);

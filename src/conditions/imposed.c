@@ -92,11 +92,42 @@ static ShvStatus make_condition(ShvImposedCondition *condition, const ShvModel *
                                                       : make_nodes(condition, model, object, error);
 }
 
+static bool is_over(const ShvImposedCondition *condition, double time)
+{
+    return condition->released || time >= condition->definition->end;
+}
+
+static int32_t count_over(const ShvImposed *imposed, double time)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < imposed->count; i++) count += is_over(&imposed->items[i], time);
+    return count;
+}
+
+static void mark_held(ShvImposed *imposed, double time)
+{
+    const ShvMesh *mesh = &imposed->model->mesh;
+    imposed->over_count = count_over(imposed, time);
+    memset(imposed->held, 0, (size_t)mesh->node_count);
+    for (int32_t i = 0; i < imposed->count; i++) {
+        const ShvImposedCondition *condition = &imposed->items[i];
+        if (is_over(condition, time)) continue;
+        for (int32_t k = 0; k < condition->origin_count; k++) imposed->held[condition->origins[k]] = 1;
+        for (int32_t k = 0; k < condition->facet_count; k++) {
+            const int32_t *corners = mesh->elements + 4 * (int64_t)condition->facets[k].element;
+            for (int c = 0; c < 3; c++) imposed->held[corners[shv_face_corners[condition->facets[k].face][c]]] = 1;
+        }
+    }
+}
+
 static ShvStatus make_all(ShvImposed *imposed, const ShvModel *model, const ShvSceneDefinition *scene, ShvError *error)
 {
     const size_t count = (size_t)scene->condition_count;
+    const size_t nodes = count > 0 ? (size_t)model->mesh.node_count : 0;
     imposed->items = shv_allocate(imposed->memory, SHV_PART_CONTACT, count, sizeof *imposed->items);
-    if (!imposed->items) return shv_fail_memory(error, "the conditions", count * sizeof *imposed->items);
+    imposed->held = shv_allocate(imposed->memory, SHV_PART_CONTACT, nodes, sizeof *imposed->held);
+    if (!imposed->items || !imposed->held)
+        return shv_fail_memory(error, "the conditions", count * sizeof *imposed->items + nodes);
     for (int32_t i = 0; i < scene->condition_count; i++) {
         const ShvConditionDefinition *definition = &scene->conditions[i];
         imposed->count = i + 1;
@@ -106,13 +137,14 @@ static ShvStatus make_all(ShvImposed *imposed, const ShvModel *model, const ShvS
             return shv_fail_within(error, status, "condition %s",
                                    definition->name ? definition->name : "without a name");
     }
+    if (count > 0) mark_held(imposed, -HUGE_VAL);
     return SHV_OK;
 }
 
 ShvStatus shv_imposed_create(ShvImposed *imposed, const ShvModel *model, const ShvSceneDefinition *scene,
                              ShvError *error)
 {
-    *imposed = (ShvImposed){.memory = model->memory};
+    *imposed = (ShvImposed){.memory = model->memory, .model = model};
     const ShvStatus status = make_all(imposed, model, scene, error);
     if (status != SHV_OK) shv_imposed_release(imposed);
     return status;
@@ -128,6 +160,7 @@ void shv_imposed_release(ShvImposed *imposed)
         shv_release(imposed->items[i].facets);
     }
     shv_release(imposed->items);
+    shv_release(imposed->held);
     *imposed = (ShvImposed){0};
 }
 
@@ -148,14 +181,12 @@ bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
     return !condition->released && time >= condition->definition->start && time < condition->definition->end;
 }
 
-bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time)
+bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
 {
-    for (int32_t i = 0; i < imposed->count; i++) {
-        const ShvImposedCondition *condition = &imposed->items[i];
-        const bool over = condition->released || time >= condition->definition->end;
-        if (!over && strcmp(condition->definition->object, object) == 0) return true;
-    }
-    return false;
+    bool held = false;
+    for (int32_t k = 0; imposed->over_count < imposed->count && k < count && !held; k++)
+        held = imposed->held[state->origin[nodes[k]]] != 0;
+    return held;
 }
 
 /* ---- a step ---- */
@@ -229,6 +260,7 @@ static double pull(const ShvImposedCondition *condition, ShvState *state, bool a
 ShvStatus shv_imposed_add_force(ShvImposed *imposed, ShvState *state, ShvError *error)
 {
     SHV_TRY(adopt_nodes(imposed, state, error));
+    if (count_over(imposed, state->time) != imposed->over_count) mark_held(imposed, state->time);
     for (int32_t c = 0; c < imposed->count; c++) {
         ShvImposedCondition *condition = &imposed->items[c];
         if (!shv_imposed_in_force(condition, state->time)) continue;

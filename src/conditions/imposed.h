@@ -3,7 +3,7 @@
    element's corners have now.
 
    One step:  forces of time n … shv_imposed_add_force … kick … contact … shv_imposed_apply (has the last word)
-   … book contact and conditions … drift. Objects under a condition must stay awake while it is in force. */
+   … book contact and conditions … drift. What a condition acts on must stay awake until it is over (shv_imposed_holds). */
 #ifndef SHV_CONDITIONS_IMPOSED_H
 #define SHV_CONDITIONS_IMPOSED_H
 
@@ -31,9 +31,12 @@ typedef struct ShvImposedCondition {
 
 typedef struct ShvImposed {
     ShvMemory *memory;
+    const ShvModel *model;
     ShvImposedCondition *items;
     int32_t count;
     int32_t known_nodes; /* nodes of the state that have been looked at */
+    uint8_t *held;       /* per node of the reference mesh: a condition that is not over acts on it */
+    int32_t over_count;  /* conditions that were over when that was found */
     /* works of this step, J: with the velocities before the kick, and with those after everything */
     double constraint_work[2], traction_work[2];
 } ShvImposed;
@@ -47,8 +50,8 @@ void shv_imposed_release(ShvImposed *imposed);
 bool shv_imposed_release_condition(ShvImposed *imposed, const char *name);
 /* Whether a condition acts at a time: started, not ended, not released. */
 bool shv_imposed_in_force(const ShvImposedCondition *condition, double time);
-/* Whether any condition on an object is in force at a time or still to come. */
-bool shv_imposed_holds(const ShvImposed *imposed, const char *object, double time);
+/* Whether a condition that is in force or still to come, as of the last step, acts on one of these nodes of the state. */
+bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count);
 
 /* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;
    adopts nodes that were duplicated since the last call. */

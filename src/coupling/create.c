@@ -54,7 +54,8 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         fragment->longest = shv_hybrid_longest(hybrid, fragment);
         shv_hybrid_begin_growth(hybrid, fragment);
         if (starts_stretching(hybrid, fragment) ||
-            shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time)) {
+            shv_imposed_holds(&hybrid->imposed, &hybrid->state, fragments->nodes + fragment->node_begin,
+                              fragment->node_count)) {
             fragment->mode = SHV_MODE_FRACTURE;
         } else if (hybrid->scene->objects[fragment->object].waits) {
             shv_fragment_fit(fragment, fragments, &hybrid->state);

@@ -135,13 +135,19 @@ double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : longest_transits * bending;
 }
 
+static bool is_held(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return shv_imposed_holds(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
+                             fragment->node_count);
+}
+
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
 {
     double bar, bending;
     const double now = hybrid->state.time;
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     *soonest = *latest = HUGE_VAL;
-    if (shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, now)) return;
+    if (is_held(hybrid, fragment)) return;
     transit_times(hybrid, fragment, &bar, &bending);
     const int32_t checks = fracture->quiet_checks - fragment->quiet;
     const double counted = now + (checks > 0 ? checks : 0) * hybrid->clock.due * hybrid->step;
@@ -156,7 +162,7 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
 static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     if (fragment->mode != SHV_MODE_FRACTURE || reason_to_rest(hybrid, fragment, 0.0) == SHV_REASON_NONE) return false;
-    return !shv_imposed_holds(&hybrid->imposed, hybrid->model.objects[fragment->object].name, hybrid->state.time);
+    return !is_held(hybrid, fragment);
 }
 
 /* What a fragment carries in the terms of the ledger, without the others' impulses (shv_hybrid_velocities_without_impulses): kinetic energy

@@ -198,8 +198,11 @@ static void test_support(void **state)
         if (!released) clamp.end = 10.5 * h;
         ShvImposed imposed;
         impose(&piece, &imposed, &clamp, 1);
-        assert_true(shv_imposed_holds(&imposed, "block", 0.0));
-        assert_false(shv_imposed_holds(&imposed, "brick", 0.0));
+        const int32_t chosen = imposed.items[0].origins[0];
+        int32_t other = 0;
+        while (imposed.held[other]) other++;
+        assert_true(shv_imposed_holds(&imposed, &piece.state, &chosen, 1));
+        assert_false(shv_imposed_holds(&imposed, &piece.state, &other, 1));
         for (int k = 0; k < 11; k++) {
             step(&piece, &imposed, h);
             check_near(imposed.constraint_work[0] + imposed.constraint_work[1], 0.0, 0.0);
@@ -211,8 +214,8 @@ static void test_support(void **state)
             assert_true(shv_imposed_release_condition(&imposed, "clamp"));
             assert_false(shv_imposed_release_condition(&imposed, "lamp"));
         }
-        assert_false(shv_imposed_holds(&imposed, "block", piece.state.time));
         for (int k = 0; k < 5; k++) step(&piece, &imposed, h);
+        assert_false(shv_imposed_holds(&imposed, &piece.state, &chosen, 1));
         check_near(piece.state.velocity[3 * held + 2], -10.0 * 5.0 * h, 1e-15);
         shv_imposed_release(&imposed);
         piece_release(&piece);

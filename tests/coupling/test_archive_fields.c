@@ -23,7 +23,7 @@ static const Size sizes[] = {
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvNodeContact, "contact/contact_archive.c", 312),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1216),
-    SIZE(ShvImposed, "conditions/condition_archive.c", 56),
+    SIZE(ShvImposed, "conditions/condition_archive.c", 80),
     SIZE(ShvImposedCondition, "conditions/condition_archive.c", 88),
     SIZE(ShvObstacle, "shape/obstacle_archive.c", 512),
     SIZE(ShvFragments, "rigid/rigid_archive.c", 104),
