@@ -224,6 +224,9 @@ const ShvMaterial *shv_cohesive_material(const ShvModel *model, int32_t facet);
    number, V a quarter of both elements' volumes (each element shared among its four facets), V₀ weibull_volume (0: no
    effect of size). Independent of order. */
 double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet);
+/* Strength of the flaws at a node of the mesh, where all tets are of one material, Pa: with scatter that of a quarter of their
+   volumes, by the same rule. */
+double shv_cohesive_node_strength(const ShvModel *model, int32_t node);
 /* Weakest facet strength of a set of elements' interior facets (elements NULL: all), Pa; infinity when none can break. */
 double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);
 

@@ -9,7 +9,7 @@
    the start. Where tension exceeds compression there, and pulls across the crack, the star of the node (star.h) may part as
    well along a disk that goes on from an opened facet, in which facets ahead hold σ_tip in any direction: that a mesh makes
    them lean is nothing that the material resists. Their law starts with it, and their energy is G times what they cover of the
-   plane across the pull, three quarters at least. Ahead is a facet that leads away from where the crack comes from, or that
+   plane across the pull. Ahead is a facet that leads away from where the crack comes from, or that
    continues an opened one over an edge. */
 #ifndef SHV_COHESIVE_FRONT_H
 #define SHV_COHESIVE_FRONT_H

@@ -161,7 +161,7 @@ double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t
         for (int k = 0; k < 3; k++) {
             const int32_t node = shv_state_node(state, element, shv_face_corners[initiation->faces[i] % 4][k]);
             if (node >= cohesive->model->mesh.node_count || search->mark[node]) continue;
-            const double ratio = initiation->tension[i] / initiation->weakest[node];
+            const double ratio = initiation->tension[i] / initiation->strength[node];
             largest = shv_larger(largest, ratio);
             if (most_beyond * ratio < 1.0) continue;
             search->mark[node] = 1;
@@ -173,8 +173,8 @@ double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t
 
 /* ---- what it is for ---- */
 
-/* Strength of its weakest facet, infinite where some facet is of another material or resolved. */
-static double weakest_at(const ShvCohesive *cohesive, int32_t node)
+/* Infinite where no facet can open, or some facet is of another material or resolved. */
+static double strength_at(const ShvCohesive *cohesive, int32_t node)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     double weakest = (double)INFINITY;
@@ -189,7 +189,7 @@ static double weakest_at(const ShvCohesive *cohesive, int32_t node)
             weakest = fmin(weakest, cohesive->facet_strength[facet]);
         }
     }
-    return weakest;
+    return isfinite(weakest) ? shv_cohesive_node_strength(cohesive->model, node) : weakest;
 }
 
 ShvStatus shv_initiation_create(ShvCohesive *cohesive, ShvError *error)
@@ -201,18 +201,18 @@ ShvStatus shv_initiation_create(ShvCohesive *cohesive, ShvError *error)
     *initiation = (ShvInitiation){0};
     if (!cohesive->front.any) return SHV_OK;
     initiation->faces = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, faces, sizeof *initiation->faces);
-    initiation->weakest = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *initiation->weakest);
+    initiation->strength = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *initiation->strength);
     initiation->tension = shv_allocate(cohesive->memory, SHV_PART_STRESS, faces, sizeof *initiation->tension);
-    if (!initiation->faces || !initiation->weakest || !initiation->tension)
+    if (!initiation->faces || !initiation->strength || !initiation->tension)
         return shv_fail_memory(error, "the surface where cracks begin", 12 * faces + 8 * nodes);
-    for (int32_t node = 0; node < (int32_t)nodes; node++) initiation->weakest[node] = weakest_at(cohesive, node);
+    for (int32_t node = 0; node < (int32_t)nodes; node++) initiation->strength[node] = strength_at(cohesive, node);
     return SHV_OK;
 }
 
 void shv_initiation_release(ShvInitiation *initiation)
 {
     shv_release(initiation->faces);
-    shv_release(initiation->weakest);
+    shv_release(initiation->strength);
     shv_release(initiation->tension);
     *initiation = (ShvInitiation){0};
 }

@@ -89,18 +89,14 @@ static double activation(const ShvCohesive *cohesive, const ShvState *state, con
     return fmax(tension, shear) / fmin(whole, 1.0);
 }
 
-/* Of a strength, that a law starts with at least: with less, the final opening would outgrow the body. */
+/* Of a strength or an energy, that a law starts with at least: with less strength, the final opening would outgrow the body. */
 static const double least_share = 0.1;
-/* Of an energy: beyond some 40 degrees a facet is taken for a wall of a piece, not for roughness of a crack. It matters little
-   (docs/decisions.md). */
-static const double least_covered = 0.75;
-
 /* Ahead of a front facets hold the same in any direction, and their energy counts by what they cover of the crack's plane: that a
    mesh makes a crack rough is nothing that the material pays for. */
 static void judge_as_ahead(ShvMaterial *material, double along)
 {
     material->strength[SHV_SHEAR] = material->strength[SHV_NORMAL];
-    for (int i = 0; i < 2; i++) material->fracture_energy[i] *= fmax(along, least_covered);
+    for (int i = 0; i < 2; i++) material->fracture_energy[i] *= fmax(along, least_share);
 }
 
 /* The components of the traction that the force criterion counted on. Camacho and Ortiz' law starts on that ellipse by itself. */

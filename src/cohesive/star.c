@@ -283,18 +283,6 @@ void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvStat
     try_direction(star, cohesive, shv_madd(across, -material->riding[1], last), least, false);
 }
 
-static double mean_strength(const ShvStar *star)
-{
-    double area = 0.0, sum = 0.0;
-    for (int32_t k = 0; k < star->disk_count; k++) {
-        const ShvStarFacet *facet = &star->facets[star->disk[k]];
-        const double across = fabs(shv_dot(facet->area, star->direction));
-        area += across;
-        sum += across * facet->strength;
-    }
-    return sum / area;
-}
-
 void shv_star_begin(ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, const double *stress,
                     int32_t node, ShvSurfaceTension tension, double least)
 {
@@ -306,7 +294,7 @@ void shv_star_begin(ShvStar *star, const ShvCohesive *cohesive, const ShvState *
         star->facets[k].tip = (ShvTip){.strength = star->facets[k].strength, .lowered = true};
     try_direction(star, cohesive, tension.direction, least_passed_on, true);
     const double held = shv_smaller(star->ratio, 1.0);
-    star->ratio = star->disk_count > 0 ? tension.stress / mean_strength(star) : 0.0;
+    star->ratio = star->disk_count > 0 ? tension.stress / cohesive->initiation.strength[node] : 0.0;
     if (!(star->ratio >= least)) star->disk_count = 0;
     for (int32_t k = 0; k < star->disk_count; k++) star->facets[star->disk[k]].tip.strength *= held;
 }

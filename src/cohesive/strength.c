@@ -12,18 +12,36 @@ const ShvMaterial *shv_cohesive_material(const ShvModel *model, int32_t facet)
     return second->strength[SHV_NORMAL] < first->strength[SHV_NORMAL] ? second : first;
 }
 
+/* Of flaws in so much of a material. */
+static double weakest_link(const ShvMaterial *material, uint64_t seed, uint64_t index, double volume)
+{
+    double scale = -shv_log(shv_random_uniform(seed, index));
+    if (material->weibull_volume > 0.0) scale *= material->weibull_volume / volume;
+    return shv_power(scale, 1.0 / material->weibull_modulus);
+}
+
 double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet)
 {
     const ShvMaterial *material = shv_cohesive_material(model, facet);
     if (!material || !(material->weibull_modulus > 0.0)) return 1.0;
-    double scale = -shv_log(shv_random_uniform(model->seed, (uint64_t)facet));
-    if (material->weibull_volume > 0.0) {
-        const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
-        const double both =
-            shv_mesh_element_volume(&model->mesh, elements[0]) + shv_mesh_element_volume(&model->mesh, elements[1]);
-        scale *= material->weibull_volume / (0.25 * both);
-    }
-    return shv_power(scale, 1.0 / material->weibull_modulus);
+    const int32_t *elements = model->adjacency.facet_elements + 2 * (int64_t)facet;
+    const double both =
+        shv_mesh_element_volume(&model->mesh, elements[0]) + shv_mesh_element_volume(&model->mesh, elements[1]);
+    return weakest_link(material, model->seed, (uint64_t)facet, 0.25 * both);
+}
+
+double shv_cohesive_node_strength(const ShvModel *model, int32_t node)
+{
+    const ShvAdjacency *adjacency = &model->adjacency;
+    const int32_t first = adjacency->corner_start[node], end = adjacency->corner_start[node + 1];
+    const ShvMaterial *material = shv_model_material(model, adjacency->corners[first] / 4);
+    const double strength = material->strength[SHV_NORMAL];
+    double volume = 0.0;
+    if (!(material->weibull_modulus > 0.0)) return strength;
+    for (int32_t i = first; i < end; i++)
+        volume += 0.25 * shv_mesh_element_volume(&model->mesh, adjacency->corners[i] / 4);
+    const uint64_t index = (uint64_t)adjacency->facet_count + (uint64_t)node;
+    return strength * weakest_link(material, model->seed, index, volume);
 }
 
 double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count)

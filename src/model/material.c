@@ -188,6 +188,8 @@ void shv_material_resolve(ShvMaterial *material, double edge)
     const bool scales =
         material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH || material->unresolved == SHV_UNRESOLVED_SCALE_ENERGY;
     if (!scales || !(share < 1.0)) return;
+    /* A strength that the mesh decides is not that of a volume. */
+    if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH) material->weibull_volume = 0.0;
     for (int mode = 0; mode < 2; mode++) {
         if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH)
             material->strength[mode] *= sqrt(share);

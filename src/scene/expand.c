@@ -24,13 +24,23 @@ static bool add(ShvPool *pool, ShvNode *mapping, ShvPlace place, const char *key
 }
 
 /* Scatter is a mapping of its own. */
+static const char scatter[] = "weibull";
+
+/* The scene's own mapping, to be completed, or a new one; NULL when memory is out. */
+static ShvNode *scatter_of(ShvPool *pool, ShvNode *material, ShvPlace place)
+{
+    ShvEntry *entry = shv_tree_find(material, scatter);
+    if (entry) return entry->value = shv_tree_copy(pool, entry->value);
+    ShvNode *name = scalar(pool, place, scatter), *mapping = shv_tree_node(pool, SHV_NODE_MAPPING, place);
+    return name && mapping && shv_tree_append(pool, material, name, mapping) ? mapping : NULL;
+}
+
 static bool add_number(ShvPool *pool, ShvNode *material, ShvPlace place, const char *key, const char *value)
 {
-    if (strcmp(key, "weibull_modulus") != 0) return add(pool, material, place, key, value);
-    if (shv_tree_find(material, "weibull")) return true;
-    ShvNode *name = scalar(pool, place, "weibull"), *weibull = shv_tree_node(pool, SHV_NODE_MAPPING, place);
-    return name && weibull && add(pool, weibull, place, "modulus", value) &&
-           shv_tree_append(pool, material, name, weibull);
+    const size_t length = sizeof scatter - 1;
+    if (strncmp(key, scatter, length) != 0) return add(pool, material, place, key, value);
+    ShvNode *mapping = scatter_of(pool, material, place);
+    return mapping && (mapping->kind != SHV_NODE_MAPPING || add(pool, mapping, place, key + length + 1, value));
 }
 
 static void report_unknown(ShvDiagnostics *diagnostics, const ShvNode *node)
