@@ -279,6 +279,31 @@ static void weibull_scatter(void **state)
     fixture_release(&f);
 }
 
+/* A body of the volume that the strength belongs to has it with a probability of 1/e, whatever its mesh: the weakest of its nodes. */
+static void flaws_at_nodes_are_those_of_the_body(void **state)
+{
+    (void)state;
+    enum { BODIES = 400 };
+    for (int fine = 0; fine < 2; fine++) {
+        Fixture f;
+        int whole = 0;
+        fixture_define(&f, 0.02, 0.02, 0.02, fine ? 0.004 : 0.007);
+        f.material.weibull_modulus = 7.0;
+        f.material.weibull_volume = 0.02 * 0.02 * 0.02;
+        fixture_build(&f);
+        for (int body = 0; body < BODIES; body++) {
+            double weakest = (double)INFINITY;
+            f.model.seed = (uint64_t)body;
+            for (int32_t node = 0; node < f.model.mesh.node_count; node++)
+                weakest = fmin(weakest, shv_cohesive_node_strength(&f.model, node));
+            whole += weakest > 40e6;
+        }
+        const double share = exp(-1.0);
+        check_near((double)whole / BODIES, share, 3.0 * sqrt(share * (1.0 - share) / BODIES));
+        fixture_release(&f);
+    }
+}
+
 /* Under a pressure from all sides a plane of facets bears c + p tan φ in shear, no more under tension than without friction:
    facet by facet, and node by node. */
 static void pressure_adds_friction(void **state)
@@ -343,6 +368,7 @@ int main(void)
         cmocka_unit_test(principal_takes_the_weakest_corner),
         cmocka_unit_test(principal_matches_brute_force),
         cmocka_unit_test(weibull_scatter),
+        cmocka_unit_test(flaws_at_nodes_are_those_of_the_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
