@@ -68,9 +68,8 @@ static const ShvLibraryMaterial materials[] = {
            "(GlassBR) "
            "quotes it",
            false},
-          {"weibull_volume", 4.3e-4,
-           "where 63 % break at 40 MPa in a minute: 1/(k σ⁷) = 0.21 m² of surface with the flaw parameter k = 2.86e-53 "
-           "m¹²/N⁷ of the same source, 2 mm deep, so that each face of a pane of 4 mm has its own half",
+          {"weibull_area", 0.2134,
+           "1/(k σ⁷), of which 63 % break under σ, with the flaw parameter k = 2.86e-53 m¹²/N⁷ of the same source",
            false}},
      .remark = "The strength is that of panes with the scratches of use; fresh fibres bear a hundred times that."},
     {.name = "tempered_glass",
@@ -307,7 +306,8 @@ ShvMaterialDefinition shv_library_definition(const ShvLibraryMaterial *material)
                    {"cohesive_strength_shear", &definition.cohesive_strength_shear},
                    {"friction_angle", &definition.friction_angle_degrees},
                    {"weibull_modulus", &definition.weibull_modulus},
-                   {"weibull_volume", &definition.weibull_volume}};
+                   {"weibull_volume", &definition.weibull_volume},
+                   {"weibull_area", &definition.weibull_area}};
     definition.name = material->name;
     definition.breakable = material->breakable;
     for (const ShvLibraryNumber *number = material->numbers; number->key; number++)

@@ -17,7 +17,8 @@ static const struct {
                {"cohesive_strength_shear", "τ, MPa", 1e-6},
                {"friction_angle", "φ, °", 1.0},
                {"weibull_modulus", "m", 1.0},
-               {"weibull_volume", "V₀, cm³", 1e6}};
+               {"weibull_volume", "V₀, cm³", 1e6},
+               {"weibull_area", "A₀, m²", 1.0}};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
 static const ShvLibraryNumber *find_number(const ShvLibraryMaterial *material, const char *key)
@@ -77,7 +78,8 @@ static void print_table(bool markdown)
     if (markdown) printf("\n");
     for (int32_t i = 0; i < shv_library_count(); i++) print_row(markdown, shv_library_get(i));
     if (!markdown)
-        printf("\nσ, τ: strength in tension and in shear; φ: friction angle; m: Weibull modulus; V₀: volume of "
+        printf("\nσ, τ: strength in tension and in shear; φ: friction angle; m: Weibull modulus; V₀, A₀: volume, "
+               "surface of "
                "strength σ; R: cohesive\nzone; h: largest mean edge that resolves it; s: longer edges snap back "
                "(docs/materials.md)\n");
 }
@@ -142,10 +144,10 @@ static const char *const formulas =
     "pressure p bear τ + p tan φ, and closed crack faces p tan φ (docs/cohesive.md); where none is, pressure adds "
     "nothing.\n\n"
     "m is the Weibull modulus of the strength from facet to facet, and from node to node of a surface where cracks "
-    "begin (docs/glass.md): `weibull: {modulus: 0}` takes the scatter away. V₀ is the volume that has the strength σ "
-    "as a "
-    "whole: a facet or node has a small part of it and so few of its flaws, and is stronger, by (V₀/V)^(1/m) in the "
-    "mean. Without V₀ every facet scatters about σ, whatever its size. `scale_strength` leaves V₀ out. A "
+    "begin (docs/glass.md): `weibull: {modulus: 0}` takes the scatter away. V₀ or A₀ is the volume or surface that has "
+    "the strength σ as a "
+    "whole: a facet or node has a small part V of it and so few of its flaws, and is stronger, by (V₀/V)^(1/m) in the "
+    "mean. Without either every facet scatters about σ, whatever its size. `scale_strength` leaves both out. A "
     "source that is marked [source not read] was not at hand, nor another text with its number; what is called an "
     "assumption is ours, and has none. docs/sources.md says what was read, and where.\n\n"
     "A statement that results converge is possible where the zone is resolved: with plaster or this concrete, at edges "

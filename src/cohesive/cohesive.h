@@ -221,11 +221,11 @@ void shv_cohesive_release(ShvCohesive *cohesive);
 /* Material whose law a facet follows: that of its weaker element, of equal ones the first's. */
 const ShvMaterial *shv_cohesive_material(const ShvModel *model, int32_t facet);
 /* Strength scale of a facet, 1 without scatter: Weibull, (−ln u)^(1/m) (V₀/V)^(1/m), with u from model->seed and the facet's
-   number, V a quarter of both elements' volumes (each element shared among its four facets), V₀ weibull_volume (0: no
-   effect of size). Independent of order. */
+   number, V a quarter of both elements' volumes (each element shared among its four facets), V₀ weibull_volume; with
+   weibull_area in its place V is the facet's own area; with neither there is no effect of size. Independent of order. */
 double shv_cohesive_strength_scale(const ShvModel *model, int32_t facet);
 /* Strength of the flaws at a node of the mesh, where all tets are of one material, Pa: with scatter that of a quarter of their
-   volumes, by the same rule. */
+   volumes, or a third of their area on the surface, by the same rule. */
 double shv_cohesive_node_strength(const ShvModel *model, int32_t node);
 /* Weakest facet strength of a set of elements' interior facets (elements NULL: all), Pa; infinity when none can break. */
 double shv_cohesive_weakest(const ShvCohesive *cohesive, const int32_t *elements, int32_t count);

@@ -31,6 +31,7 @@ static const Field material_fields[] = {
     NUMBER(ShvMaterialDefinition, "ppr_shape_shear", ppr_shape_shear),
     NUMBER(ShvMaterialDefinition, "weibull_modulus", weibull_modulus),
     NUMBER(ShvMaterialDefinition, "weibull_volume", weibull_volume),
+    NUMBER(ShvMaterialDefinition, "weibull_area", weibull_area),
     NUMBER(ShvMaterialDefinition, "friction_angle", friction_angle_degrees)};
 static const Field object_fields[] = {VECTOR(ShvObjectDefinition, "size", mesh.size),
                                       NUMBER(ShvObjectDefinition, "radius", mesh.radius),

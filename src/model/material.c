@@ -64,6 +64,11 @@ static ShvStatus check_fracture(const ShvMaterialDefinition *definition, ShvErro
     if (!(definition->weibull_volume >= 0.0 && isfinite(definition->weibull_volume)))
         return bad_value(error, name, "weibull_volume", definition->weibull_volume,
                          "a finite number of at least 0, in m³ (0: facets of any size scatter alike)");
+    if (!(definition->weibull_area >= 0.0 && isfinite(definition->weibull_area)))
+        return bad_value(error, name, "weibull_area", definition->weibull_area, "a finite number of at least 0, in m²");
+    if (definition->weibull_area > 0.0 && definition->weibull_volume > 0.0)
+        return bad_value(error, name, "weibull_area", definition->weibull_area,
+                         "0 where there is a weibull_volume: flaws are inside or on the surface");
     if (!(definition->face_restitution >= 0.0 && definition->face_restitution <= 1.0))
         return bad_value(error, name, "face_restitution", definition->face_restitution,
                          "a number from 0 (faces that meet stay together) to 1 (they give back all)");
@@ -140,6 +145,7 @@ ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *
                               .law = definition->law,
                               .weibull_modulus = definition->weibull_modulus,
                               .weibull_volume = definition->weibull_volume,
+                              .weibull_area = definition->weibull_area,
                               .face_restitution = definition->face_restitution,
                               .unresolved = definition->unresolved,
                               .zone_edges = definition->zone_edges};
@@ -188,8 +194,8 @@ void shv_material_resolve(ShvMaterial *material, double edge)
     const bool scales =
         material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH || material->unresolved == SHV_UNRESOLVED_SCALE_ENERGY;
     if (!scales || !(share < 1.0)) return;
-    /* A strength that the mesh decides is not that of a volume. */
-    if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH) material->weibull_volume = 0.0;
+    /* A strength that the mesh decides is not that of some volume or surface. */
+    if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH) material->weibull_volume = material->weibull_area = 0.0;
     for (int mode = 0; mode < 2; mode++) {
         if (material->unresolved == SHV_UNRESOLVED_SCALE_STRENGTH)
             material->strength[mode] *= sqrt(share);

@@ -26,7 +26,7 @@ typedef struct ShvMaterial {
     double zone_edges; /* mean edges that a resolved zone spans */
     double mesh_edge;  /* m: mean edge of the coarsest object of it; 0 before shv_material_resolve */
     double shape[2];   /* PPR α, β */
-    double weibull_modulus, weibull_volume;
+    double weibull_modulus, weibull_volume, weibull_area;
     double face_restitution;
     double friction; /* tan φ */
     double riding

@@ -35,12 +35,21 @@ static ShvNode *scatter_of(ShvPool *pool, ShvNode *material, ShvPlace place)
     return name && mapping && shv_tree_append(pool, material, name, mapping) ? mapping : NULL;
 }
 
+/* Flaws belong to a volume or to a surface. */
+static bool has_size(const ShvNode *mapping)
+{
+    return shv_tree_find(mapping, "volume") || shv_tree_find(mapping, "area");
+}
+
 static bool add_number(ShvPool *pool, ShvNode *material, ShvPlace place, const char *key, const char *value)
 {
     const size_t length = sizeof scatter - 1;
     if (strncmp(key, scatter, length) != 0) return add(pool, material, place, key, value);
     ShvNode *mapping = scatter_of(pool, material, place);
-    return mapping && (mapping->kind != SHV_NODE_MAPPING || add(pool, mapping, place, key + length + 1, value));
+    if (!mapping) return false;
+    key += length + 1;
+    const bool given = mapping->kind != SHV_NODE_MAPPING || (strcmp(key, "modulus") != 0 && has_size(mapping));
+    return given || add(pool, mapping, place, key, value);
 }
 
 static void report_unknown(ShvDiagnostics *diagnostics, const ShvNode *node)

@@ -24,6 +24,7 @@ static const Dimension dimensions[SHV_DIMENSION_COUNT] = {
     [SHV_DIMENSION_NONE] = {"number", {{NULL, 0, 0}}},
     [SHV_DIMENSION_LENGTH] =
         {"length", {{"m", 1, 1}, {"cm", 1, 1e2}, {"mm", 1, 1e3}, {"um", 1, 1e6}, {"µm", 1, 1e6}, {"km", 1e3, 1}}},
+    [SHV_DIMENSION_AREA] = {"area", {{"m2", 1, 1}, {"cm2", 1, 1e4}, {"mm2", 1, 1e6}}},
     [SHV_DIMENSION_VOLUME] = {"volume", {{"m3", 1, 1}, {"cm3", 1, 1e6}, {"mm3", 1, 1e9}}},
     [SHV_DIMENSION_MASS] = {"mass", {{"kg", 1, 1}, {"g", 1, 1e3}, {"mg", 1, 1e6}, {"t", 1e3, 1}}},
     [SHV_DIMENSION_TIME] =

@@ -96,13 +96,20 @@ static const ShvKey weibull_keys[] = {
     {"modulus", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .range = &not_negative, .offset = MATERIAL(weibull_modulus),
      .sentence = "Weibull modulus: large means little scatter; 0 means none."},
     {"volume", SHV_KEY_NUMBER, SHV_DIMENSION_VOLUME, .range = &not_negative, .offset = MATERIAL(weibull_volume),
-     .sentence = "Volume to which `cohesive_strength` belongs; 0 gives facets of any size the same scatter."},
+     .sentence = "Volume to which `cohesive_strength` belongs, of which a facet or a node of the surface has a part, "
+                 "few flaws, and so "
+                 "more strength; 0 gives all the same scatter, whatever their size."},
+    {"area", SHV_KEY_NUMBER, SHV_DIMENSION_AREA, .range = &not_negative, .offset = MATERIAL(weibull_area),
+     .sentence =
+         "The same for a material whose flaws lie on its surface, as those of glass: the surface to which the strength "
+         "belongs, in place of a volume."},
 };
-static const ShvTable weibull_table = {.name = "materials.<name>.weibull",
-                                       .sentence =
-                                           "Scatter of strength from facet to facet, drawn from the scene's seed.",
-                                       .keys = weibull_keys,
-                                       .key_count = LENGTH_OF(weibull_keys)};
+static const ShvTable weibull_table = {
+    .name = "materials.<name>.weibull",
+    .sentence =
+        "Scatter of strength from facet to facet, and from node to node of a surface, drawn from the scene's seed.",
+    .keys = weibull_keys,
+    .key_count = LENGTH_OF(weibull_keys)};
 static const ShvChoice unresolved_choices[] = {{"keep", SHV_UNRESOLVED_KEEP},
                                                {"scale_strength", SHV_UNRESOLVED_SCALE_STRENGTH},
                                                {"scale_energy", SHV_UNRESOLVED_SCALE_ENERGY},

@@ -17,6 +17,7 @@ static void materials_leave_required_numbers_unset(void **state)
     check_near(m.ppr_shape, 2.0, 0.0);
     check_near(m.weibull_modulus, 0.0, 0.0);
     check_near(m.weibull_volume, 0.0, 0.0);
+    check_near(m.weibull_area, 0.0, 0.0);
 }
 
 static void meshes_and_objects_stand_at_the_origin(void **state)

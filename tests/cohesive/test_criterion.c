@@ -279,17 +279,18 @@ static void weibull_scatter(void **state)
     fixture_release(&f);
 }
 
-/* A body of the volume that the strength belongs to has it with a probability of 1/e, whatever its mesh: the weakest of its nodes. */
+/* A body of the volume or surface that the strength belongs to has it with a probability of 1/e, whatever its mesh: the weakest of its nodes. */
 static void flaws_at_nodes_are_those_of_the_body(void **state)
 {
     (void)state;
     enum { BODIES = 400 };
-    for (int fine = 0; fine < 2; fine++) {
+    for (int i = 0; i < 4; i++) {
         Fixture f;
         int whole = 0;
-        fixture_define(&f, 0.02, 0.02, 0.02, fine ? 0.004 : 0.007);
+        fixture_define(&f, 0.02, 0.02, 0.02, i % 2 ? 0.004 : 0.007);
         f.material.weibull_modulus = 7.0;
-        f.material.weibull_volume = 0.02 * 0.02 * 0.02;
+        f.material.weibull_volume = i < 2 ? 0.02 * 0.02 * 0.02 : 0.0;
+        f.material.weibull_area = i < 2 ? 0.0 : 6.0 * 0.02 * 0.02;
         fixture_build(&f);
         for (int body = 0; body < BODIES; body++) {
             double weakest = (double)INFINITY;

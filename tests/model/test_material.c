@@ -137,6 +137,8 @@ static void impossible_values_are_refused_by_name(void **state)
     REFUSES(d.ppr_shape_shear = infinite, "ppr_shape_shear");
     REFUSES(d.weibull_modulus = -1.0, "weibull_modulus");
     REFUSES(d.weibull_volume = nan, "weibull_volume");
+    REFUSES(d.weibull_area = -1.0, "weibull_area");
+    REFUSES((d.weibull_area = 1.0, d.weibull_volume = 1.0), "flaws are inside or on the surface");
     REFUSES(d.face_restitution = -0.1, "face_restitution");
     REFUSES(d.face_restitution = 1.1, "face_restitution");
     REFUSES(d.face_restitution = nan, "face_restitution");
