@@ -17,13 +17,13 @@ static int by_time(const void *a, const void *b)
 
 static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
 {
-    if (hybrid->wake_capacity >= hybrid->fragments.alive) return SHV_OK;
+    if (hybrid->wakes.capacity >= hybrid->fragments.alive) return SHV_OK;
     const int32_t capacity = hybrid->fragments.capacity;
     ShvRigidContact *wakes =
-        shv_reallocate(hybrid->memory, SHV_PART_RIGID, hybrid->wakes, (size_t)capacity, sizeof(ShvRigidContact));
+        shv_reallocate(hybrid->memory, SHV_PART_RIGID, hybrid->wakes.items, (size_t)capacity, sizeof(ShvRigidContact));
     if (!wakes) return shv_fail_memory(error, "the list of impacts", (size_t)capacity * sizeof(ShvRigidContact));
-    hybrid->wakes = wakes;
-    hybrid->wake_capacity = capacity;
+    hybrid->wakes.items = wakes;
+    hybrid->wakes.capacity = capacity;
     return SHV_OK;
 }
 
@@ -32,10 +32,11 @@ static ShvStatus fly(ShvHybrid *hybrid, ShvError *error)
 {
     const double now = hybrid->state.time, start = shv_now(), by_bars = hybrid->backend->bars_work;
     SHV_TRY(hybrid->backend->functions->advance(hybrid->backend, now, hybrid->interval_end - now, hybrid->gravity,
-                                                shv_hybrid_judge, hybrid, hybrid->wakes, &hybrid->wake_count, error));
-    hybrid->bars_turnover += fabs(hybrid->backend->bars_work - by_bars);
+                                                shv_hybrid_judge, hybrid, hybrid->wakes.items, &hybrid->wakes.count,
+                                                error));
+    hybrid->stabiliser.bars_turnover += fabs(hybrid->backend->bars_work - by_bars);
     shv_costs_add(&hybrid->costs, SHV_COST_FLIGHT, start);
-    qsort(hybrid->wakes, (size_t)hybrid->wake_count, sizeof(ShvRigidContact), by_time);
+    qsort(hybrid->wakes.items, (size_t)hybrid->wakes.count, sizeof(ShvRigidContact), by_time);
     return SHV_OK;
 }
 
@@ -45,8 +46,8 @@ static double longest_interval(const ShvHybrid *hybrid)
 {
     enum { LEAST_STEPS = 16 };
     const double share = 0.1, flight = hybrid->scene->rigid.time_step;
-    if (hybrid->awake.count == 0 || hybrid->dormant || !hybrid->mutual) return flight;
-    return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->step));
+    if (hybrid->awake.count == 0 || hybrid->awake.dormant || !hybrid->coupling.mutual) return flight;
+    return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->steps.last));
 }
 
 /* Of an interval, and of a step: rounding of times, which must make no interval or step more. */
@@ -62,12 +63,12 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     const double step = (end - now) / fmax(1.0, steps);
     hybrid->interval_end = steps > 1.0 ? now + step : end;
     SHV_TRY(reserve_wakes(hybrid, error));
-    hybrid->wake_count = 0;
-    hybrid->wake_next = 0;
+    hybrid->wakes.count = 0;
+    hybrid->wakes.next = 0;
     shv_hybrid_hold_waiting(hybrid);
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_hybrid_end_dormancy(hybrid);
-    if (!hybrid->dormant) SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));
+    if (!hybrid->awake.dormant) SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));
     shv_coupled_bodies_to_flight(hybrid);
     SHV_TRY(fly(hybrid, error));
     shv_coupled_bodies_from_flight(hybrid);
@@ -80,9 +81,10 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
     const int32_t awake = hybrid->awake.count;
     SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
     if (hybrid->awake.count == awake) return SHV_OK;
-    hybrid->wake_count -= hybrid->wake_next;
-    memmove(hybrid->wakes, hybrid->wakes + hybrid->wake_next, (size_t)hybrid->wake_count * sizeof *hybrid->wakes);
-    hybrid->wake_next = 0;
+    hybrid->wakes.count -= hybrid->wakes.next;
+    memmove(hybrid->wakes.items, hybrid->wakes.items + hybrid->wakes.next,
+            (size_t)hybrid->wakes.count * sizeof *hybrid->wakes.items);
+    hybrid->wakes.next = 0;
     SHV_TRY(reserve_wakes(hybrid, error));
     return fly(hybrid, error);
 }
@@ -91,7 +93,7 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
    takes each of them whole. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
-    return !hybrid->mutual && hybrid->checks_since_rest >= hybrid->scene->fracture.quiet_checks;
+    return !hybrid->coupling.mutual && hybrid->check.since_rest >= hybrid->scene->fracture.quiet_checks;
 }
 
 /* Scripted obstacles are placed, free ones moved, up to a time. */
@@ -100,7 +102,7 @@ static void move_obstacles(ShvHybrid *hybrid, double time)
     if (time <= hybrid->obstacle_time) return;
     const double start = shv_now();
     if (!hybrid->backend->moves_obstacles || hybrid->backend->leaves_obstacles)
-        hybrid->ledger.booked[SHV_WORK_CONTACT] +=
+        hybrid->observer.ledger.booked[SHV_WORK_CONTACT] +=
             shv_obstacles_advance(&hybrid->obstacles, time - hybrid->obstacle_time, hybrid->gravity);
     shv_obstacles_script(&hybrid->obstacles, time);
     hybrid->obstacle_time = time;
@@ -109,7 +111,7 @@ static void move_obstacles(ShvHybrid *hybrid, double time)
 
 static double next_wake_time(const ShvHybrid *hybrid)
 {
-    return hybrid->wake_next < hybrid->wake_count ? hybrid->wakes[hybrid->wake_next].time : HUGE_VAL;
+    return hybrid->wakes.next < hybrid->wakes.count ? hybrid->wakes.items[hybrid->wakes.next].time : HUGE_VAL;
 }
 
 /* Up to which impacts count as of now. Beside what is awake they do so at the nearest step: to fit steps to every impact would
@@ -127,9 +129,9 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
     if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
-    hybrid->dormant = false;
+    hybrid->awake.dormant = false;
     while (next_wake_time(hybrid) <= now) {
-        const ShvRigidContact *wake = &hybrid->wakes[hybrid->wake_next++];
+        const ShvRigidContact *wake = &hybrid->wakes.items[hybrid->wakes.next++];
         /* A coupled body may have been woken by another touch before. */
         if (hybrid->fragments.items[wake->fragment].mode == SHV_MODE_FLIGHT)
             SHV_TRY(shv_hybrid_wake(hybrid, wake, error));
@@ -152,7 +154,7 @@ static ShvStatus creep(ShvHybrid *hybrid, ShvError *error)
     const double to = hybrid->interval_end;
     SHV_TRY(shv_hybrid_substep(hybrid, to - hybrid->state.time, error));
     /* The last step lands on the time itself, not on a rounded neighbour of it. */
-    if (to - hybrid->state.time < rounding_of_step * hybrid->step) hybrid->state.time = to;
+    if (to - hybrid->state.time < rounding_of_step * hybrid->steps.last) hybrid->state.time = to;
     move_obstacles(hybrid, hybrid->state.time);
     return SHV_OK;
 }
@@ -167,7 +169,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (hybrid->awake.count > 0 && !hybrid->dormant) {
+        if (hybrid->awake.count > 0 && !hybrid->awake.dormant) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
         } else {

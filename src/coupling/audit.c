@@ -128,8 +128,8 @@ ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *erro
     event->dropped_vibration = event->kinetic_before - event->kinetic_after;
     event->dropped_strain = event->strain_before - event->strain_after;
     event->dropped_cohesive = event->cohesive_before - event->cohesive_after;
-    hybrid->ledger.booked[SHV_WORK_HANDOVER] -= event->dropped_vibration + event->dropped_strain;
-    hybrid->ledger.released += event->dropped_cohesive;
+    hybrid->observer.ledger.booked[SHV_WORK_HANDOVER] -= event->dropped_vibration + event->dropped_strain;
+    hybrid->observer.ledger.released += event->dropped_cohesive;
     SHV_TRY(shv_hybrid_log(hybrid, event, error));
     return judge_switch(hybrid, event, error);
 }

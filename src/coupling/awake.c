@@ -51,13 +51,13 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
 {
     if (!hybrid->awake.stale) return SHV_OK;
     SHV_TRY(shv_awake_reserve(hybrid, error));
-    if (hybrid->coupled_bodies.count > 0) SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
+    if (hybrid->coupling.bodies.count > 0) SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
     list_nodes(hybrid);
     mark_batches(hybrid);
     if (hybrid->model.can_break) shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
     shv_node_contact_invalidate(&hybrid->contact);
-    hybrid->bars_stale = true;
-    if (hybrid->awake.count > 0) hybrid->bulk_step = shv_solid_stable_step(&hybrid->solid, NULL);
+    hybrid->stabiliser.stale = true;
+    if (hybrid->awake.count > 0) hybrid->steps.bulk = shv_solid_stable_step(&hybrid->solid, NULL);
     hybrid->awake.stale = false;
     return SHV_OK;
 }
@@ -66,11 +66,11 @@ ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error)
 {
     if (hybrid->awake.stale) return shv_awake_refresh(hybrid, error);
     SHV_TRY(shv_awake_reserve(hybrid, error));
-    if (hybrid->coupled_bodies.count > 0) SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
+    if (hybrid->coupling.bodies.count > 0) SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
     list_nodes(hybrid);
     if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL) /* whose nodes are other ones now */
         shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
     shv_node_contact_invalidate(&hybrid->contact);
-    hybrid->bars_stale = true;
+    hybrid->stabiliser.stale = true;
     return SHV_OK;
 }

@@ -4,12 +4,12 @@
 
 static ShvStatus reserve_nodal(ShvHybrid *hybrid, ShvError *error)
 {
-    if (hybrid->nodal_capacity >= hybrid->state.node_capacity) return SHV_OK;
+    if (hybrid->check.nodal_capacity >= hybrid->state.node_capacity) return SHV_OK;
     const size_t count = 6 * (size_t)hybrid->state.node_capacity;
-    double *nodal = shv_reallocate(hybrid->memory, SHV_PART_STRESS, hybrid->nodal, count, sizeof(double));
+    double *nodal = shv_reallocate(hybrid->memory, SHV_PART_STRESS, hybrid->check.nodal, count, sizeof(double));
     if (!nodal) return shv_fail_memory(error, "nodal stress", count * sizeof(double));
-    hybrid->nodal = nodal;
-    hybrid->nodal_capacity = hybrid->state.node_capacity;
+    hybrid->check.nodal = nodal;
+    hybrid->check.nodal_capacity = hybrid->state.node_capacity;
     return SHV_OK;
 }
 
@@ -20,7 +20,8 @@ static ShvStatus nodal_stress(ShvHybrid *hybrid, ShvError *error)
 #pragma omp parallel for schedule(static) num_threads(hybrid->model.threads)
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         const int32_t node = hybrid->awake.nodes[k];
-        shv_solid_nodal_stress(&hybrid->solid, &hybrid->state, hybrid->stress, node, hybrid->nodal + 6 * (int64_t)node);
+        shv_solid_nodal_stress(&hybrid->solid, &hybrid->state, hybrid->check.stress, node,
+                               hybrid->check.nodal + 6 * (int64_t)node);
     }
     return SHV_OK;
 }
@@ -42,7 +43,7 @@ static const double fading_growth = 0.9, overshoot = 1.05;
 static void set_clock(ShvHybrid *hybrid, double largest)
 {
     enum { RAREST = 10 };
-    ShvCheckClock *clock = &hybrid->clock;
+    ShvCheckClock *clock = &hybrid->check.clock;
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     clock->rate = fmax((largest - clock->last) / clock->since, fading_growth * clock->rate);
     clock->last = largest;
@@ -53,7 +54,7 @@ static void set_clock(ShvHybrid *hybrid, double largest)
     }
     const double room = fmax(0.0, overshoot * fracture->threshold - largest);
     const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
-    const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->step);
+    const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->steps.last);
     clock->due = (int32_t)fmin(fmax(steps, fewest), RAREST);
 }
 
@@ -61,13 +62,13 @@ static void set_clock(ShvHybrid *hybrid, double largest)
 static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *error)
 {
     for (int32_t k = 0; k < count; k++) {
-        const int32_t element = hybrid->model.adjacency.facet_elements[2 * (int64_t)hybrid->candidates[k]];
+        const int32_t element = hybrid->model.adjacency.facet_elements[2 * (int64_t)hybrid->check.candidates[k]];
         const int32_t index = hybrid->state.element_fragment[element];
         ShvFragment *fragment = &hybrid->fragments.items[index];
         fragment->last_insertion = fragment->last_crack = hybrid->state.time;
         fragment->impact = fragment->borne_impact = 0.0;
         fragment->quiet = 0;
-        hybrid->missed += fragment->audited;
+        hybrid->wake_audit.missed += fragment->audited;
         fragment->audited = false;
         if (fragment->cracked) continue;
         fragment->cracked = true;
@@ -75,7 +76,7 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
                                     .kind = SHV_RUN_INSERTION,
                                     .fragment = index,
                                     .obstacle = -1,
-                                    .value = hybrid->overstress[k]};
+                                    .value = hybrid->check.overstress[k]};
         SHV_TRY(shv_hybrid_log(hybrid, &event, error));
     }
     return SHV_OK;
@@ -109,7 +110,7 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
     if (!hybrid->model.can_break) return SHV_OK;
     const double start = shv_now();
     ShvCohesive *cohesive = &hybrid->cohesive;
-    shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->ledger);
+    shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->observer.ledger);
     if (!hybrid->fragments.bonds) return SHV_OK; /* failed facets are counted, but it is nodes that join */
     const int32_t before = hybrid->fragments.count;
     const ShvParting parting = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
@@ -152,12 +153,12 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
 {
     double start = shv_now();
     int32_t duplicated = 0;
-    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->candidates, count,
-                                &duplicated, error));
-    hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->overstress[0]);
+    SHV_TRY(shv_cohesive_insert(&hybrid->cohesive, &hybrid->state, hybrid->check.stress, hybrid->check.candidates,
+                                count, &duplicated, error));
+    hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->check.overstress[0]);
     SHV_TRY(note_insertions(hybrid, count, error));
     const int32_t first_copy = hybrid->state.node_count - duplicated;
-    if (duplicated > 0 && hybrid->forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
+    if (duplicated > 0 && hybrid->check.forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     if (duplicated > 0) SHV_TRY(relabel_cracked(hybrid, first_copy, error));
     shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
@@ -168,8 +169,8 @@ static ShvStatus find_inverted(ShvHybrid *hybrid, ShvError *error)
 {
     int32_t first = -1;
     const int32_t inverted = shv_solid_inverted(&hybrid->solid, &hybrid->state, &first);
-    if (inverted <= hybrid->inverted) return SHV_OK;
-    hybrid->inverted = inverted;
+    if (inverted <= hybrid->steps.inverted) return SHV_OK;
+    hybrid->steps.inverted = inverted;
     const ShvEventView event = {.time = hybrid->state.time,
                                 .kind = SHV_RUN_INVERSION,
                                 .obstacle = -1,
@@ -180,7 +181,7 @@ static ShvStatus find_inverted(ShvHybrid *hybrid, ShvError *error)
 
 static void count_quiet(ShvHybrid *hybrid)
 {
-    hybrid->checks_since_rest++;
+    hybrid->check.since_rest++;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion <= hybrid->state.time)
             hybrid->fragments.items[i].quiet++;
@@ -189,10 +190,10 @@ static void count_quiet(ShvHybrid *hybrid)
 static ShvStatus check_nodes(ShvHybrid *hybrid, double *largest, int32_t *count, ShvError *error)
 {
     const double start = shv_now();
-    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->check.stress);
     SHV_TRY(nodal_stress(hybrid, error));
-    *largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, hybrid->nodal,
-                                       hybrid->candidates, hybrid->overstress, count);
+    *largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->check.stress, hybrid->check.nodal,
+                                       hybrid->check.candidates, hybrid->check.overstress, count);
     SHV_TRY(find_inverted(hybrid, error));
     shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     return SHV_OK;
@@ -201,7 +202,7 @@ static ShvStatus check_nodes(ShvHybrid *hybrid, double *largest, int32_t *count,
 static void fill_stress(void *context, const int32_t *batches, int32_t count)
 {
     const ShvHybrid *hybrid = context;
-    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->stress);
+    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->check.stress);
 }
 
 /* The internal forces of the step are found here: they know the stress as well, and where it is too low to matter. */
@@ -211,23 +212,23 @@ static ShvStatus check_facets(ShvHybrid *hybrid, double *largest, int32_t *count
     ShvCohesive *cohesive = &hybrid->cohesive;
     const ShvStressSource source = {fill_stress, hybrid};
     double start = shv_now();
-    const double floor = shv_cohesive_floor(cohesive, state, hybrid->stress, source);
+    const double floor = shv_cohesive_floor(cohesive, state, hybrid->check.stress, source);
     start = shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     shv_motion_clear_force(state, hybrid->awake.nodes, hybrid->awake.node_count, hybrid->model.threads);
     const bool inverted = shv_solid_add_internal_force_and_find_faces(&hybrid->solid, state, cohesive->face_weight,
                                                                       floor, cohesive->faces);
-    hybrid->forces_begun = true;
+    hybrid->check.forces_begun = true;
     start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
     if (inverted) SHV_TRY(find_inverted(hybrid, error));
-    *largest = shv_cohesive_face_candidates(cohesive, state, hybrid->stress, source, hybrid->candidates,
-                                            hybrid->overstress, count);
+    *largest = shv_cohesive_face_candidates(cohesive, state, hybrid->check.stress, source, hybrid->check.candidates,
+                                            hybrid->check.overstress, count);
     shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     return SHV_OK;
 }
 
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
 {
-    if (++hybrid->clock.since < hybrid->clock.due) return SHV_OK;
+    if (++hybrid->check.clock.since < hybrid->check.clock.due) return SHV_OK;
     count_quiet(hybrid);
     if (!hybrid->model.can_break) {
         set_clock(hybrid, 0.0);

@@ -9,7 +9,7 @@
 
 ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     const int32_t room = hybrid->fragments.capacity;
     if (coupled_bodies->room >= room) return SHV_OK;
 #define GROW(name)                                                                                                     \
@@ -35,7 +35,7 @@ ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
 
 void shv_coupled_bodies_release(ShvHybrid *hybrid)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     shv_release(coupled_bodies->items);
     shv_release(coupled_bodies->kept);
     shv_release(coupled_bodies->rotations);
@@ -54,7 +54,7 @@ ShvSurfaceBodies shv_hybrid_bodies(ShvHybrid *hybrid)
                               .cohesive = hybrid->model.can_break ? &hybrid->cohesive : NULL,
                               .awake = hybrid->awake.flags,
                               .coupled_bodies =
-                                  hybrid->coupled_bodies.count > 0 ? hybrid->coupled_bodies.by_fragment : NULL,
+                                  hybrid->coupling.bodies.count > 0 ? hybrid->coupling.bodies.by_fragment : NULL,
                               .fragment_count = hybrid->fragments.count,
                               .obstacles = &hybrid->obstacles};
 }
@@ -69,7 +69,7 @@ static ShvMat3 world_inverse(const ShvFragment *fragment, const ShvFreeRotation 
 ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
     SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     ShvFragment *fragment = &hybrid->fragments.items[index];
     const int32_t place = coupled_bodies->count++;
     fragment->coupled = true;
@@ -88,14 +88,14 @@ ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t index, ShvError *err
                          .velocity = shv_madd(fragment->velocity, -0.5 * hybrid->state.last_step, gravity),
                          .angular_velocity = fragment->angular_velocity,
                          .alone = fragment->dust};
-    shv_surface_contact_invalidate(&hybrid->surface);
+    shv_surface_contact_invalidate(&hybrid->coupling.surface);
     return SHV_OK;
 }
 
 /* Back to flight's step, with the velocity of now; the impulses of the step that is not taken are nobody's. */
 static void let_go(ShvHybrid *hybrid, int32_t place)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     ShvFragment *fragment = &hybrid->fragments.items[coupled_bodies->fragments[place]];
     const ShvCoupledBody *coupled_body = &coupled_bodies->items[place];
     fragment->coupled = false;
@@ -117,9 +117,9 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
 void shv_coupled_bodies_to_flight(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
-    for (int32_t i = 0; i < hybrid->coupled_bodies.count; i++) {
-        ShvFragment *fragment = &hybrid->fragments.items[hybrid->coupled_bodies.fragments[i]];
-        fragment->velocity = shv_madd(hybrid->coupled_bodies.items[i].velocity, half, shv_load3(hybrid->gravity));
+    for (int32_t i = 0; i < hybrid->coupling.bodies.count; i++) {
+        ShvFragment *fragment = &hybrid->fragments.items[hybrid->coupling.bodies.fragments[i]];
+        fragment->velocity = shv_madd(hybrid->coupling.bodies.items[i].velocity, half, shv_load3(hybrid->gravity));
     }
 }
 
@@ -127,22 +127,22 @@ void shv_coupled_bodies_to_flight(ShvHybrid *hybrid)
 void shv_coupled_bodies_from_flight(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
-    for (int32_t i = 0; i < hybrid->coupled_bodies.count; i++) {
-        const ShvFragment *fragment = &hybrid->fragments.items[hybrid->coupled_bodies.fragments[i]];
-        hybrid->coupled_bodies.items[i].velocity = shv_madd(fragment->velocity, -half, shv_load3(hybrid->gravity));
-        hybrid->coupled_bodies.items[i].angular_velocity = fragment->angular_velocity;
+    for (int32_t i = 0; i < hybrid->coupling.bodies.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[hybrid->coupling.bodies.fragments[i]];
+        hybrid->coupling.bodies.items[i].velocity = shv_madd(fragment->velocity, -half, shv_load3(hybrid->gravity));
+        hybrid->coupling.bodies.items[i].angular_velocity = fragment->angular_velocity;
     }
-    shv_surface_contact_recheck(&hybrid->surface);
+    shv_surface_contact_recheck(&hybrid->coupling.surface);
 }
 
 void shv_coupled_bodies_remove(ShvHybrid *hybrid, int32_t index)
 {
-    for (int32_t place = 0; place < hybrid->coupled_bodies.count; place++)
-        if (hybrid->coupled_bodies.fragments[place] == index) {
+    for (int32_t place = 0; place < hybrid->coupling.bodies.count; place++)
+        if (hybrid->coupling.bodies.fragments[place] == index) {
             let_go(hybrid, place);
             break;
         }
-    shv_surface_contact_wake(&hybrid->surface);
+    shv_surface_contact_wake(&hybrid->coupling.surface);
 }
 
 /* ---- waking ---- */
@@ -165,11 +165,11 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
 
 ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
-    if (coupled_bodies->count == 0 || hybrid->surface.pair_count == 0) return SHV_OK;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
+    if (coupled_bodies->count == 0 || hybrid->coupling.surface.pair_count == 0) return SHV_OK;
     memset(coupled_bodies->touches, 0, (size_t)hybrid->fragments.count * sizeof *coupled_bodies->touches);
     for (int32_t i = 0; i < hybrid->fragments.count; i++) coupled_bodies->masses[i] = hybrid->fragments.items[i].mass;
-    shv_surface_contact_by_fragment(&hybrid->surface, coupled_bodies->masses, coupled_bodies->touches);
+    shv_surface_contact_by_fragment(&hybrid->coupling.surface, coupled_bodies->masses, coupled_bodies->touches);
     for (int32_t place = coupled_bodies->count - 1; place >= 0; place--) {
         const ShvFragmentTouch *touch = &coupled_bodies->touches[coupled_bodies->fragments[place]];
         coupled_bodies->impulses[place] += touch->impulse;
@@ -181,7 +181,7 @@ ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error)
 /* Mean forces since the last time. */
 static ShvStatus judge_loads(ShvHybrid *hybrid, ShvError *error)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     const double time = hybrid->state.time - coupled_bodies->since;
     coupled_bodies->since = hybrid->state.time;
     for (int32_t place = coupled_bodies->count - 1; place >= 0; place--) {
@@ -210,8 +210,8 @@ static void choose_beside(ShvHybrid *hybrid, const ShvNear *near, double interva
 {
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        if (fragment->mode != SHV_MODE_FLIGHT || fragment->dust || hybrid->coupled_bodies.wanted[i]) continue;
-        hybrid->coupled_bodies.wanted[i] = comes_near(hybrid, near, fragment, interval);
+        if (fragment->mode != SHV_MODE_FLIGHT || fragment->dust || hybrid->coupling.bodies.wanted[i]) continue;
+        hybrid->coupling.bodies.wanted[i] = comes_near(hybrid, near, fragment, interval);
     }
 }
 
@@ -224,7 +224,7 @@ static bool touches(const ShvFragment *a, const ShvFragment *b)
    are near. Returns whether there are more. */
 static bool choose_pressing(const ShvHybrid *hybrid)
 {
-    uint8_t *wanted = hybrid->coupled_bodies.wanted;
+    uint8_t *wanted = hybrid->coupling.bodies.wanted;
     const ShvFragment *items = hybrid->fragments.items;
     bool more = false;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
@@ -238,8 +238,8 @@ static bool choose_pressing(const ShvHybrid *hybrid)
 
 ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError *error)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
-    if (!hybrid->mutual || (hybrid->awake.count == 0 && coupled_bodies->count == 0)) return SHV_OK;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
+    if (!hybrid->coupling.mutual || (hybrid->awake.count == 0 && coupled_bodies->count == 0)) return SHV_OK;
     SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
     SHV_TRY(judge_loads(hybrid, error));
     memset(coupled_bodies->wanted, 0, (size_t)hybrid->fragments.count);
@@ -256,7 +256,7 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
     for (int32_t place = coupled_bodies->count - 1; place >= 0; place--)
         if (!coupled_bodies->wanted[coupled_bodies->fragments[place]]) {
             let_go(hybrid, place);
-            shv_surface_contact_invalidate(&hybrid->surface);
+            shv_surface_contact_invalidate(&hybrid->coupling.surface);
         }
     return SHV_OK;
 }
@@ -265,15 +265,15 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
 
 void shv_coupled_bodies_kick(ShvHybrid *hybrid, double kick)
 {
-    for (int32_t i = 0; i < hybrid->coupled_bodies.count; i++) {
-        ShvCoupledBody *coupled_body = &hybrid->coupled_bodies.items[i];
+    for (int32_t i = 0; i < hybrid->coupling.bodies.count; i++) {
+        ShvCoupledBody *coupled_body = &hybrid->coupling.bodies.items[i];
         coupled_body->velocity = shv_madd(coupled_body->velocity, kick, shv_load3(hybrid->gravity));
     }
 }
 
 void shv_coupled_bodies_drift(ShvHybrid *hybrid, double step)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     for (int32_t i = 0; i < coupled_bodies->count; i++) {
         ShvCoupledBody *coupled_body = &coupled_bodies->items[i];
         ShvFragment *fragment = &hybrid->fragments.items[coupled_bodies->fragments[i]];
@@ -295,7 +295,7 @@ void shv_coupled_bodies_drift(ShvHybrid *hybrid, double step)
 
 void shv_coupled_bodies_keep(ShvHybrid *hybrid)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     if (coupled_bodies->count > 0)
         memcpy(coupled_bodies->kept, coupled_bodies->items,
                (size_t)coupled_bodies->count * sizeof *coupled_bodies->items);
@@ -304,7 +304,7 @@ void shv_coupled_bodies_keep(ShvHybrid *hybrid)
 /* After a ghost step: records get the mean velocities, coupled bodies their own back. Kinetic energy is ½ m v₋·v₊ + ½ ω₋·I ω₊. */
 double shv_coupled_bodies_put_back(ShvHybrid *hybrid)
 {
-    ShvCoupledBodies *coupled_bodies = &hybrid->coupled_bodies;
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     double kinetic = 0.0;
     for (int32_t i = 0; i < coupled_bodies->count; i++) {
         const ShvCoupledBody *before = &coupled_bodies->kept[i], *after = &coupled_bodies->items[i];

@@ -9,14 +9,14 @@ static const double recommended_share = 0.9;
 static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    hybrid->stable_step = shv_solid_stable_step(&hybrid->solid, &hybrid->stable_element);
-    const double stable = hybrid->stable_step;
-    if (hybrid->relaxed || isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
+    hybrid->steps.stable = shv_solid_stable_step(&hybrid->solid, &hybrid->steps.stable_element);
+    const double stable = hybrid->steps.stable;
+    if (hybrid->stabiliser.active || isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
     return shv_fail(
         error, SHV_BAD_INPUT,
         "fracture.time_step %g s is %.3g times the stable step %g s (set by tet %d, safe for every element); "
         "give %g or less, or 'auto'",
-        fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->stable_element,
+        fracture->time_step, fracture->time_step / stable, stable, (int)hybrid->steps.stable_element,
         recommended_share * stable);
 }
 
@@ -25,10 +25,10 @@ static ShvStatus create_fracture(ShvHybrid *hybrid, ShvError *error)
     const size_t slots = (size_t)hybrid->state.batch_count * 6 * SHV_LANES;
     const size_t facets = (size_t)hybrid->model.adjacency.interior_count;
     SHV_TRY(shv_cohesive_create(&hybrid->cohesive, &hybrid->model, &hybrid->scene->fracture, error));
-    hybrid->stress = shv_allocate(hybrid->memory, SHV_PART_STRESS, slots, sizeof(double));
-    hybrid->candidates = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(int32_t));
-    hybrid->overstress = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(double));
-    if (!hybrid->stress || !hybrid->candidates || !hybrid->overstress)
+    hybrid->check.stress = shv_allocate(hybrid->memory, SHV_PART_STRESS, slots, sizeof(double));
+    hybrid->check.candidates = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(int32_t));
+    hybrid->check.overstress = shv_allocate(hybrid->memory, SHV_PART_STRESS, facets, sizeof(double));
+    if (!hybrid->check.stress || !hybrid->check.candidates || !hybrid->check.overstress)
         return shv_fail_memory(error, "the insertion criterion", slots * sizeof(double) + facets * 12);
     return SHV_OK;
 }
@@ -85,7 +85,7 @@ static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, S
         return SHV_OK;
     }
     if (scene->rigid.engine == SHV_RIGID_BULLET && contact) {
-        hybrid->mutual = true;
+        hybrid->coupling.mutual = true;
         SHV_TRY(shv_bullet_create(&hybrid->backend, world, error));
         /* Who wakes in mid-step must find free obstacles where they are at that time. */
         hybrid->backend->leaves_obstacles = handed_over;
@@ -113,9 +113,10 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     if (hybrid->model.can_break && scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS)
         hybrid->fragments.bonds = &hybrid->cohesive;
     const ShvRigidWorld world = {&hybrid->model, &hybrid->state, &hybrid->fragments, &hybrid->obstacles, &scene->rigid};
-    if (hybrid->relaxed) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
+    if (hybrid->stabiliser.active) SHV_TRY(shv_hybrid_create_bars(hybrid, error));
     SHV_TRY(create_backend(hybrid, &world, error));
-    SHV_TRY(shv_surface_contact_create(&hybrid->surface, hybrid->memory, &hybrid->model, scene->rigid.friction, error));
+    SHV_TRY(shv_surface_contact_create(&hybrid->coupling.surface, hybrid->memory, &hybrid->model, scene->rigid.friction,
+                                       error));
     SHV_TRY(shv_probes_create(&hybrid->probes, &hybrid->model, scene, &hybrid->obstacles, &hybrid->state, error));
     SHV_TRY(shv_hybrid_let_wait(hybrid, error));
     return start_fragments(hybrid, error);
@@ -126,8 +127,8 @@ ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvScene
 {
     *hybrid = (ShvHybrid){.memory = memory, .scene = scene};
     memcpy(hybrid->gravity, scene->gravity, sizeof hybrid->gravity);
-    hybrid->relaxed = scene->fracture.stabiliser == SHV_STABILISER_BARS;
-    shv_check_clock_start(&hybrid->clock);
+    hybrid->stabiliser.active = scene->fracture.stabiliser == SHV_STABILISER_BARS;
+    shv_check_clock_start(&hybrid->check.clock);
     ShvStatus status = create_parts(hybrid, folder, error);
     if (status == SHV_OK) status = shv_hybrid_observe(hybrid, error);
     if (status != SHV_OK) shv_hybrid_release(hybrid);
@@ -137,13 +138,13 @@ ShvStatus shv_hybrid_create(ShvHybrid *hybrid, ShvMemory *memory, const ShvScene
 void shv_hybrid_release(ShvHybrid *hybrid)
 {
     if (hybrid->backend) hybrid->backend->functions->destroy(hybrid->backend);
-    if (hybrid->relaxed) shv_relax_release(&hybrid->relax);
-    if (hybrid->relaxed) shv_bars_release(&hybrid->bars);
+    if (hybrid->stabiliser.active) shv_relax_release(&hybrid->stabiliser.relax);
+    if (hybrid->stabiliser.active) shv_bars_release(&hybrid->stabiliser.bars);
     shv_fragments_release(&hybrid->fragments);
     shv_imposed_release(&hybrid->imposed);
     shv_probes_release(&hybrid->probes);
     shv_node_contact_release(&hybrid->contact);
-    shv_surface_contact_release(&hybrid->surface);
+    shv_surface_contact_release(&hybrid->coupling.surface);
     shv_coupled_bodies_release(hybrid);
     shv_obstacles_release(&hybrid->obstacles);
     if (hybrid->model.can_break) shv_cohesive_release(&hybrid->cohesive);
@@ -153,15 +154,15 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_release(hybrid->waiting);
     shv_release(hybrid->awake.flags);
     shv_release(hybrid->awake.nodes);
-    shv_release(hybrid->wakes);
-    shv_release(hybrid->stress);
-    shv_release(hybrid->nodal);
-    shv_release(hybrid->candidates);
-    shv_release(hybrid->overstress);
-    shv_release(hybrid->fixed);
-    shv_release(hybrid->ghost.before);
-    shv_release(hybrid->ghost.displacement);
-    shv_release(hybrid->ghost.obstacles);
+    shv_release(hybrid->wakes.items);
+    shv_release(hybrid->check.stress);
+    shv_release(hybrid->check.nodal);
+    shv_release(hybrid->check.candidates);
+    shv_release(hybrid->check.overstress);
+    shv_release(hybrid->stabiliser.fixed);
+    shv_release(hybrid->observer.ghost.before);
+    shv_release(hybrid->observer.ghost.displacement);
+    shv_release(hybrid->observer.ghost.obstacles);
     shv_release(hybrid->log.items);
     memset(hybrid, 0, sizeof *hybrid);
 }

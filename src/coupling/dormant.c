@@ -41,11 +41,11 @@ static bool may_be_dormant(const ShvHybrid *hybrid, const ShvFragment *fragment)
 void shv_hybrid_make_dormant(ShvHybrid *hybrid)
 {
     const ShvSceneDefinition *scene = hybrid->scene;
-    hybrid->dormant = hybrid->awake.count > 0 && hybrid->mutual && !hybrid->relaxed && scene->probe_count == 0 &&
-                      scene->fracture.enabled;
-    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->dormant; i++)
+    hybrid->awake.dormant = hybrid->awake.count > 0 && hybrid->coupling.mutual && !hybrid->stabiliser.active &&
+                            scene->probe_count == 0 && scene->fracture.enabled;
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->awake.dormant; i++)
         if (hybrid->fragments.items[i].mode == SHV_MODE_FRACTURE)
-            hybrid->dormant = may_be_dormant(hybrid, &hybrid->fragments.items[i]);
+            hybrid->awake.dormant = may_be_dormant(hybrid, &hybrid->fragments.items[i]);
 }
 
 /* Distance of a point from the box of a body that has not moved, m. */
@@ -88,7 +88,7 @@ static bool is_visited(const ShvHybrid *hybrid, const ShvFragment *fragment, dou
 void shv_hybrid_end_dormancy(ShvHybrid *hybrid)
 {
     const double interval = hybrid->interval_end - hybrid->state.time;
-    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->dormant; i++)
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->awake.dormant; i++)
         if (hybrid->fragments.items[i].mode == SHV_MODE_FRACTURE)
-            hybrid->dormant = !is_visited(hybrid, &hybrid->fragments.items[i], interval);
+            hybrid->awake.dormant = !is_visited(hybrid, &hybrid->fragments.items[i], interval);
 }

@@ -96,7 +96,7 @@ static double obstacle_energy(const ShvHybrid *hybrid, const ShvObstacle *obstac
 static void changed(ShvHybrid *hybrid)
 {
     shv_node_contact_invalidate(&hybrid->contact);
-    shv_surface_contact_invalidate(&hybrid->surface);
+    shv_surface_contact_invalidate(&hybrid->coupling.surface);
     hybrid->awake.stale = true; /* what is dormant goes on: it sees what comes near */
 }
 
@@ -118,14 +118,14 @@ void shv_hybrid_enter_obstacle(ShvHybrid *hybrid, int32_t index, const ShvPlacem
     ShvObstacle *obstacle = &hybrid->obstacles.items[index];
     shv_hybrid_place_obstacle(obstacle, placement);
     hybrid->waiting[index] = 0;
-    hybrid->ledger.booked[SHV_WORK_EVENT] += obstacle_energy(hybrid, obstacle);
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] += obstacle_energy(hybrid, obstacle);
     changed(hybrid);
 }
 
 ShvStatus shv_hybrid_leave_obstacle(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
     SHV_TRY(reserve_waiting(hybrid, error));
-    hybrid->ledger.booked[SHV_WORK_EVENT] -= obstacle_energy(hybrid, &hybrid->obstacles.items[index]);
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] -= obstacle_energy(hybrid, &hybrid->obstacles.items[index]);
     hybrid->waiting[index] = 1;
     shv_hybrid_hold_waiting(hybrid);
     changed(hybrid);
@@ -163,7 +163,7 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t index, const ShvP
         return status;
     }
     shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
-    hybrid->ledger.booked[SHV_WORK_EVENT] +=
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] +=
         shv_hybrid_kinetic_in_flight(hybrid, fragment) + weigh(hybrid, fragment->mass, fragment->position) - before;
     changed(hybrid);
     return SHV_OK;
@@ -172,7 +172,7 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t index, const ShvP
 void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t index)
 {
     ShvFragment *fragment = &hybrid->fragments.items[index];
-    hybrid->ledger.booked[SHV_WORK_EVENT] -= shv_hybrid_kinetic_in_flight(hybrid, fragment) + fragment->strain;
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] -= shv_hybrid_kinetic_in_flight(hybrid, fragment) + fragment->strain;
     if (fragment->coupled) shv_coupled_bodies_remove(hybrid, index);
     hybrid->backend->functions->remove(hybrid->backend, index);
     fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);

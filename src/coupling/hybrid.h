@@ -28,13 +28,7 @@
 #include "solid/motion.h"
 #include "solid/solid.h"
 
-/* What follows from the choice of steps: how stress grows between checks decides when to look next. */
-typedef struct ShvCheckClock {
-    int32_t since; /* steps since the last check */
-    int32_t due;   /* steps between the last check and the next */
-    double last;   /* largest criterion / strength at the last check */
-    double rate;   /* largest recent growth of it a step */
-} ShvCheckClock;
+/* ---- what is awake ---- */
 
 typedef struct ShvAwake {
     uint8_t *flags; /* per fragment index; capacity as the fragments' */
@@ -43,12 +37,70 @@ typedef struct ShvAwake {
     int32_t node_count, node_capacity;
     int32_t count; /* awake fragments */
     bool stale;    /* the lists must be rebuilt */
+    bool dormant;  /* what is awake is held, unmoved, and nothing is near it */
 } ShvAwake;
 
-typedef struct ShvEventLog {
-    ShvEventView *items;
-    int32_t count, capacity;
-} ShvEventLog;
+/* Wakes that are pending in the present interval, by time. */
+typedef struct ShvPendingWakes {
+    ShvRigidContact *items;
+    int32_t count, next, capacity;
+} ShvPendingWakes;
+
+/* Audit of the wake rule: impacts taken for harmless that wake all the same; how many have, and how many of these broke something
+   before they came to rest. */
+typedef struct ShvWakeAudit {
+    int32_t wakes, audited, missed;
+} ShvWakeAudit;
+
+/* ---- steps of what is awake ---- */
+
+typedef struct ShvSteps {
+    double stable;          /* s: smallest exact element step of the whole model */
+    int32_t stable_element; /* that sets it */
+    double bulk;            /* s: stable step of the awake batches */
+    double last;            /* s: last step taken by something awake */
+    int32_t inverted;       /* most elements found inside out at once so far */
+} ShvSteps;
+
+/* What follows from the choice of steps: how stress grows between checks decides when to look next. */
+typedef struct ShvCheckClock {
+    int32_t since; /* steps since the last check */
+    int32_t due;   /* steps between the last check and the next */
+    double last;   /* largest criterion / strength at the last check */
+    double rate;   /* largest recent growth of it a step */
+} ShvCheckClock;
+
+/* The insertion criterion, only with model.can_break. */
+typedef struct ShvInsertionCheck {
+    ShvCheckClock clock;
+    double *stress;    /* traction criterion: where a check has asked for it */
+    bool forces_begun; /* state.force holds the internal forces of the present time: a check has found them */
+    double *nodal;     /* principal criterion only; 6 per node */
+    int64_t nodal_capacity;
+    int32_t *candidates;
+    double *overstress;
+    int32_t since_rest; /* checks since fragments were last asked whether they may rest */
+} ShvInsertionCheck;
+
+/* By obstacles on nodes so far. */
+typedef struct ShvObstacleContact {
+    ShvVec3 impulse;          /* N s */
+    double time, first, last; /* s: of the steps with such impulses; with steps > 0 */
+    int64_t steps;
+} ShvObstacleContact;
+
+/* fracture.stabiliser: bars. */
+typedef struct ShvBarStabiliser {
+    bool active; /* without it the rest is not there */
+    ShvBars bars;
+    ShvRelax relax;
+    bool stale;
+    uint8_t *fixed; /* per node: components that conditions hold */
+    int64_t fixed_capacity;
+    double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
+} ShvBarStabiliser;
+
+/* ---- coupling of what is awake with what flies ---- */
 
 /* Fragments in flight that fracture mode moves with it (coupled_bodies.c). */
 typedef struct ShvCoupledBodies {
@@ -64,6 +116,24 @@ typedef struct ShvCoupledBodies {
     double since; /* s: when the sums of impulses began */
 } ShvCoupledBodies;
 
+typedef struct ShvCoupling {
+    bool mutual; /* fragments meet one another: */
+    ShvSurfaceContact surface;
+    ShvCoupledBodies bodies;
+} ShvCoupling;
+
+/* Of dust when it was put away, about the origin. */
+typedef struct ShvBinned {
+    double momentum[3], angular[3]; /* kg m/s, kg m²/s */
+} ShvBinned;
+
+/* ---- observing ---- */
+
+typedef struct ShvEventLog {
+    ShvEventView *items;
+    int32_t count, capacity;
+} ShvEventLog;
+
 /* Velocities around the present time, made by a step that is not taken (observe.c). */
 typedef struct ShvGhost {
     double *before;       /* 3 per node: v(n−1/2) */
@@ -77,6 +147,19 @@ typedef struct ShvGhost {
     double first[SHV_WORK_COUNT];                /* J: first halves of the works of the step to come */
 } ShvGhost;
 
+typedef struct ShvObserver {
+    ShvLedger ledger;
+    ShvCohesiveEnergy cohesive_energy;    /* of the last observed time */
+    double least_spring_step;             /* s: of all frames so far; 0: none */
+    ShvLedgerView balance;                /* of the last observed time */
+    double start_energy, start_potential; /* J */
+    double least_contact_work;            /* J: of contact, friction and closure together, so far */
+    bool started;                         /* the balance */
+    int32_t steps_since;                  /* the ledger was last looked at */
+    double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */
+    ShvGhost ghost;
+} ShvObserver;
+
 typedef struct ShvHybrid {
     ShvMemory *memory;
     const ShvSceneDefinition *scene;
@@ -85,65 +168,29 @@ typedef struct ShvHybrid {
     ShvState state;
     ShvSolid solid;
     ShvCohesive cohesive; /* only with model.can_break */
-    ShvObstacles obstacles;
-    ShvNodeContact contact;
-    bool mutual; /* fragments meet one another: */
-    ShvSurfaceContact surface;
-    ShvCoupledBodies coupled_bodies;
+    ShvInsertionCheck check;
+    ShvBarStabiliser stabiliser;
     ShvImposed imposed;
-    bool relaxed; /* fracture.stabiliser is bars: */
-    ShvBars bars;
-    ShvRelax relax;
-    bool bars_stale;
-    uint8_t *fixed; /* per node: components that conditions hold */
-    int64_t fixed_capacity;
-    double elastic_turnover, bars_turnover; /* J: Σ |work| of each step, by elastic forces and by bars */
-    ShvProbes probes;
+    ShvSteps steps;
+
+    ShvObstacles obstacles;
+    double obstacle_time;      /* s: time to which free ones have been moved */
+    uint8_t *waiting;          /* per obstacle: it is not in the scene; NULL: all are */
+    ShvVec3 waiting_direction; /* whither they wait, of unit length */
+    ShvNodeContact contact;
+    ShvObstacleContact obstacle_contact;
+
     ShvFragments fragments;
-    ShvRigidBackend *backend;
-    uint8_t *waiting;                             /* per obstacle: it is not in the scene; NULL: all are */
-    ShvVec3 waiting_direction;                    /* whither they wait, of unit length */
-    double binned_momentum[3], binned_angular[3]; /* kg m/s, kg m²/s about the origin: of dust when it was put away */
-
     ShvAwake awake;
-    bool dormant;           /* what is awake is held, unmoved, and nothing is near it */
-    ShvRigidContact *wakes; /* pending in the present interval, by time */
-    int32_t wake_count, wake_next, wake_capacity;
-    double interval_end;       /* s; ≤ state.time: no interval is under way */
-    int32_t checks_since_rest; /* checks since fragments were last asked whether they may rest */
-    double obstacle_time;      /* s: time to which free obstacles have been moved */
+    ShvPendingWakes wakes;
+    ShvWakeAudit wake_audit;
+    ShvRigidBackend *backend;
+    double interval_end; /* s; ≤ state.time: no rigid interval is under way */
+    ShvCoupling coupling;
+    ShvBinned binned;
 
-    double stable_step;     /* s: smallest exact element step of the whole model */
-    int32_t stable_element; /* that sets it */
-    double bulk_step;       /* s: stable step of the awake batches */
-    double step;            /* s: last step taken by something awake */
-    ShvCheckClock clock;
-    ShvVec3 contact_impulse;                          /* N s: by obstacles on nodes so far */
-    double contact_time, first_contact, last_contact; /* s: of the steps with such impulses; with contact_steps > 0 */
-    int64_t contact_steps;
-    int32_t inverted; /* most elements found inside out at once so far */
-    double
-        *stress; /* of the criterion, only with model.can_break; traction criterion: where a check has asked for it */
-    bool forces_begun; /* state.force holds the internal forces of the present time: a check has found them */
-    double *nodal;     /* principal criterion only; 6 per node */
-    int64_t nodal_capacity;
-    int32_t *candidates;
-    double *overstress;
-
-    /* audit of the wake rule: impacts taken for harmless that wake all the same; how many have, and how many of these broke
-       something before they came to rest */
-    int32_t audit_wakes, audited, missed;
-
-    ShvLedger ledger;
-    ShvCohesiveEnergy cohesive_energy;    /* of the last observed time */
-    double least_spring_step;             /* s: of all frames so far; 0: none */
-    ShvLedgerView balance;                /* of the last observed time */
-    double start_energy, start_potential; /* J */
-    double least_contact_work;            /* J: of contact, friction and closure together, so far */
-    bool balance_started;
-    int32_t since_observed; /* steps since the ledger was last looked at */
-    double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */
-    ShvGhost ghost;
+    ShvObserver observer;
+    ShvProbes probes;
     ShvEventLog log;
     int32_t next_event; /* of the scene's time line */
     ShvCosts costs;
@@ -154,7 +201,7 @@ typedef struct ShvHybrid {
 /* The last step taken over the stable one of what is awake; 0 before anything was. */
 static inline double shv_hybrid_courant(const ShvHybrid *hybrid)
 {
-    return hybrid->bulk_step > 0.0 ? hybrid->step / hybrid->bulk_step : 0.0;
+    return hybrid->steps.bulk > 0.0 ? hybrid->steps.last / hybrid->steps.bulk : 0.0;
 }
 
 /* Builds everything the scene needs and nothing else. `hybrid` must not move afterwards. On failure it owns nothing. */
@@ -166,7 +213,7 @@ void shv_hybrid_release(ShvHybrid *hybrid);
    number. Stops with SHV_DIVERGED or SHV_INTERRUPTED at a consistent state. */
 ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int64_t *taken, ShvError *error);
 
-/* Brings fragments' motion and the ledger to the present time (hybrid->fragments, hybrid->balance); the state is
+/* Brings fragments' motion and the ledger to the present time (hybrid->fragments, hybrid->observer.balance); the state is
    left as it was. Fails when the residual leaves the scene's bound or something is not finite. */
 ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 

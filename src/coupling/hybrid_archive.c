@@ -56,17 +56,17 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
     static const ShvField fields[] = {
         SHV_FIELD_OF(ShvHybrid, awake.flags, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, awake.nodes, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, wakes, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, stress, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, nodal, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, fixed, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, wakes.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, check.stress, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, check.nodal, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, stabiliser.fixed, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, waiting, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, log.items, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, ghost.before, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, ghost.displacement, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvHybrid, ghost.obstacles, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, candidates, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, overstress, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, observer.ghost.before, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, observer.ghost.displacement, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, observer.ghost.obstacles, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, check.candidates, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, check.overstress, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, memory, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, scene, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, model, SHV_FIELD_KEPT),
@@ -79,11 +79,11 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, cohesive, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, obstacles, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, contact, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, surface, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, coupled_bodies, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, coupling.surface, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, coupling.bodies, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, imposed, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, bars, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, relax, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, stabiliser.bars, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, stabiliser.relax, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, probes, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, fragments, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, backend, SHV_FIELD_KEPT),
@@ -93,14 +93,16 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
 
 bool shv_hybrid_archive(ShvHybrid *hybrid, ShvArchive *archive)
 {
-    const bool good =
-        archive_rest(hybrid, archive) && shv_state_archive(&hybrid->state, archive) &&
-        archive_solid(&hybrid->solid, archive) && shv_obstacles_archive(&hybrid->obstacles, archive) &&
-        shv_node_contact_archive(&hybrid->contact, archive) && shv_surface_contact_archive(&hybrid->surface, archive) &&
-        archive_coupled_bodies(&hybrid->coupled_bodies, archive) && shv_imposed_archive(&hybrid->imposed, archive) &&
-        archive_probes(&hybrid->probes, archive) && shv_fragments_archive(&hybrid->fragments, archive);
+    const bool good = archive_rest(hybrid, archive) && shv_state_archive(&hybrid->state, archive) &&
+                      archive_solid(&hybrid->solid, archive) && shv_obstacles_archive(&hybrid->obstacles, archive) &&
+                      shv_node_contact_archive(&hybrid->contact, archive) &&
+                      shv_surface_contact_archive(&hybrid->coupling.surface, archive) &&
+                      archive_coupled_bodies(&hybrid->coupling.bodies, archive) &&
+                      shv_imposed_archive(&hybrid->imposed, archive) && archive_probes(&hybrid->probes, archive) &&
+                      shv_fragments_archive(&hybrid->fragments, archive);
     if (!good) return false;
-    if (hybrid->relaxed && !(shv_bars_archive(&hybrid->bars, archive) && shv_relax_archive(&hybrid->relax, archive)))
+    if (hybrid->stabiliser.active &&
+        !(shv_bars_archive(&hybrid->stabiliser.bars, archive) && shv_relax_archive(&hybrid->stabiliser.relax, archive)))
         return false;
     if (hybrid->model.can_break && !shv_cohesive_archive(&hybrid->cohesive, hybrid->awake.flags, archive)) return false;
     /* Run times come last: all before is the same in equal runs. */

@@ -7,13 +7,13 @@
 
 static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
 {
-    ShvGhost *ghost = &hybrid->ghost;
+    ShvGhost *ghost = &hybrid->observer.ghost;
     if (ghost->capacity < hybrid->state.node_capacity) {
         const size_t count = 3 * (size_t)hybrid->state.node_capacity;
         double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
         if (!before) return shv_fail_memory(error, "velocities around a time", count * sizeof(double));
         ghost->before = before;
-        if (hybrid->relaxed) {
+        if (hybrid->stabiliser.active) {
             double *displacement =
                 shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
             if (!displacement) return shv_fail_memory(error, "displacements at a time", count * sizeof(double));
@@ -30,7 +30,7 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
 /* Momentum of a time is that of the mean velocity, for free obstacles as for nodes: half of the ghost step's impulses. */
 static void exchange_with_obstacles(ShvHybrid *hybrid)
 {
-    ShvGhost *ghost = &hybrid->ghost;
+    ShvGhost *ghost = &hybrid->observer.ghost;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         const ShvObstacle *before = &ghost->obstacles[i], *after = &hybrid->obstacles.items[i];
         if (before->motion != SHV_OBSTACLE_FREE) continue;
@@ -40,8 +40,9 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
         ghost->obstacle_angular = shv_madd(ghost->obstacle_angular, 0.5, turn);
     }
     /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
-    ghost->obstacle_exchange = hybrid->relaxed ? 0.5 * hybrid->relax.obstacle_work : hybrid->contact.obstacle_work[0];
-    if (hybrid->mutual) ghost->obstacle_exchange += hybrid->surface.obstacle_work[0];
+    ghost->obstacle_exchange =
+        hybrid->stabiliser.active ? 0.5 * hybrid->stabiliser.relax.obstacle_work : hybrid->contact.obstacle_work[0];
+    if (hybrid->coupling.mutual) ghost->obstacle_exchange += hybrid->coupling.surface.obstacle_work[0];
 }
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
@@ -49,7 +50,7 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
 ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
-    ShvGhost *ghost = &hybrid->ghost;
+    ShvGhost *ghost = &hybrid->observer.ghost;
     SHV_TRY(reserve_ghost(hybrid, error));
     memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
     shv_coupled_bodies_keep(hybrid);
@@ -59,14 +60,14 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     if (state->last_step > 0.0) {
         const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
         if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
-        const size_t moved = hybrid->relaxed ? 3 * (size_t)state->node_count * sizeof(double) : 0;
+        const size_t moved = hybrid->stabiliser.active ? 3 * (size_t)state->node_count * sizeof(double) : 0;
         if (moved > 0) memcpy(ghost->displacement, state->displacement, moved);
-        const ShvLedger booked = hybrid->ledger;
+        const ShvLedger booked = hybrid->observer.ledger;
         SHV_TRY(shv_hybrid_forces(hybrid, error));
         SHV_TRY(shv_hybrid_kick(hybrid, state->last_step, state->last_step, error));
         for (int i = 0; i < SHV_WORK_COUNT; i++)
-            ghost->first[i] = hybrid->ledger.booked[i] - booked.booked[i] - hybrid->ledger.pending[i];
-        hybrid->ledger = booked;
+            ghost->first[i] = hybrid->observer.ledger.booked[i] - booked.booked[i] - hybrid->observer.ledger.pending[i];
+        hybrid->observer.ledger = booked;
         if (moved > 0) memcpy(state->displacement, ghost->displacement, moved);
         exchange_with_obstacles(hybrid);
         if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
@@ -85,7 +86,7 @@ ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *er
 {
     ShvState *state = &hybrid->state;
     SHV_TRY(reserve_ghost(hybrid, error));
-    memcpy(hybrid->ghost.before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    memcpy(hybrid->observer.ghost.before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
     const double half = 0.5 * state->last_step;
     if (half == 0.0) return SHV_OK;
     SHV_TRY(shv_hybrid_forces(hybrid, error));
@@ -95,7 +96,8 @@ ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *er
 
 void shv_hybrid_resume(ShvHybrid *hybrid)
 {
-    memcpy(hybrid->state.velocity, hybrid->ghost.before, 3 * (size_t)hybrid->state.node_count * sizeof(double));
+    memcpy(hybrid->state.velocity, hybrid->observer.ghost.before,
+           3 * (size_t)hybrid->state.node_count * sizeof(double));
 }
 
 static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momentum, ShvVec3 spin)
@@ -129,9 +131,9 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     const ShvState *state = &hybrid->state;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
-    balance->kinetic += hybrid->ghost.kinetic + hybrid->ghost.obstacle_exchange;
-    shv_add_to3(balance->momentum, hybrid->ghost.obstacle_momentum);
-    shv_add_to3(balance->angular_momentum, hybrid->ghost.obstacle_angular);
+    balance->kinetic += hybrid->observer.ghost.kinetic + hybrid->observer.ghost.obstacle_exchange;
+    shv_add_to3(balance->momentum, hybrid->observer.ghost.obstacle_momentum);
+    shv_add_to3(balance->angular_momentum, hybrid->observer.ghost.obstacle_angular);
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         const int32_t node = hybrid->awake.nodes[k];
         const ShvVec3 x = shv_state_position(state, node);
@@ -177,19 +179,19 @@ static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, int32_
 
 static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
 {
-    double *booked = hybrid->ledger.booked;
-    booked[SHV_WORK_CONTACT] += hybrid->backend->contact_work - hybrid->backend_contact;
-    booked[SHV_WORK_FRICTION] += hybrid->backend->friction_work - hybrid->backend_friction;
-    hybrid->backend_contact = hybrid->backend->contact_work;
-    hybrid->backend_friction = hybrid->backend->friction_work;
-    booked[SHV_WORK_BARS] += hybrid->backend->bars_work - hybrid->backend_bars;
-    booked[SHV_WORK_DAMPING] += hybrid->backend->damping_work - hybrid->backend_damping;
-    hybrid->backend_bars = hybrid->backend->bars_work;
-    hybrid->backend_damping = hybrid->backend->damping_work;
+    double *booked = hybrid->observer.ledger.booked;
+    booked[SHV_WORK_CONTACT] += hybrid->backend->contact_work - hybrid->observer.backend_contact;
+    booked[SHV_WORK_FRICTION] += hybrid->backend->friction_work - hybrid->observer.backend_friction;
+    hybrid->observer.backend_contact = hybrid->backend->contact_work;
+    hybrid->observer.backend_friction = hybrid->backend->friction_work;
+    booked[SHV_WORK_BARS] += hybrid->backend->bars_work - hybrid->observer.backend_bars;
+    booked[SHV_WORK_DAMPING] += hybrid->backend->damping_work - hybrid->observer.backend_damping;
+    hybrid->observer.backend_bars = hybrid->backend->bars_work;
+    hybrid->observer.backend_damping = hybrid->backend->damping_work;
     double work[SHV_WORK_COUNT];
-    for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->ghost.first[i];
+    for (int i = 0; i < SHV_WORK_COUNT; i++) work[i] = booked[i] + hybrid->observer.ghost.first[i];
     balance->cohesive = work[SHV_WORK_COHESIVE];
-    balance->cohesive_released = hybrid->ledger.released;
+    balance->cohesive_released = hybrid->observer.ledger.released;
 #define WORK(member, name) balance->member = work[SHV_WORK_##name];
 #define NO_WORK(member, unit)
     SHV_LEDGER_COLUMNS(NO_WORK, WORK, NO_WORK)
@@ -200,7 +202,7 @@ static void add_cohesive(ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     if (!hybrid->model.can_break) return;
     const ShvCohesiveEnergy energy = shv_cohesive_energy(&hybrid->cohesive, &hybrid->state);
-    hybrid->cohesive_energy = energy;
+    hybrid->observer.cohesive_energy = energy;
     balance->cohesive_recoverable = energy.recoverable;
     balance->fracture_dissipation = energy.dissipated;
     balance->inserted_area = energy.inserted_area;
@@ -221,21 +223,21 @@ static double given_work(const ShvLedgerView *b)
 static void close_balance(ShvHybrid *hybrid, ShvLedgerView *b)
 {
     const double energy = b->kinetic + b->strain + b->gravity_potential;
-    if (!hybrid->balance_started) {
-        hybrid->start_energy = energy;
-        hybrid->start_potential = b->gravity_potential;
-        hybrid->balance_started = true;
+    if (!hybrid->observer.started) {
+        hybrid->observer.start_energy = energy;
+        hybrid->observer.start_potential = b->gravity_potential;
+        hybrid->observer.started = true;
     }
-    b->residual = energy - hybrid->start_energy - given_work(b);
+    b->residual = energy - hybrid->observer.start_energy - given_work(b);
     b->cohesive_defect = b->cohesive + b->cohesive_recoverable + b->cohesive_released + b->fracture_dissipation;
     const double sizes[] = {b->kinetic,
                             b->strain,
-                            fabs(b->gravity_potential - hybrid->start_potential),
+                            fabs(b->gravity_potential - hybrid->observer.start_potential),
                             fabs(b->contact),
                             fabs(b->constraint),
                             fabs(b->traction),
                             b->fracture_dissipation};
-    b->largest = hybrid->balance.largest;
+    b->largest = hybrid->observer.balance.largest;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) b->largest = fmax(b->largest, sizes[i]);
 }
 
@@ -265,24 +267,24 @@ static double rounding_of_balance(const ShvHybrid *hybrid)
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_DEAD) size += fragment->mass * fabs(shv_dot(gravity, fragment->position));
     }
-    return rounding_of_sum * (size + fabs(hybrid->start_energy));
+    return rounding_of_sum * (size + fabs(hybrid->observer.start_energy));
 }
 
 /* By closing faces, what they hold still counted as theirs to give, J: it never rises. */
 static double given_by_closing(const ShvHybrid *hybrid, const ShvLedgerView *balance)
 {
-    return balance->closure + hybrid->cohesive_energy.held;
+    return balance->closure + hybrid->observer.cohesive_energy.held;
 }
 
 /* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven or overlaps are
    the scene's; a balance cannot tell, since all that they do is booked. */
 static double contact_gain(const ShvHybrid *hybrid)
 {
-    const ShvLedgerView *b = &hybrid->balance;
+    const ShvLedgerView *b = &hybrid->observer.balance;
     if (hybrid->scene->overlaps == SHV_OVERLAPS_KEEP) return 0.0;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
-    return b->contact + b->friction + given_by_closing(hybrid, b) - hybrid->least_contact_work;
+    return b->contact + b->friction + given_by_closing(hybrid, b) - hybrid->observer.least_contact_work;
 }
 
 /* What it takes to lift every body by its radius, J: contacts may lift out what starts or wakes inside something else. */
@@ -331,13 +333,13 @@ static ShvStatus not_finite(const ShvHybrid *hybrid, ShvError *error)
 /* `largest`: the largest energy before, J, which nothing that has been gained since is part of. */
 static ShvStatus judge_balance(const ShvHybrid *hybrid, double largest, ShvError *error)
 {
-    const ShvLedgerView *b = &hybrid->balance;
+    const ShvLedgerView *b = &hybrid->observer.balance;
     const double rounding = rounding_of_balance(hybrid), share = hybrid->scene->fracture.energy_bound;
     const double bound = share * b->largest + rounding;
     if (!isfinite(b->kinetic + b->strain + b->residual + b->gravity_potential)) return not_finite(hybrid, error);
     if (fabs(b->residual) > bound) return off_by(hybrid, "the energy balance is off", b->residual, bound, error);
     /* With bars, which open facets otherwise than the tractions foresaw, the defect is what bars did to the law. */
-    const bool barred = hybrid->relaxed || hybrid->backend->keeps_nodes;
+    const bool barred = hybrid->stabiliser.active || hybrid->backend->keeps_nodes;
     if (!barred && fabs(b->cohesive_defect) > bound)
         return off_by(hybrid, "the work of cohesive tractions is off the cohesive law", b->cohesive_defect, bound,
                       error);
@@ -350,7 +352,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
-    memset(hybrid->ghost.first, 0, sizeof hybrid->ghost.first);
+    memset(hybrid->observer.ghost.first, 0, sizeof hybrid->observer.ghost.first);
     if (hybrid->awake.count > 0) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
@@ -359,15 +361,15 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
         shv_hybrid_resume(hybrid);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++) add_fragment(hybrid, &balance, &hybrid->fragments.items[i]);
-    shv_add_to3(balance.momentum, shv_load3(hybrid->binned_momentum));
-    shv_add_to3(balance.angular_momentum, shv_load3(hybrid->binned_angular));
+    shv_add_to3(balance.momentum, shv_load3(hybrid->binned.momentum));
+    shv_add_to3(balance.angular_momentum, shv_load3(hybrid->binned.angular));
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) add_obstacle(hybrid, &balance, i);
     add_cohesive(hybrid, &balance);
     add_works(hybrid, &balance);
     close_balance(hybrid, &balance);
-    const double largest = hybrid->balance.largest;
-    hybrid->balance = balance;
-    hybrid->least_contact_work =
-        fmin(hybrid->least_contact_work, balance.contact + balance.friction + given_by_closing(hybrid, &balance));
+    const double largest = hybrid->observer.balance.largest;
+    hybrid->observer.balance = balance;
+    hybrid->observer.least_contact_work = fmin(hybrid->observer.least_contact_work,
+                                               balance.contact + balance.friction + given_by_closing(hybrid, &balance));
     return judge_balance(hybrid, largest, error);
 }

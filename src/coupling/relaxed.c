@@ -6,8 +6,8 @@
 
 ShvStatus shv_hybrid_create_bars(ShvHybrid *hybrid, ShvError *error)
 {
-    SHV_TRY(shv_bars_create(&hybrid->bars, &hybrid->model, hybrid->scene->pbd.form, error));
-    return shv_relax_create(&hybrid->relax, &hybrid->model, &hybrid->obstacles, error);
+    SHV_TRY(shv_bars_create(&hybrid->stabiliser.bars, &hybrid->model, hybrid->scene->pbd.form, error));
+    return shv_relax_create(&hybrid->stabiliser.relax, &hybrid->model, &hybrid->obstacles, error);
 }
 
 /* Bits of the components that conditions hold, which neither bars nor obstacles may change. */
@@ -15,29 +15,29 @@ static ShvStatus mark_fixed(ShvHybrid *hybrid, ShvError *error)
 {
     const ShvImposed *imposed = &hybrid->imposed;
     if (imposed->count == 0) return SHV_OK;
-    if (hybrid->fixed_capacity < hybrid->state.node_capacity) {
-        uint8_t *fixed =
-            shv_reallocate(hybrid->memory, SHV_PART_BARS, hybrid->fixed, (size_t)hybrid->state.node_capacity, 1);
+    if (hybrid->stabiliser.fixed_capacity < hybrid->state.node_capacity) {
+        uint8_t *fixed = shv_reallocate(hybrid->memory, SHV_PART_BARS, hybrid->stabiliser.fixed,
+                                        (size_t)hybrid->state.node_capacity, 1);
         if (!fixed) return shv_fail_memory(error, "imposed components", (size_t)hybrid->state.node_capacity);
-        hybrid->fixed = fixed;
-        hybrid->fixed_capacity = hybrid->state.node_capacity;
+        hybrid->stabiliser.fixed = fixed;
+        hybrid->stabiliser.fixed_capacity = hybrid->state.node_capacity;
     }
-    memset(hybrid->fixed, 0, (size_t)hybrid->state.node_count);
+    memset(hybrid->stabiliser.fixed, 0, (size_t)hybrid->state.node_count);
     for (int32_t i = 0; i < imposed->count; i++) {
         const ShvImposedCondition *item = &imposed->items[i];
         if (!shv_imposed_in_force(item, hybrid->state.time)) continue;
         const bool *axes = item->definition->axes;
         const uint8_t bits = (uint8_t)((axes[0] ? 1 : 0) | (axes[1] ? 2 : 0) | (axes[2] ? 4 : 0));
-        for (int32_t k = 0; k < item->node_count; k++) hybrid->fixed[item->nodes[k]] |= bits;
+        for (int32_t k = 0; k < item->node_count; k++) hybrid->stabiliser.fixed[item->nodes[k]] |= bits;
     }
     return SHV_OK;
 }
 
 static ShvStatus refresh_bars(ShvHybrid *hybrid, ShvError *error)
 {
-    if (!hybrid->bars_stale) return SHV_OK;
-    hybrid->bars_stale = false;
-    return shv_bars_update(&hybrid->bars, &hybrid->state, hybrid->awake.flags, error);
+    if (!hybrid->stabiliser.stale) return SHV_OK;
+    hybrid->stabiliser.stale = false;
+    return shv_bars_update(&hybrid->stabiliser.bars, &hybrid->state, hybrid->awake.flags, error);
 }
 
 static ShvRelaxStep settings_of(const ShvHybrid *hybrid, double step)
@@ -47,7 +47,7 @@ static ShvRelaxStep settings_of(const ShvHybrid *hybrid, double step)
                              .stiffness = pbd->stiffness,
                              .iterations = pbd->iterations,
                              .rest_speed = 2.0 * step * shv_norm(shv_load3(hybrid->gravity)),
-                             .fixed = hybrid->imposed.count > 0 ? hybrid->fixed : NULL};
+                             .fixed = hybrid->imposed.count > 0 ? hybrid->stabiliser.fixed : NULL};
     memcpy(settings.gravity, hybrid->gravity, sizeof settings.gravity);
     return settings;
 }
@@ -55,11 +55,11 @@ static ShvRelaxStep settings_of(const ShvHybrid *hybrid, double step)
 static ShvStatus relax(ShvHybrid *hybrid, const ShvRelaxStep *step, ShvError *error)
 {
     const ShvAwake *awake = &hybrid->awake;
-    shv_relax_predict(&hybrid->relax, &hybrid->state, awake->nodes, awake->node_count, step->step);
-    SHV_TRY(shv_relax_detect(&hybrid->relax, &hybrid->state, &hybrid->obstacles, awake->nodes, awake->node_count, step,
-                             error));
-    return shv_relax_run(&hybrid->relax, &hybrid->bars, &hybrid->state, &hybrid->obstacles, awake->nodes,
-                         awake->node_count, step, error);
+    shv_relax_predict(&hybrid->stabiliser.relax, &hybrid->state, awake->nodes, awake->node_count, step->step);
+    SHV_TRY(shv_relax_detect(&hybrid->stabiliser.relax, &hybrid->state, &hybrid->obstacles, awake->nodes,
+                             awake->node_count, step, error));
+    return shv_relax_run(&hybrid->stabiliser.relax, &hybrid->stabiliser.bars, &hybrid->state, &hybrid->obstacles,
+                         awake->nodes, awake->node_count, step, error);
 }
 
 /* What went wrong with a step too long for the bars can only be judged by its Courant number. */
@@ -69,7 +69,7 @@ static ShvStatus relax_or_explain(ShvHybrid *hybrid, const ShvRelaxStep *step, S
     if (status != SHV_DIVERGED) return status;
     return shv_fail_within(
         error, status, "step %lld, t = %.9g s, Courant number %.3g (fracture.time_step over the stable step %.3g s)",
-        (long long)hybrid->state.step, hybrid->state.time, step->step / hybrid->bulk_step, hybrid->bulk_step);
+        (long long)hybrid->state.step, hybrid->state.time, step->step / hybrid->steps.bulk, hybrid->steps.bulk);
 }
 
 ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after, ShvError *error)
@@ -77,10 +77,10 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     ShvState *state = &hybrid->state;
     const ShvAwake *awake = &hybrid->awake;
     const double kick = 0.5 * (before + after), start = shv_now();
-    shv_ledger_begin_step(&hybrid->ledger);
+    shv_ledger_begin_step(&hybrid->observer.ledger);
     SHV_TRY(refresh_bars(hybrid, error));
     SHV_TRY(mark_fixed(hybrid, error));
-    SHV_TRY(shv_relax_begin(&hybrid->relax, state, awake->nodes, awake->node_count, error));
+    SHV_TRY(shv_relax_begin(&hybrid->stabiliser.relax, state, awake->nodes, awake->node_count, error));
     SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
@@ -91,9 +91,9 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(relax_or_explain(hybrid, &step, error));
     shv_imposed_book(&hybrid->imposed, state, before, after);
     shv_hybrid_book_forces(hybrid, after);
-    shv_relax_book(&hybrid->relax, &hybrid->ledger);
-    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, 0.5 * hybrid->relax.obstacle_work,
-                    0.5 * hybrid->relax.obstacle_work);
+    shv_relax_book(&hybrid->stabiliser.relax, &hybrid->observer.ledger);
+    shv_ledger_book(&hybrid->observer.ledger, SHV_WORK_CONTACT, 0.5 * hybrid->stabiliser.relax.obstacle_work,
+                    0.5 * hybrid->stabiliser.relax.obstacle_work);
     shv_costs_add(&hybrid->costs, SHV_COST_BARS, start);
     return SHV_OK;
 }

@@ -150,7 +150,7 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     if (is_held(hybrid, fragment)) return;
     transit_times(hybrid, fragment, &bar, &bending);
     const int32_t checks = fracture->quiet_checks - fragment->quiet;
-    const double counted = now + (checks > 0 ? checks : 0) * hybrid->clock.due * hybrid->step;
+    const double counted = now + (checks > 0 ? checks : 0) * hybrid->check.clock.due * hybrid->steps.last;
     const bool by_checks = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
     *soonest = by_checks ? counted : fmax(counted, last_change(fragment) + 2.0 * bar);
     *latest = fmax(now, last_change(fragment) + window(hybrid, fragment));
@@ -174,7 +174,8 @@ static void carried_energy(const ShvHybrid *hybrid, const ShvFragment *fragment,
     *strain = shv_audit_strain(hybrid, fragment);
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int64_t node = hybrid->fragments.nodes[fragment->node_begin + k];
-        const ShvVec3 v = shv_load3(state->velocity + 3 * node), before = shv_load3(hybrid->ghost.before + 3 * node);
+        const ShvVec3 v = shv_load3(state->velocity + 3 * node),
+                      before = shv_load3(hybrid->observer.ghost.before + 3 * node);
         *kinetic += 0.5 * state->mass[node] * shv_dot(before, shv_sub(shv_scale(v, 2.0), before));
     }
 }
@@ -211,15 +212,15 @@ static void keep_velocities(ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int64_t i = 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k];
-        memcpy(hybrid->ghost.before + i, hybrid->state.velocity + i, 3 * sizeof(double));
+        memcpy(hybrid->observer.ghost.before + i, hybrid->state.velocity + i, 3 * sizeof(double));
     }
 }
 
 /* Its momentum stays in the sums. */
 static void bin(ShvHybrid *hybrid, ShvFragment *fragment, const ShvEventView *event)
 {
-    shv_add_to3(hybrid->binned_momentum, shv_load3(event->momentum_after));
-    shv_add_to3(hybrid->binned_angular, shv_load3(event->angular_after));
+    shv_add_to3(hybrid->binned.momentum, shv_load3(event->momentum_after));
+    shv_add_to3(hybrid->binned.angular, shv_load3(event->angular_after));
     fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
     fragment->mode = SHV_MODE_BINNED;
 }
@@ -250,7 +251,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
     fragment->hulls = 0;
     fragment->hull_outside = fragment->hull_missing = 0.0;
     if (taker == TAKER_BIN) bin(hybrid, fragment, event);
-    shv_surface_contact_invalidate(&hybrid->surface);
+    shv_surface_contact_invalidate(&hybrid->coupling.surface);
     hybrid->awake.stale = true;
 }
 
@@ -382,7 +383,7 @@ ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, 
 
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error)
 {
-    hybrid->checks_since_rest = 0;
+    hybrid->check.since_rest = 0;
     if (hybrid->awake.count == 0) return SHV_OK;
     const double start = shv_now();
     SHV_TRY(rest_quiet_ones(hybrid, error));

@@ -5,15 +5,16 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     const ShvAwake *awake = &hybrid->awake;
     double start = shv_now();
-    if (!hybrid->forces_begun) {
+    if (!hybrid->check.forces_begun) {
         shv_motion_clear_force(state, awake->nodes, awake->node_count, hybrid->model.threads);
         shv_solid_add_internal_force(&hybrid->solid, state);
     }
-    hybrid->forces_begun = false;
+    hybrid->check.forces_begun = false;
     start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
-    if (hybrid->relaxed)
-        hybrid->elastic_turnover += state->last_step * fabs(shv_motion_power(state, state->force, awake->nodes,
-                                                                             awake->node_count, hybrid->model.threads));
+    if (hybrid->stabiliser.active)
+        hybrid->stabiliser.elastic_turnover +=
+            state->last_step *
+            fabs(shv_motion_power(state, state->force, awake->nodes, awake->node_count, hybrid->model.threads));
     SHV_TRY(shv_imposed_add_force(&hybrid->imposed, state, error));
     if (hybrid->model.can_break) {
         shv_cohesive_begin(&hybrid->cohesive, state, awake->flags);
@@ -25,12 +26,12 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error)
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
 {
     const ShvImposed *imposed = &hybrid->imposed;
-    ShvLedger *ledger = &hybrid->ledger;
+    ShvLedger *ledger = &hybrid->observer.ledger;
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
-    if (hybrid->mutual) {
+    if (hybrid->coupling.mutual) {
         const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-        shv_surface_contact_book(&hybrid->surface, &bodies);
-        shv_surface_contact_book_ledger(&hybrid->surface, ledger);
+        shv_surface_contact_book(&hybrid->coupling.surface, &bodies);
+        shv_surface_contact_book_ledger(&hybrid->coupling.surface, ledger);
     }
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
@@ -45,17 +46,17 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
 
 ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error)
 {
-    if (!hybrid->mutual) return SHV_OK;
+    if (!hybrid->coupling.mutual) return SHV_OK;
     const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-    return shv_surface_contact_begin(&hybrid->surface, &bodies, after, hybrid->gravity, error);
+    return shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, hybrid->gravity, error);
 }
 
 ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error)
 {
-    if (!hybrid->mutual) return SHV_OK;
+    if (!hybrid->coupling.mutual) return SHV_OK;
     const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
     const double start = shv_now();
-    SHV_TRY(shv_surface_contact_apply(&hybrid->surface, &bodies, after, error));
+    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
     shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     return SHV_OK;
 }
@@ -64,17 +65,17 @@ static void book_contact(ShvHybrid *hybrid)
 {
     ShvNodeContact *contact = &hybrid->contact;
     shv_node_contact_book(contact, &hybrid->state);
-    shv_node_contact_book_ledger(contact, &hybrid->ledger);
-    shv_ledger_book(&hybrid->ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
+    shv_node_contact_book_ledger(contact, &hybrid->observer.ledger);
+    shv_ledger_book(&hybrid->observer.ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
 }
 
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
-    if (hybrid->relaxed) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
+    if (hybrid->stabiliser.active) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
     ShvState *state = &hybrid->state;
     const ShvAwake *awake = &hybrid->awake;
     const double kick = 0.5 * (before + after);
-    shv_ledger_begin_step(&hybrid->ledger);
+    shv_ledger_begin_step(&hybrid->observer.ledger);
     double start = shv_now();
     SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
     SHV_TRY(shv_node_contact_begin(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, after,
@@ -106,7 +107,7 @@ static const double rounding_of_steps = 1e-12;
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->bulk_step : fracture->time_step;
+    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->steps.bulk : fracture->time_step;
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - rounding_of_steps)));
 }
 
@@ -114,17 +115,17 @@ double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
 static ShvStatus observe_now_and_then(ShvHybrid *hybrid, ShvError *error)
 {
     enum { STEPS = 1000 };
-    if (++hybrid->since_observed < STEPS) return SHV_OK;
-    hybrid->since_observed = 0;
+    if (++hybrid->observer.steps_since < STEPS) return SHV_OK;
+    hybrid->observer.steps_since = 0;
     return shv_hybrid_observe(hybrid, error);
 }
 
 /* Whether obstacles pushed nodes in the step just kicked, and with what impulse. */
 static bool pushed_by_obstacles(const ShvHybrid *hybrid, ShvVec3 *impulse)
 {
-    *impulse = hybrid->relaxed ? shv_vec3(0.0, 0.0, 0.0) : hybrid->contact.impulse;
-    if (!hybrid->relaxed) return hybrid->contact.touching > 0;
-    const ShvRelax *relax = &hybrid->relax;
+    *impulse = hybrid->stabiliser.active ? shv_vec3(0.0, 0.0, 0.0) : hybrid->contact.impulse;
+    if (!hybrid->stabiliser.active) return hybrid->contact.touching > 0;
+    const ShvRelax *relax = &hybrid->stabiliser.relax;
     for (int32_t i = 0; i < relax->touch_count; i++)
         if (relax->touches[i].push > 0.0)
             *impulse = shv_add(*impulse, shv_add(relax->touches[i].impulse, relax->touches[i].friction));
@@ -135,10 +136,10 @@ static void count_contact(ShvHybrid *hybrid, double step)
 {
     ShvVec3 impulse;
     if (!pushed_by_obstacles(hybrid, &impulse)) return;
-    if (hybrid->contact_steps++ == 0) hybrid->first_contact = hybrid->state.time;
-    hybrid->contact_impulse = shv_add(hybrid->contact_impulse, impulse);
-    hybrid->contact_time += step;
-    hybrid->last_contact = hybrid->state.time + step;
+    if (hybrid->obstacle_contact.steps++ == 0) hybrid->obstacle_contact.first = hybrid->state.time;
+    hybrid->obstacle_contact.impulse = shv_add(hybrid->obstacle_contact.impulse, impulse);
+    hybrid->obstacle_contact.time += step;
+    hybrid->obstacle_contact.last = hybrid->state.time + step;
 }
 
 static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
@@ -148,8 +149,8 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
     const bool due = shv_probes_due(&hybrid->probes, &hybrid->state);
     if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
     SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
-    const ShvRelax *relax = hybrid->relaxed ? &hybrid->relax : NULL;
-    const ShvSurfaceContact *surface = hybrid->mutual ? &hybrid->surface : NULL;
+    const ShvRelax *relax = hybrid->stabiliser.active ? &hybrid->stabiliser.relax : NULL;
+    const ShvSurfaceContact *surface = hybrid->coupling.mutual ? &hybrid->coupling.surface : NULL;
     if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, surface, relax, &hybrid->imposed);
     return SHV_OK;
 }
@@ -167,8 +168,9 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     count_contact(hybrid, step);
     shv_waking_contact_follow(hybrid);
     const double start = shv_now();
-    if (hybrid->relaxed)
-        hybrid->bars_turnover += fabs(hybrid->relax.work.bars[0] + hybrid->relax.work.bars[1]);
+    if (hybrid->stabiliser.active)
+        hybrid->stabiliser.bars_turnover +=
+            fabs(hybrid->stabiliser.relax.work.bars[0] + hybrid->stabiliser.relax.work.bars[1]);
     else
         shv_motion_drift(state, hybrid->awake.nodes, hybrid->awake.node_count, step, hybrid->model.threads);
     shv_coupled_bodies_drift(hybrid, step);
@@ -176,6 +178,6 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     state->time += step;
     state->last_step = step;
     state->step++;
-    hybrid->step = step;
+    hybrid->steps.last = step;
     return shv_coupled_bodies_judge(hybrid, error);
 }

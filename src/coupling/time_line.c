@@ -39,7 +39,7 @@ static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 li
         const ShvVec3 change = shv_velocity_at(linear, angular, arm), now = shv_add(old, change);
         given += 0.5 * hybrid->state.mass[node] * (shv_dot(now, now) - shv_dot(old, old));
         shv_store3(v, now);
-        shv_add_to3(hybrid->ghost.before + 3 * (int64_t)node, change);
+        shv_add_to3(hybrid->observer.ghost.before + 3 * (int64_t)node, change);
     }
     return given;
 }
@@ -93,7 +93,7 @@ static double change_gravity(ShvHybrid *hybrid, const double gravity[3])
     }
     /* The step to come gives half of its new gravity to the half step that is past: velocities of now stay. */
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
-        double *before = hybrid->ghost.before + 3 * (int64_t)hybrid->awake.nodes[k];
+        double *before = hybrid->observer.ghost.before + 3 * (int64_t)hybrid->awake.nodes[k];
         shv_store3(before, shv_madd(shv_load3(before), -0.5 * hybrid->state.last_step, change));
     }
     memcpy(hybrid->gravity, gravity, sizeof hybrid->gravity);
@@ -118,7 +118,7 @@ static double happen(ShvHybrid *hybrid, const ShvEventDefinition *event)
 /* Records and nodes of the present time, for changes from outside. */
 static ShvStatus synchronise_now(ShvHybrid *hybrid, ShvError *error)
 {
-    hybrid->dormant = false;
+    hybrid->awake.dormant = false;
     SHV_TRY(shv_hybrid_observe(hybrid, error));
     return hybrid->awake.count > 0 ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
 }
@@ -132,7 +132,7 @@ static void resume_now(ShvHybrid *hybrid)
 /* `value`: as the log tells it. */
 static ShvStatus carry_out(ShvHybrid *hybrid, const ShvEventDefinition *event, double value, ShvError *error)
 {
-    hybrid->ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] += happen(hybrid, event);
     const ShvEventView entry = {
         .time = hybrid->state.time, .kind = SHV_RUN_SCENE, .fragment = -1, .obstacle = -1, .value = value};
     return shv_hybrid_log(hybrid, &entry, error);
@@ -166,7 +166,7 @@ ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t index, ShvVec3 impulse, Shv
     const ShvVec3 torque = shv_cross(shv_sub(point, fragment->position), impulse);
     ShvMat3 inverse;
     const ShvVec3 spin = shv_invert(&inertia, &inverse) ? shv_apply(&inverse, torque) : shv_vec3(0.0, 0.0, 0.0);
-    hybrid->ledger.booked[SHV_WORK_EVENT] +=
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] +=
         change_motion(hybrid, fragment, shv_scale(impulse, 1.0 / fragment->mass), spin);
     resume_now(hybrid);
     return SHV_OK;

@@ -67,7 +67,8 @@ static bool wakes_by_contact(const ShvHybrid *hybrid, const ShvRigidContact *con
 {
     const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
     const bool never_woke = fragment->wake_energy == 0.0;
-    if (hybrid->mutual && !never_woke && contact->time < fragment->last_insertion + hybrid->scene->rigid.time_step)
+    if (hybrid->coupling.mutual && !never_woke &&
+        contact->time < fragment->last_insertion + hybrid->scene->rigid.time_step)
         return false;
     return is_impact(hybrid, contact) && (isfinite(fragment->strength) || !hybrid->scene->fracture.enabled);
 }
@@ -82,7 +83,8 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
     const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
-    const bool audit = hybrid->audited < hybrid->audit_wakes && contact->fresh && contact->closing_speed > rest_speed;
+    const bool audit =
+        hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh && contact->closing_speed > rest_speed;
     return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;
 }
 
@@ -114,11 +116,11 @@ static void leave_flight(ShvHybrid *hybrid, const ShvRigidContact *contact)
 /* What it has met, if that is rigid still, goes along with it. */
 static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
-    if (!hybrid->mutual || contact->other < 0) return SHV_OK;
+    if (!hybrid->coupling.mutual || contact->other < 0) return SHV_OK;
     const ShvFragment *other = &hybrid->fragments.items[contact->other];
     bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
-    for (int32_t i = hybrid->wake_next; i < hybrid->wake_count; i++) /* its own turn is to come */
-        flies = flies && hybrid->wakes[i].fragment != contact->other;
+    for (int32_t i = hybrid->wakes.next; i < hybrid->wakes.count; i++) /* its own turn is to come */
+        flies = flies && hybrid->wakes.items[i].fragment != contact->other;
     return flies ? shv_coupled_bodies_add(hybrid, contact->other, error) : SHV_OK;
 }
 
@@ -145,7 +147,7 @@ static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double 
    first step. Bars in fracture mode take the deformation as it is. */
 static bool straightens(const ShvHybrid *hybrid)
 {
-    return hybrid->backend->keeps_nodes && !hybrid->relaxed;
+    return hybrid->backend->keeps_nodes && !hybrid->stabiliser.active;
 }
 
 /* Nodes get the rigid motion, on top of the deformation that was kept. */
@@ -181,13 +183,13 @@ static ShvVec3 separation(const ShvHybrid *hybrid, const ShvFragment *fragment)
 static void stand_outside(ShvHybrid *hybrid, ShvFragment *fragment)
 {
     const double largest_share = 0.1; /* of the radius; deeper overlaps are the scene's */
-    if (hybrid->relaxed == hybrid->backend->keeps_nodes) return;
+    if (hybrid->stabiliser.active == hybrid->backend->keeps_nodes) return;
     const ShvVec3 apart = separation(hybrid, fragment);
     if (!(shv_norm(apart) > 0.0) || shv_norm(apart) > largest_share * fragment->radius) return;
     for (int32_t k = 0; k < fragment->node_count; k++)
         shv_add_to3(hybrid->state.displacement + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k], apart);
     fragment->position = shv_add(fragment->position, apart);
-    hybrid->ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), apart);
+    hybrid->observer.ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), apart);
 }
 
 double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment)
@@ -222,8 +224,8 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     event.value = contact->closing_speed;
     event.reason = reason_to_wake(hybrid, contact);
     fragment->audited = event.reason == SHV_REASON_AUDIT;
-    hybrid->audited += fragment->audited;
-    if (!fragment->coupled) shv_surface_contact_invalidate(&hybrid->surface);
+    hybrid->wake_audit.audited += fragment->audited;
+    if (!fragment->coupled) shv_surface_contact_invalidate(&hybrid->coupling.surface);
     const bool was_coupled_body = fragment->coupled;
     leave_flight(hybrid, contact);
     if (fragment->deformed || straightens(hybrid)) event.cohesive_before = shv_audit_cohesive(hybrid, fragment);
@@ -243,7 +245,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->longest = shv_hybrid_longest(hybrid, fragment);
     shv_hybrid_begin_growth(hybrid, fragment);
     hybrid->awake.stale = true;
-    shv_check_clock_start(&hybrid->clock);
+    shv_check_clock_start(&hybrid->check.clock);
     step_back(hybrid, fragment);
     SHV_TRY(take_partner(hybrid, contact, error));
     shv_costs_add(&hybrid->costs, SHV_COST_HANDOVER, start);

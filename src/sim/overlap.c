@@ -320,8 +320,8 @@ const char *shv_simulation_overlap_course(const ShvSimulation *simulation, const
     }
     switch (hybrid->scene->rigid.engine) {
     case SHV_RIGID_BULLET:
-        return hybrid->mutual ? "the run lets it be: neither is pushed out, and it goes as they part or slide"
-                              : "the run does not see it";
+        return hybrid->coupling.mutual ? "the run lets it be: neither is pushed out, and it goes as they part or slide"
+                                       : "the run does not see it";
     case SHV_RIGID_BULLET_PLAIN:
         return hybrid->scene->bullet_plain.keep_overlaps
                    ? "the run lets it be: neither is pushed out, and it goes as they part"

@@ -26,7 +26,7 @@ static const char *why_flight(const ShvHybrid *hybrid)
     case SHV_RIGID_PBD:
         return "fragments; nodes that bars keep rigid";
     case SHV_RIGID_BULLET:
-        return hybrid->mutual ? "fragments, convex pieces, contacts between them" : "fragments in free flight";
+        return hybrid->coupling.mutual ? "fragments, convex pieces, contacts between them" : "fragments in free flight";
     case SHV_RIGID_BULLET_PLAIN:
         return "fragments, convex pieces in a Bullet world";
     case SHV_RIGID_ANALYTIC:
@@ -38,7 +38,8 @@ static const char *why_flight(const ShvHybrid *hybrid)
 static const char *why_contact(const ShvHybrid *hybrid)
 {
     const bool obstacles = hybrid->obstacles.count > 0, conditions = hybrid->scene->condition_count > 0;
-    if (hybrid->mutual) return "in fracture mode, nodes against obstacles, surfaces against each other; conditions";
+    if (hybrid->coupling.mutual)
+        return "in fracture mode, nodes against obstacles, surfaces against each other; conditions";
     if (obstacles)
         return conditions ? "nodes may meet obstacles in fracture mode; conditions"
                           : "nodes may meet obstacles in fracture mode";
@@ -60,15 +61,15 @@ static void list_fracture(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan 
 
 static void list_movers(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
 {
-    const bool pbd = hybrid->scene->rigid.engine == SHV_RIGID_PBD, bars = hybrid->relaxed || pbd;
+    const bool pbd = hybrid->scene->rigid.engine == SHV_RIGID_PBD, bars = hybrid->stabiliser.active || pbd;
     const ShvRigidEngine engine = hybrid->scene->rigid.engine;
     const bool plain = engine == SHV_RIGID_BULLET_PLAIN;
     add_part(plan, "bars", bars, bytes[SHV_PART_BARS],
              pbd    ? "rigid.engine is pbd"
              : bars ? "fracture.stabiliser is bars"
                     : "neither rigid.engine is pbd nor fracture.stabiliser bars");
-    add_part(plan, "bullet", hybrid->mutual || plain, 0,
-             hybrid->mutual               ? "bodies may meet; Bullet's own memory is not counted"
+    add_part(plan, "bullet", hybrid->coupling.mutual || plain, 0,
+             hybrid->coupling.mutual      ? "bodies may meet; Bullet's own memory is not counted"
              : plain                      ? "rigid.engine is bullet_plain; Bullet's own memory is not counted"
              : engine == SHV_RIGID_BULLET ? "nothing can meet anything"
                                           : "rigid.engine is not bullet");
@@ -83,7 +84,8 @@ void shv_plan_list(const ShvHybrid *hybrid, const size_t *bytes, ShvPlan *plan)
     list_fracture(hybrid, bytes, plan);
     add_part(plan, "obstacles", obstacles, bytes[SHV_PART_SHAPE],
              obstacles ? "the scene has obstacles" : "the scene has none");
-    add_part(plan, "contact", obstacles || conditions || hybrid->mutual, bytes[SHV_PART_CONTACT], why_contact(hybrid));
+    add_part(plan, "contact", obstacles || conditions || hybrid->coupling.mutual, bytes[SHV_PART_CONTACT],
+             why_contact(hybrid));
     add_part(plan, "conditions", conditions, 0,
              conditions ? "supports, velocities or tractions; their bytes are among those of contact"
                         : "the scene has none");
@@ -123,7 +125,7 @@ static bool something_flies(const ShvHybrid *hybrid)
 static ShvStatus find_bars_to_come(const ShvHybrid *hybrid, size_t *bytes, ShvError *error)
 {
     const bool flies = hybrid->scene->rigid.engine == SHV_RIGID_PBD && something_flies(hybrid);
-    const size_t users = (hybrid->relaxed ? 1u : 0u) + (flies ? 1u : 0u);
+    const size_t users = (hybrid->stabiliser.active ? 1u : 0u) + (flies ? 1u : 0u);
     *bytes = 0;
     if (users == 0) return SHV_OK;
     SHV_TRY(try_bars(hybrid, bytes, error));
@@ -151,11 +153,11 @@ static double time_step_cost(ShvHybrid *hybrid)
         if (hybrid->model.can_break) {
             const double begin = shv_now();
             int32_t count = 0;
-            shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
+            shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->check.stress);
             if (hybrid->scene->fracture.criterion != SHV_CRITERION_PRINCIPAL) {
                 shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, NULL);
-                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, hybrid->candidates,
-                                        hybrid->overstress, &count);
+                shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->check.stress, NULL,
+                                        hybrid->check.candidates, hybrid->check.overstress, &count);
             }
             const int32_t every = hybrid->scene->fracture.check_every > 0 ? hybrid->scene->fracture.check_every : 5;
             check = (shv_now() - begin) / every;
@@ -213,7 +215,7 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
     shv_plan_list(hybrid, bytes, plan);
     plan->seconds_per_step = time_step_cost(hybrid);
     plan->step =
-        isnan(scene->fracture.time_step) ? scene->fracture.safety * hybrid->stable_step : scene->fracture.time_step;
+        isnan(scene->fracture.time_step) ? scene->fracture.safety * hybrid->steps.stable : scene->fracture.time_step;
     plan->steps_per_millisecond = 1e-3 / plan->step;
     plan->first_contact = first_contact(hybrid);
     if (hybrid->awake.count > 0)
@@ -249,8 +251,8 @@ ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation)
 {
     const ShvHybrid *hybrid = &simulation->hybrid;
     const double now = hybrid->state.time, always = 0.1 * hybrid->state.element_count;
-    ShvAwakeView view = {.rest = now, .step = hybrid->step};
-    for (int32_t i = 0; i < hybrid->fragments.count && !hybrid->dormant; i++) {
+    ShvAwakeView view = {.rest = now, .step = hybrid->steps.last};
+    for (int32_t i = 0; i < hybrid->fragments.count && !hybrid->awake.dormant; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_FRACTURE) continue;
         const double rest = expected_rest(hybrid, fragment);

@@ -56,7 +56,7 @@ static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const
                                              hybrid->model.mesh.elements[4 * (int64_t)preflight->stable_element + a]));
     shv_store3(preflight->stable_centroid, shv_scale(sum, 0.25));
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->stable_step : fracture->time_step;
+    preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->steps.stable : fracture->time_step;
     preflight->courant = preflight->step / preflight->stable_step;
 }
 

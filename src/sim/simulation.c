@@ -60,7 +60,7 @@ ShvStatus shv_simulation_create(ShvSimulation **simulation, const ShvSceneDefini
         shv_simulation_destroy(made);
         return status;
     }
-    made->hybrid.audit_wakes = options ? options->audit_wakes : 0;
+    made->hybrid.wake_audit.wakes = options ? options->audit_wakes : 0;
     made->hybrid.stop = options ? options->stop : NULL;
     made->hybrid.stop_data = options ? options->stop_data : NULL;
     *simulation = made;
@@ -160,11 +160,13 @@ static ShvStatus sample_flight(ShvHybrid *hybrid, ShvError *error)
 
 static double cohesive_share(ShvHybrid *hybrid)
 {
-    const double step = hybrid->cohesive_energy.spring_step;
-    const bool less = hybrid->least_spring_step == 0.0 || step < hybrid->least_spring_step;
-    if (hybrid->cohesive_energy.inserted > 0 && isfinite(step) && less) hybrid->least_spring_step = step;
-    return hybrid->least_spring_step > 0.0 && hybrid->bulk_step > 0.0 ? hybrid->least_spring_step / hybrid->bulk_step
-                                                                      : (double)NAN;
+    const double step = hybrid->observer.cohesive_energy.spring_step;
+    const bool less = hybrid->observer.least_spring_step == 0.0 || step < hybrid->observer.least_spring_step;
+    if (hybrid->observer.cohesive_energy.inserted > 0 && isfinite(step) && less)
+        hybrid->observer.least_spring_step = step;
+    return hybrid->observer.least_spring_step > 0.0 && hybrid->steps.bulk > 0.0
+               ? hybrid->observer.least_spring_step / hybrid->steps.bulk
+               : (double)NAN;
 }
 
 /* Under other limits for what still bonds than the one that makes fragments. */
@@ -204,30 +206,30 @@ ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvErro
         .probe_times = hybrid->probes.times,
         .probe_samples = hybrid->probes.samples,
         .probe_row_count = hybrid->probes.rows,
-        .ledger = hybrid->balance,
+        .ledger = hybrid->observer.balance,
         .steps = hybrid->state.step,
-        .step = hybrid->step,
+        .step = hybrid->steps.last,
         .courant = shv_hybrid_courant(hybrid),
         .costs = simulation->views.costs,
         .cost_count = SHV_COST_COUNT,
         .bytes = simulation->views.bytes,
         .bytes_count = SHV_PART_COUNT,
     };
-    shv_store3(simulation->frame.contact_impulse, hybrid->contact_impulse);
-    const bool touched = hybrid->contact_steps > 0;
-    simulation->frame.contact_time = hybrid->contact_time;
-    simulation->frame.first_contact = touched ? hybrid->first_contact : (double)NAN;
-    simulation->frame.last_contact = touched ? hybrid->last_contact : (double)NAN;
-    const bool positions = hybrid->relaxed || hybrid->backend->keeps_nodes;
-    const double turnover = hybrid->bars_turnover + hybrid->elastic_turnover;
+    shv_store3(simulation->frame.contact_impulse, hybrid->obstacle_contact.impulse);
+    const bool touched = hybrid->obstacle_contact.steps > 0;
+    simulation->frame.contact_time = hybrid->obstacle_contact.time;
+    simulation->frame.first_contact = touched ? hybrid->obstacle_contact.first : (double)NAN;
+    simulation->frame.last_contact = touched ? hybrid->obstacle_contact.last : (double)NAN;
+    const bool positions = hybrid->stabiliser.active || hybrid->backend->keeps_nodes;
+    const double turnover = hybrid->stabiliser.bars_turnover + hybrid->stabiliser.elastic_turnover;
     simulation->frame.edge_strain = positions ? shv_hybrid_edge_strain(hybrid) : (double)NAN;
-    simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->bars_turnover / turnover : (double)NAN;
-    simulation->frame.inserted = hybrid->cohesive_energy.inserted;
-    simulation->frame.failed = hybrid->cohesive_energy.failed;
+    simulation->frame.bar_work_share = turnover > 0.0 ? hybrid->stabiliser.bars_turnover / turnover : (double)NAN;
+    simulation->frame.inserted = hybrid->observer.cohesive_energy.inserted;
+    simulation->frame.failed = hybrid->observer.cohesive_energy.failed;
     SHV_TRY(count_pieces(hybrid, simulation->frame.pieces, error));
-    simulation->frame.softened = hybrid->cohesive_energy.softened;
-    simulation->frame.audited = hybrid->audited;
-    simulation->frame.missed = hybrid->missed;
+    simulation->frame.softened = hybrid->observer.cohesive_energy.softened;
+    simulation->frame.audited = hybrid->wake_audit.audited;
+    simulation->frame.missed = hybrid->wake_audit.missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
     simulation->frame.cohesive_share = cohesive_share(hybrid);
     return observed;

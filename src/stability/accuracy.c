@@ -104,7 +104,7 @@ static ShvStatus swing_freely(ShvProbe *probe, ShvProbeReference *reference, Shv
 
 ShvStatus shv_probe_refer(ShvProbe *probe, ShvProbeReference *reference, ShvError *error)
 {
-    *reference = (ShvProbeReference){.step = 0.25 * probe->hybrid.stable_step};
+    *reference = (ShvProbeReference){.step = 0.25 * probe->hybrid.steps.stable};
     SHV_TRY(swing_freely(probe, reference, error));
     reference->compliance = settle(probe, reference, 0.0, 0, 4.0 * reference->step);
     return SHV_OK;

@@ -129,7 +129,7 @@ void shv_probe_restart(ShvProbe *probe, const double *velocities, double scale, 
     for (int64_t i = 0; i < count; i++) state->velocity[i] = velocities ? scale * velocities[i] : 0.0;
     state->time = state->last_step = 0.0;
     probe->hybrid.obstacle_time = 0.0;
-    memset(&probe->hybrid.ledger, 0, sizeof probe->hybrid.ledger);
+    memset(&probe->hybrid.observer.ledger, 0, sizeof probe->hybrid.observer.ledger);
     probe->scene.pbd.stiffness = iterations > 0 ? stiffness : 0.0;
     probe->scene.pbd.iterations = iterations > 0 ? iterations : 1;
 }
@@ -138,7 +138,7 @@ ShvStatus shv_probe_step(ShvProbe *probe, double step)
 {
     ShvError ignored; /* what fails here is a step that is too long */
     probe->scene.fracture.time_step = step;
-    probe->hybrid.since_observed = 0;
+    probe->hybrid.observer.steps_since = 0;
     return shv_hybrid_substep(&probe->hybrid, step, &ignored);
 }
 

@@ -89,7 +89,7 @@ void shv_probe_search(ShvProbe *probe, const ShvStabilityOptions *options, ShvSt
     const int32_t few = options->steps / 10 > 300 ? options->steps / 10 : 300;
     const Search search = {probe, row, few < options->steps ? few : options->steps, options->steps, options->most};
     double low, high;
-    row->stable_step = probe->hybrid.stable_step;
+    row->stable_step = probe->hybrid.steps.stable;
     row->unstable_below = row->stable_again = (double)NAN;
     bracket(&search, &low, &high);
     halve(&search, &low, &high, search.few);

@@ -77,7 +77,7 @@ static ShvStatus ask_for_refusal(const ShvSceneDefinition *given, const ShvProbe
     ShvSceneDefinition scene = *given;
     scene.materials = probe->materials;
     scene.fracture.stabiliser = SHV_STABILISER_NONE;
-    scene.fracture.time_step = multiple * probe->hybrid.stable_step;
+    scene.fracture.time_step = multiple * probe->hybrid.steps.stable;
     ShvSimulationOptions making = shv_simulation_options_default();
     making.folder = options->folder;
     making.memory = options->memory;

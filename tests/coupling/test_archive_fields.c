@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 112),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5168),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5160),
 };
 
 static void test_no_field_is_new(void **state)

@@ -56,7 +56,7 @@ static void deform(Body *body, double strain, double angle, uint64_t seed)
 static void fill(void *context, const int32_t *batches, int32_t count)
 {
     const ShvHybrid *hybrid = context;
-    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->stress);
+    shv_solid_stress_of(&hybrid->solid, &hybrid->state, batches, count, hybrid->check.stress);
 }
 
 typedef struct Found {
@@ -78,9 +78,9 @@ static void release(Found *found)
 
 static void check_all(ShvHybrid *hybrid, Found *found)
 {
-    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->stress);
-    found->largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->stress, NULL, found->facets,
-                                             found->values, &found->count);
+    shv_solid_stress(&hybrid->solid, &hybrid->state, hybrid->check.stress);
+    found->largest = shv_cohesive_candidates(&hybrid->cohesive, &hybrid->state, hybrid->check.stress, NULL,
+                                             found->facets, found->values, &found->count);
 }
 
 /* Stress that nothing asks for is not a number. */
@@ -89,12 +89,12 @@ static void check_hot(ShvHybrid *hybrid, Found *found, int32_t *looked_at)
     const ShvStressSource source = {fill, hybrid};
     ShvCohesive *cohesive = &hybrid->cohesive;
     const size_t slots = (size_t)hybrid->state.batch_count * 6 * SHV_LANES;
-    for (size_t i = 0; i < slots; i++) hybrid->stress[i] = nan("");
-    const double floor = shv_cohesive_floor(cohesive, &hybrid->state, hybrid->stress, source);
+    for (size_t i = 0; i < slots; i++) hybrid->check.stress[i] = nan("");
+    const double floor = shv_cohesive_floor(cohesive, &hybrid->state, hybrid->check.stress, source);
     shv_motion_clear_force(&hybrid->state, NULL, 0, 1);
     shv_solid_add_internal_force_and_find_faces(&hybrid->solid, &hybrid->state, cohesive->face_weight, floor,
                                                 cohesive->faces);
-    found->largest = shv_cohesive_face_candidates(cohesive, &hybrid->state, hybrid->stress, source, found->facets,
+    found->largest = shv_cohesive_face_candidates(cohesive, &hybrid->state, hybrid->check.stress, source, found->facets,
                                                   found->values, &found->count);
     *looked_at = cohesive->watched_count;
 }
@@ -163,9 +163,9 @@ static void forces_have_the_same_bits(void **unused)
         assert_memory_equal(with, state->force, 3 * (size_t)state->node_count * sizeof *with);
         free(with);
 
-        check_ok(
-            shv_cohesive_insert(&hybrid->cohesive, state, hybrid->stress, hot.facets, hot.count, &duplicated, &error),
-            error);
+        check_ok(shv_cohesive_insert(&hybrid->cohesive, state, hybrid->check.stress, hot.facets, hot.count, &duplicated,
+                                     &error),
+                 error);
         assert_true(duplicated > 0);
         int32_t *nodes = malloc((size_t)state->node_count * sizeof *nodes);
         for (int32_t i = 0; i < state->node_count; i++) nodes[i] = i;

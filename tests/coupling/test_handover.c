@@ -286,7 +286,7 @@ static ShvLedgerView observe(ShvHybrid *hybrid)
 {
     ShvError error = {SHV_OK, ""};
     check_ok(shv_hybrid_observe(hybrid, &error), error);
-    return hybrid->balance;
+    return hybrid->observer.balance;
 }
 
 /* Sums of a time do not notice a switch: what is dropped is booked. To the rounding of sums of `largest`. */
@@ -546,12 +546,12 @@ static void contacts_gain_no_energy(void **unused)
         const double left[] = {1.0, 0.0, 0.085, 0.095};
         for (int i = 0; i < 4; i++) {
             ball->velocity = shv_vec3(0.0, 0.0, sqrt(2.0 * 9.81 * height * left[i]));
-            hybrid.ledger.booked[SHV_WORK_CONTACT] = (left[i] - 1.0) * energy;
+            hybrid.observer.ledger.booked[SHV_WORK_CONTACT] = (left[i] - 1.0) * energy;
             if (i < 3 || driven)
                 observe(&hybrid);
             else
                 check_fails(shv_hybrid_observe(&hybrid, &error), SHV_DIVERGED, error, "contacts have gained energy by");
-            check_near(hybrid.balance.residual, 0.0, 1e-12 * energy);
+            check_near(hybrid.observer.balance.residual, 0.0, 1e-12 * energy);
         }
         shv_hybrid_release(&hybrid);
     }
@@ -569,7 +569,7 @@ static void contact_between_fragments_is_the_scenes(void **unused)
     check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
     assert_true(hybrid.backend->fragment_friction == 0.125);
     assert_true(hybrid.backend->fragment_restitution == 0.75);
-    assert_true(hybrid.surface.friction == 0.125);
+    assert_true(hybrid.coupling.surface.friction == 0.125);
     shv_hybrid_release(&hybrid);
 }
 
@@ -603,7 +603,7 @@ static void impulses_in_flight_act_at_once(void **unused)
         ShvFragment *other = start_beside(&hybrid, &stage);
         const double half = 0.5 * hybrid.state.last_step;
         const ShvVec3 given = shv_vec3(0.03, -0.02, 0.01), turned = shv_vec3(0.2, 0.3, -0.1);
-        ShvCoupledBody *coupled_body = &hybrid.coupled_bodies.items[0];
+        ShvCoupledBody *coupled_body = &hybrid.coupling.bodies.items[0];
         hybrid.gravity[1] = -10.0;
         shv_coupled_bodies_to_flight(&hybrid);
         check_near(other->velocity.y, -10.0 * half, 1e-18);
@@ -617,7 +617,7 @@ static void impulses_in_flight_act_at_once(void **unused)
             shv_coupled_bodies_remove(&hybrid, 1);
         else
             rest_all(&hybrid);
-        assert_int_equal(hybrid.coupled_bodies.count, 0);
+        assert_int_equal(hybrid.coupling.bodies.count, 0);
         check_near(shv_norm(shv_sub(other->velocity, shv_madd(given, 3.0 * half, shv_load3(hybrid.gravity)))), 0.0,
                    1e-17);
         check_near(shv_norm(shv_sub(other->angular_velocity, turned)), 0.0, 1e-9);

@@ -56,7 +56,7 @@ static void test_observing_leaves_no_trace(void **unused)
     assert_memory_equal(displacement, hybrid.state.displacement, bytes);
     assert_memory_equal(velocity, hybrid.state.velocity, bytes);
     assert_true(hybrid.state.time == time && hybrid.state.last_step == last_step);
-    const ShvLedgerView balance = hybrid.balance;
+    const ShvLedgerView balance = hybrid.observer.balance;
     const uint64_t hash = shv_state_hash(&hybrid.state);
     const size_t histories = 3 * (size_t)hybrid.cohesive.count * sizeof(ShvHistory);
     ShvHistory *history = malloc(histories);
@@ -65,7 +65,7 @@ static void test_observing_leaves_no_trace(void **unused)
     check_ok(shv_hybrid_observe(&hybrid, &error), error);
     assert_true(shv_state_hash(&hybrid.state) == hash);
     assert_memory_equal(history, hybrid.cohesive.history, histories);
-    assert_memory_equal(&balance, &hybrid.balance, sizeof balance);
+    assert_memory_equal(&balance, &hybrid.observer.balance, sizeof balance);
     free(displacement);
     free(velocity);
     free(history);
@@ -143,12 +143,12 @@ static void test_clock(void **unused)
     int32_t rarest = 0;
     for (int step = 0; step < 300; step++) {
         check_ok(shv_hybrid_advance(&hybrid, 1.0, 1, &taken, &error), error);
-        assert_true(hybrid.clock.due >= 1 && hybrid.clock.due <= 10);
-        if (step < 5) assert_int_equal(hybrid.clock.due, 1);
-        if (hybrid.clock.due > 1)
-            assert_true(hybrid.clock.last + (hybrid.clock.due - 1) * hybrid.clock.rate <=
+        assert_true(hybrid.check.clock.due >= 1 && hybrid.check.clock.due <= 10);
+        if (step < 5) assert_int_equal(hybrid.check.clock.due, 1);
+        if (hybrid.check.clock.due > 1)
+            assert_true(hybrid.check.clock.last + (hybrid.check.clock.due - 1) * hybrid.check.clock.rate <=
                         1.05 * stage.scene.fracture.threshold);
-        rarest = hybrid.clock.due > rarest ? hybrid.clock.due : rarest;
+        rarest = hybrid.check.clock.due > rarest ? hybrid.check.clock.due : rarest;
     }
     assert_int_equal(hybrid.cohesive.count, 0);
     assert_int_equal(rarest, 10);
@@ -170,8 +170,8 @@ static void test_given_interval(void **unused)
     while (hybrid.state.step < 2)
         check_ok(shv_hybrid_advance(&hybrid, hybrid.state.time + 1e-3, 1, &taken, &error), error);
     for (int step = 0; step < 30; step++) {
-        assert_int_equal(hybrid.clock.due, 7);
-        assert_int_equal(hybrid.clock.since, (hybrid.state.step - 1) % 7);
+        assert_int_equal(hybrid.check.clock.due, 7);
+        assert_int_equal(hybrid.check.clock.since, (hybrid.state.step - 1) % 7);
         check_ok(shv_hybrid_advance(&hybrid, 1.0, 1, &taken, &error), error);
     }
     shv_hybrid_release(&hybrid);

@@ -58,7 +58,7 @@ static void bars_follow_the_cracks(void **unused)
         start(&hybrid, &stage, form ? SHV_BARS_ELEMENT : SHV_BARS_EDGE, 20);
         const int32_t nodes = hybrid.model.mesh.node_count;
         assert_true(hybrid.state.node_count > nodes);
-        assert_int_equal(hybrid.bars.bar_count,
+        assert_int_equal(hybrid.stabiliser.bars.bar_count,
                          form ? 6 * (int64_t)hybrid.state.element_count : count_edges(&hybrid.state));
         shv_hybrid_release(&hybrid);
     }
@@ -94,18 +94,18 @@ static void internal_forces_keep_momentum(void **unused)
     for (int32_t i = 0; i < state->node_count; i++)
         scale += state->mass[i] * shv_norm(shv_load3(state->velocity + 3 * (int64_t)i));
     /* Velocities gain differences of displacements of some 0.02 m over the step. */
-    const double rounding = 0.048 * 0.02 * 2.2e-16 / hybrid.step;
+    const double rounding = 0.048 * 0.02 * 2.2e-16 / hybrid.steps.last;
     ShvVec3 momentum, angular;
     sum_momenta(state, &momentum, &angular);
     for (int step = 0; step < 30; step++) {
         ShvError error = {SHV_OK, ""};
         int64_t taken = 0;
-        const double booked = hybrid.ledger.booked[SHV_WORK_COHESIVE];
+        const double booked = hybrid.observer.ledger.booked[SHV_WORK_COHESIVE];
         check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration, 1, &taken, &error), error);
         assert_int_equal(taken, 1);
-        assert_int_equal(hybrid.relax.touching, 0);
-        assert_true(hybrid.relax.work.bars[0] != 0.0);
-        assert_true(hybrid.ledger.booked[SHV_WORK_COHESIVE] != booked);
+        assert_int_equal(hybrid.stabiliser.relax.touching, 0);
+        assert_true(hybrid.stabiliser.relax.work.bars[0] != 0.0);
+        assert_true(hybrid.observer.ledger.booked[SHV_WORK_COHESIVE] != booked);
         ShvVec3 now, turned;
         sum_momenta(state, &now, &turned);
         check_near(shv_norm(shv_sub(now, momentum)), 0.0, (step + 1) * rounding);

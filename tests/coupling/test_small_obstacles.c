@@ -80,7 +80,7 @@ static bool breaks(ShvRigidEngine engine, int shape, double speed)
         assert_true(deepest(&hybrid) <= 0.02 * edge);
         if (hybrid.fragments.count == 1) assert_true(now(&hybrid).position.z > 0.0095);
     }
-    assert_true(fabs(hybrid.balance.residual) <= 1e-3 * hybrid.balance.largest);
+    assert_true(fabs(hybrid.observer.balance.residual) <= 1e-3 * hybrid.observer.balance.largest);
     const bool broken = hybrid.fragments.count > 1;
     if (!broken) assert_true(now(&hybrid).velocity.z > 0.0); /* it has been thrown back */
     shv_hybrid_release(&hybrid);

@@ -157,7 +157,7 @@ static void no_contact_no_bullet(void **state)
         ShvError error = {.message = ""};
         check_ok(shv_hybrid_create(&hybrid, memory, shv_scene_definition(scene), NULL, &error), error);
         assert_string_equal(hybrid.backend->functions->name, i == 0 ? "analytic" : "bullet");
-        assert_true(hybrid.mutual == (i > 0));
+        assert_true(hybrid.coupling.mutual == (i > 0));
         shv_hybrid_release(&hybrid);
         shv_memory_destroy(memory);
         shv_scene_destroy(scene);
