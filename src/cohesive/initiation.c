@@ -16,9 +16,10 @@ static const double most_beyond = 1.4;
 
 typedef struct Face {
     int32_t element;
-    ShvVec3 area;     /* outward, m² */
-    double tension;   /* largest principal stress in its plane, Pa */
-    double stress[6]; /* in space, Voigt */
+    ShvVec3 area;    /* outward, m² */
+    double tension;  /* largest principal stress in its plane, Pa */
+    double plane[3]; /* stress in its own axes: xx, yy, xy */
+    ShvVec3 axes[2];
 } Face;
 
 /* Plane stress in the face's own axes (xx, yy, xy) from the change of its metric, and those axes as they stand now. */
@@ -46,11 +47,12 @@ static void plane_stress(const ShvMaterial *material, const ShvVec3 reference[2]
     axes[1] = shv_madd(shv_scale(first, b), c, second);
 }
 
-static Face evaluate_face(const ShvCohesive *cohesive, const ShvState *state, int32_t element, int face)
+static inline Face evaluate_face(const ShvCohesive *cohesive, const ShvState *state, int32_t element, int face)
 {
     const uint8_t *corners = shv_face_corners[face];
-    ShvVec3 place[3], moved[3], axes[2], reference[2], change[2];
-    double s[3];
+    ShvVec3 place[3], moved[3], reference[2], change[2];
+    Face result = {.element = element};
+    double *s = result.plane;
     for (int i = 0; i < 3; i++) {
         const int64_t node = 3 * (int64_t)shv_state_node(state, element, corners[i]);
         place[i] = shv_load3(state->reference + node);
@@ -60,16 +62,22 @@ static Face evaluate_face(const ShvCohesive *cohesive, const ShvState *state, in
         reference[i] = shv_sub(place[i + 1], place[0]);
         change[i] = shv_sub(moved[i + 1], moved[0]);
     }
-    plane_stress(shv_model_material(cohesive->model, element), reference, change, s, axes);
-    Face result = {.element = element, .area = shv_scale(shv_cross(reference[0], reference[1]), 0.5)};
+    plane_stress(shv_model_material(cohesive->model, element), reference, change, s, result.axes);
+    result.area = shv_scale(shv_cross(reference[0], reference[1]), 0.5);
     result.tension = 0.5 * (s[0] + s[1]) + sqrt(0.25 * (s[0] - s[1]) * (s[0] - s[1]) + s[2] * s[2]);
-    const double p[3] = {axes[0].x, axes[0].y, axes[0].z}, q[3] = {axes[1].x, axes[1].y, axes[1].z};
+    return result;
+}
+
+/* In space, Voigt. */
+static void face_stress(const Face *face, double stress[6])
+{
     static const int rows[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    const double p[3] = {face->axes[0].x, face->axes[0].y, face->axes[0].z}, *s = face->plane;
+    const double q[3] = {face->axes[1].x, face->axes[1].y, face->axes[1].z};
     for (int k = 0; k < 6; k++) {
         const int i = rows[k][0], j = rows[k][1];
-        result.stress[k] = s[0] * p[i] * p[j] + s[1] * q[i] * q[j] + s[2] * (p[i] * q[j] + q[i] * p[j]);
+        stress[k] = s[0] * p[i] * p[j] + s[1] * q[i] * q[j] + s[2] * (p[i] * q[j] + q[i] * p[j]);
     }
-    return result;
 }
 
 /* ---- a node ---- */
@@ -100,11 +108,12 @@ static void find_tensest(Patch *patch, const Face *face)
 static void add_face(Patch *patch, const Face *face)
 {
     const double size = shv_norm(face->area);
-    double voigt[6];
+    double own[6], voigt[6];
     if (shv_dot(face->area, patch->tensest.area) < smooth_cosine * size * shv_norm(patch->tensest.area)) return;
+    face_stress(face, own);
     for (int k = 0; k < 6; k++) {
         voigt[k] = patch->tet_stress[shv_cohesive_stress_slot(face->element, k)];
-        patch->stress[k] += size * face->stress[k];
+        patch->stress[k] += size * own[k];
     }
     patch->area += size;
     patch->tets += size * shv_largest_principal(voigt);
