@@ -90,7 +90,7 @@ bool shv_surface_edge(const ShvSurfaceList *list, const ShvSurfaceBodies *bodies
 
 static bool is_sharp(const ShvEdge *edge)
 {
-    const double least = 0.9396926207859084; /* cosine of SHV_SHARP_EDGE */
+    const double least = 0.9961946980917455; /* cosine of SHV_SHARP_EDGE */
     const ShvVec3 start = edge->places[edge->edge];
     const ShvVec3 way = shv_sub(edge->places[(edge->edge + 1) % 3], start), beside = shv_sub(edge->beside, start);
     const ShvVec3 own = shv_cross(way, shv_sub(edge->places[(edge->edge + 2) % 3], start));

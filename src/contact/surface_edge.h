@@ -7,7 +7,7 @@
 #include "contact/edge_pair.h"
 
 /* Degrees between the normals of two facets from which a convex edge between them meets other edges. */
-#define SHV_SHARP_EDGE 20.0
+#define SHV_SHARP_EDGE 5.0
 
 /* Finds the facets across the edges of one that has been listed, on the other side of the body: cracks that have not parted do not
    bound it. For models with adjacency. */
