@@ -275,6 +275,27 @@ static void test_block_glides_off(void **state)
     }
 }
 
+/* A block that leans by two degrees, its side 0.5 mm over the rim of another, into which it has sunk by 0.2 mm, glides on: its upright
+   edges are inside the rim, sideways, but it was from above that their nodes came. */
+static void test_block_glides_on(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    ShvObjectDefinition *block = surfaces_box(&s, 0.02, 0.02, 0.02, 0.01);
+    const ShvVec3 axis = shv_unit(shv_vec3(1.0, 0.0, 0.25)), lowest = {-0.01, -0.01, -0.01};
+    const ShvQuat pose = shv_quat_exponential(shv_scale(axis, radians(2.0)));
+    surfaces_place(block, shv_sub(shv_vec3(-0.007, 0.0095, 0.0098), shv_rotate(pose, lowest)),
+                   shv_vec3(0.0, -5.0, 0.0));
+    shv_store3(block->placement.rotation_axis, axis);
+    block->placement.rotation_degrees = 2.0;
+    surfaces_box(&s, 0.04, 0.02, 0.02, 0.01);
+    surfaces_build(&s, 0.3, false);
+    const Impulses sum = count_impulses(&s, 0.005 / 5.0);
+    assert_int_equal(sum.edges + sum.nodes, 0);
+    surfaces_release(&s);
+}
+
 /* Equal blocks face to face, all edges of the faces in common, run into each other: no impulse has another direction than the
    faces'. */
 static void test_common_edges(void **state)
@@ -341,7 +362,8 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_speeds),           cmocka_unit_test(test_angles),
                                        cmocka_unit_test(test_shallow_approach), cmocka_unit_test(test_coupled_bodies),
                                        cmocka_unit_test(test_unbreakable),      cmocka_unit_test(test_edges_pass),
-                                       cmocka_unit_test(test_block_glides_off), cmocka_unit_test(test_common_edges),
-                                       cmocka_unit_test(test_threads),          cmocka_unit_test(test_out_of_memory)};
+                                       cmocka_unit_test(test_block_glides_off), cmocka_unit_test(test_block_glides_on),
+                                       cmocka_unit_test(test_common_edges),     cmocka_unit_test(test_threads),
+                                       cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
