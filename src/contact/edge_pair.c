@@ -8,8 +8,8 @@ static const double just_met = 1e-3, deepest = 0.1;
    the facets, before the edges are as deep as it is far. What a node of an edge has gone into is its own to leave, too: such an edge
    crosses others next to the node, in directions that have nothing to do with how the node came in. */
 static const double rim = 1e-2, clear_of_node = 10.0;
-/* Sine of the angle by which a normal may be out of a normal cone: under load facets bend, and the cones of flatter edges, which do
-   not meet edges, are missing between those that do. Less than half of SHV_SHARP_EDGE's. */
+/* Sine of the angle by which a normal may be out of a normal cone, and a way out of a wedge: where an edge lies on a facet up to the
+   facet's rim, as of a box on a box, it is on the rim of both, and facets bend under load. */
 static const double beside_cone = 0.087; /* 5 degrees */
 
 /* An edge with the wedge of its two facets. */
@@ -45,10 +45,10 @@ static bool in_cone(const Wedge *wedge, ShvVec3 normal)
     return true;
 }
 
-/* Whether a way goes in behind both facets. */
+/* Whether a way from the edge goes in behind both facets, or along them. */
 static bool goes_in(const Wedge *wedge, ShvVec3 way)
 {
-    return shv_dot(way, wedge->normals[0]) < 0.0 && shv_dot(way, wedge->normals[1]) < 0.0;
+    return shv_dot(way, wedge->normals[0]) < beside_cone && shv_dot(way, wedge->normals[1]) < beside_cone;
 }
 
 /* Whether both cross clear of their nodes. */
@@ -61,7 +61,8 @@ static bool cross(const Wedge wedges[2], const ShvSegmentPoints *at, double dept
     return at->inside;
 }
 
-/* Gap and contact normal; false where they do not meet as edges. */
+/* Gap and contact normal; false where they do not meet as edges. Where two wedges are acute a negative gap along a normal near the rim
+   of their cones is no overlap. */
 static bool meet(const Wedge wedges[2], const ShvSegmentPoints *at, double *gap, ShvVec3 *normal)
 {
     const double size = fmin(wedges[0].length, wedges[1].length);

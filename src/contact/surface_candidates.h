@@ -1,4 +1,4 @@
-/* Which nodes may soon meet which facets. */
+/* Which nodes may soon meet which facets, and which sharp edges each other. */
 #ifndef SHV_CONTACT_SURFACE_CANDIDATES_H
 #define SHV_CONTACT_SURFACE_CANDIDATES_H
 
