@@ -125,7 +125,7 @@ static ShvVec3 mean_velocity(const ShvFacetPair *pair, const ShvVec3 velocities[
 {
     ShvVec3 mean = {0.0, 0.0, 0.0};
     for (int k = 0; k < 3; k++) {
-        const double turn = pair->gap * shv_dot(pair->normal, velocities[k]);
+        const double turn = pair->height * shv_dot(pair->facet_normal, velocities[k]);
         mean = shv_add(mean, shv_madd(shv_scale(velocities[k], pair->weights[k]), -turn, pair->gradients[k]));
     }
     return mean;
@@ -143,15 +143,22 @@ static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], 
     return over(&place);
 }
 
+static double point_inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
+{
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
+    const double *mass = bodies->state->mass, share = pair->share;
+    if (coupled_body) return shv_coupled_body_inverse_mass(coupled_body, pair->point, direction);
+    if (pair->end < 0) return 1.0 / mass[pair->node];
+    return (1.0 - share) * (1.0 - share) / mass[pair->node] + share * share / mass[pair->end];
+}
+
 /* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
 static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
 {
-    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
-    double sum = coupled_body ? shv_coupled_body_inverse_mass(coupled_body, pair->point, direction)
-                              : 1.0 / bodies->state->mass[pair->node];
+    double sum = point_inverse_mass(pair, bodies, direction);
     if (pair->element < 0)
         return sum + shv_obstacle_inverse_mass(obstacle_of(bodies, pair->element), pair->point, direction);
-    coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
+    const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
     if (coupled_body) return sum + shv_coupled_body_inverse_mass(coupled_body, pair->point, direction);
     for (int k = 0; k < 3; k++) {
         const ShvVec3 share = shv_facet_pair_share(pair, k, direction);
@@ -174,8 +181,20 @@ static double largest_slip_inverse_mass(const ShvFacetPair *pair, const ShvSurfa
     return 0.5 * (a + b) + sqrt(0.25 * (a - b) * (a - b) + mixed * mixed);
 }
 
-/* What follows from place and velocities. */
-static void weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane)
+{
+    Place place = {.plane = *plane};
+    stand(&place, pair->point);
+    pair->height = place.gap;
+    pair->facet_normal = plane->normal;
+    pair->centre = shv_scale(shv_add(shv_add(plane->corners[0], plane->corners[1]), plane->corners[2]), 1.0 / 3.0);
+    for (int k = 0; k < 3; k++) {
+        pair->weights[k] = place.weights[k];
+        pair->gradients[k] = plane->gradients[k];
+    }
+}
+
+void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     pair->relative = shv_facet_pair_velocity(pair, bodies);
     pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
@@ -194,6 +213,9 @@ static void name_pair(ShvFacetPair *pair, const ShvSurfaceCandidate *candidate, 
     pair->face = candidate->face;
     pair->feature = candidate->feature;
     for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
+    pair->end = -1;
+    pair->edge = 0;
+    pair->share = 0.0;
     pair->point = x;
 }
 
@@ -248,15 +270,15 @@ static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCand
         if (at.gap > reach) return false;
     }
     name_pair(pair, candidate, x);
-    pair->gap = at.gap;
-    pair->normal = at.normal;
+    pair->gap = pair->height = at.gap;
+    pair->normal = pair->facet_normal = at.normal;
     pair->centre = at.point;
     for (int k = 0; k < 3; k++) {
         pair->corners[k] = -1;
         pair->weights[k] = 0.0;
         pair->gradients[k] = shv_vec3(0.0, 0.0, 0.0);
     }
-    weigh(pair, bodies);
+    shv_facet_pair_weigh(pair, bodies);
     return true;
 }
 
@@ -286,22 +308,26 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model
         if (side > 0.0 || !within_tet(bodies, model, candidate, x, &place)) return false;
     }
     name_pair(pair, candidate, x);
-    pair->gap = place.gap;
-    pair->normal = place.plane.normal;
-    pair->centre = shv_scale(shv_add(shv_add(corners[0], corners[1]), corners[2]), 1.0 / 3.0);
-    for (int k = 0; k < 3; k++) {
-        pair->weights[k] = place.weights[k];
-        pair->gradients[k] = place.plane.gradients[k];
-    }
-    weigh(pair, bodies);
+    shv_facet_pair_stand(pair, &place.plane);
+    pair->gap = pair->height;
+    pair->normal = pair->facet_normal;
+    shv_facet_pair_weigh(pair, bodies);
     return true;
 }
 
 /* ---- response ---- */
 
+static ShvVec3 point_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    const ShvVec3 v = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
+    if (pair->end < 0) return v;
+    const ShvVec3 end = node_velocity(bodies, pair->end, pair->fragments[0], pair->point);
+    return shv_madd(v, pair->share, shv_sub(end, v));
+}
+
 ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
-    const ShvVec3 own = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
+    const ShvVec3 own = point_velocity(pair, bodies);
     if (pair->element < 0) return shv_sub(own, shv_obstacle_velocity(obstacle_of(bodies, pair->element), pair->point));
     const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
     if (coupled_body) return shv_sub(own, shv_coupled_body_velocity(coupled_body, pair->point));
@@ -319,19 +345,29 @@ static void strike_obstacle(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, 
     pair->obstacle_work[1] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
 }
 
-void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
+static void strike_point(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
 {
     ShvState *state = bodies->state;
     ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
-    if (coupled_body)
+    if (coupled_body) {
         shv_coupled_body_impulse(coupled_body, pair->point, impulse);
-    else
-        shv_add_to3(state->velocity + 3 * (int64_t)pair->node, shv_scale(impulse, 1.0 / state->mass[pair->node]));
+        return;
+    }
+    shv_add_to3(state->velocity + 3 * (int64_t)pair->node,
+                shv_scale(impulse, (1.0 - pair->share) / state->mass[pair->node]));
+    if (pair->end >= 0)
+        shv_add_to3(state->velocity + 3 * (int64_t)pair->end, shv_scale(impulse, pair->share / state->mass[pair->end]));
+}
+
+void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
+{
+    ShvState *state = bodies->state;
+    strike_point(pair, bodies, impulse);
     if (pair->element < 0) {
         strike_obstacle(pair, bodies, impulse);
         return;
     }
-    coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
+    ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
     if (coupled_body) {
         shv_coupled_body_impulse(coupled_body, pair->point, shv_scale(impulse, -1.0));
         return;

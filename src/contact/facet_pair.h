@@ -1,11 +1,12 @@
-/* A node against a facet of another surface: where they stand, and impulses between them that keep momentum and angular
-   momentum.
+/* A node, or a point of an edge, against a facet of another surface: where they stand, and impulses between them that keep
+   momentum and angular momentum.
 
-   The node at x projects to c = Σ wᵢ tᵢ in the plane of the facet's nodes tᵢ, x = c + gap n. An impulse J on the node is
-   answered by −wᵢ J + gap (∇wᵢ·J) n on the facet's nodes: the weights sum to one, which keeps momentum, and since
-   Σ tᵢ ∇wᵢᵀ is the projection on the plane, the second term is the couple −gap n × J, which keeps angular momentum about
+   The point x projects to c = Σ wᵢ tᵢ in the plane of the facet's nodes tᵢ, x = c + h m, m the facet's normal. An impulse J on
+   the point is answered by −wᵢ J + h (∇wᵢ·J) m on the facet's nodes: the weights sum to one, which keeps momentum, and since
+   Σ tᵢ ∇wᵢᵀ is the projection on the plane, the second term is the couple −h m × J, which keeps angular momentum about
    any point for an impulse that does not pass through the plane at c. The velocity that does work with J follows by
-   transposition, so that an impulse against it takes energy. */
+   transposition, so that an impulse against it takes energy. All this for any J: a node meets the facet along m, and an edge
+   meets an edge of the facet along the contact normal of both (edge_pair.h). */
 #ifndef SHV_CONTACT_FACET_PAIR_H
 #define SHV_CONTACT_FACET_PAIR_H
 
@@ -18,32 +19,38 @@ typedef struct ShvFacetPlane {
     ShvVec3 gradients[3]; /* of the weights, 1/m */
 } ShvFacetPlane;
 
-/* A node and a facet close enough to meet within a step; or a coupled body's node, or point of a facet, and an obstacle's
-   nearest point. */
+/* A node and a facet close enough to meet within a step, or an edge and an edge of a facet; or a coupled body's node, or point
+   of a facet, and an obstacle's nearest point. */
 typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
+    int32_t end;                 /* of an edge: its other node; −1: a node alone */
+    int32_t edge;                /* of an edge: that of the facet which it meets, from corner `edge` to the next */
     int32_t feature;             /* as in ShvSurfaceCandidate */
     int32_t fragments[2];        /* of the node, of the facet */
     int32_t corners[3];          /* nodes of the facet */
     double step;                 /* s: up to the next time that it is looked at */
-    double gap;                  /* m; negative: inside */
-    ShvVec3 point;               /* the node's position, m; where a facet meets an obstacle, its own there */
-    ShvVec3 normal;              /* of the facet, outward */
-    ShvVec3 centre;              /* of the facet, m */
+    double share;         /* of `end` in the point: (1 − share) x(node) + share x(end); 0 where there is none */
+    double gap;           /* m, along the contact normal; negative: inside */
+    double height;        /* m, of the point over the facet's plane: the gap, but for an edge */
+    ShvVec3 point;        /* the node's position, m; where a facet meets an obstacle, its own there */
+    ShvVec3 normal;       /* of the contact, towards the point: the facet's, but for an edge */
+    ShvVec3 facet_normal; /* outward */
+    ShvVec3 centre;       /* of the facet, m */
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
-    ShvVec3 relative;         /* velocity of the node against the facet before any response, m/s */
+    ShvVec3 relative;         /* velocity of the point against the facet before any response, m/s */
     double speed;             /* sum of its components */
     double inverse_mass;      /* 1/kg, along the normal */
     double slip_inverse_mass; /* 1/kg, the largest across it */
-    double normal_impulse;    /* N·s on the node along the normal, ≥ 0 */
-    ShvVec3 friction;         /* N·s on the node, across the normal */
+    double normal_impulse;    /* N·s on the point along the normal, ≥ 0 */
+    ShvVec3 friction;         /* N·s on the point, across the normal */
     double friction_bound;    /* N·s */
     double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
-    int32_t slots[4]; /* of the node and the facet's nodes in ShvSurfaceList, −1: of a coupled body or obstacle */
-    int32_t visit;    /* of its last solve in the sweeps */
-    bool excluded;    /* another facet stands for it */
-    bool deforming;   /* both sides are */
+    int32_t slots
+        [5]; /* in ShvSurfaceList of node, end (or the node again) and the facet's nodes; −1: of a coupled body or obstacle */
+    int32_t visit;  /* of its last solve in the sweeps */
+    bool excluded;  /* another facet stands for it */
+    bool deforming; /* both sides are */
 } ShvFacetPair;
 
 /* A pair worth looking at. */
@@ -55,6 +62,9 @@ typedef struct ShvSurfaceCandidate {
     int32_t slot;         /* of the node in ShvSurfaceList */
     int32_t facet;        /* place in ShvSurfaceList, −1: an obstacle */
     int32_t mate;         /* node of the facet's tet with the same origin, −1: none */
+    int32_t
+        half_edge; /* + 1, of an edge that may meet an edge of the facet (surface_edge.h): `node` is its start; 0: none */
+    int32_t edge; /* then: that edge of the facet */
 } ShvSurfaceCandidate;
 
 /* False for a facet without area. */
@@ -70,15 +80,19 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
    any two can come closer in the step. */
 bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
                            double step, double reach, ShvFacetPair *pair, double *distance);
-/* Velocity of the node against the facet, that which does work with an impulse on the node. */
+/* Sets where pair->point stands over a facet. */
+void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane);
+/* What follows from place and velocities; no impulses so far. */
+void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies);
+/* Velocity of the point against the facet, that which does work with an impulse on the point. */
 ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies);
-/* The answer of a facet's node to an impulse on the pair's node, N·s. */
+/* The answer of a facet's node to an impulse on the pair's point, N·s. */
 static inline ShvVec3 shv_facet_pair_share(const ShvFacetPair *pair, int corner, ShvVec3 impulse)
 {
-    return shv_madd(shv_scale(impulse, -pair->weights[corner]), pair->gap * shv_dot(pair->gradients[corner], impulse),
-                    pair->normal);
+    return shv_madd(shv_scale(impulse, -pair->weights[corner]),
+                    pair->height * shv_dot(pair->gradients[corner], impulse), pair->facet_normal);
 }
-/* An impulse on the pair's node and the answer on the other side. */
+/* An impulse on the pair's point and the answer on the other side. */
 void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse);
 
 #endif

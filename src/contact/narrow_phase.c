@@ -6,6 +6,7 @@
 
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
+#include "contact/surface_edge.h"
 
 /* Fewer distances than this are measured before threads have woken. */
 enum { WORTH_THREADS = 256 };
@@ -41,7 +42,7 @@ static const double same_way = 0.25, clearly = 1e-3;
    corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
 static bool faces_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
 {
-    if (candidate->element < 0) return false;
+    if (candidate->element < 0 || candidate->half_edge > 0) return false;
     const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
     if (!(shv_dot(own, pair->normal) > same_way * shv_norm(own))) return false;
     return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
@@ -124,6 +125,7 @@ static void place(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
     for (int32_t i = 0; i < narrow->due_count; i++) {
         const ShvSurfaceCandidate *candidate =
             &contact->candidates[narrow->due[i].kind].items[narrow->due[i].candidate];
+        if (candidate->half_edge > 0) continue;
         want_node(contact, candidate->slot);
         if (candidate->facet >= 0) want_facet(contact, candidate->facet);
     }
@@ -151,7 +153,7 @@ static void measure_distance(ShvSurfaceContact *contact, const Horizon *horizon,
     const ShvSurfaceCandidate *candidate = &list->items[due->candidate];
     const uint8_t movers = list->movers[due->candidate];
     due->near = true;
-    if (candidate->facet < 0) return;
+    if (candidate->facet < 0 || candidate->half_edge > 0) return;
     const double distance =
         shv_facet_plane_distance(&contact->narrow.planes[candidate->facet], contact->list.nodes[candidate->slot].at);
     list->due[due->candidate] = horizon->path[movers] + distance;
@@ -163,9 +165,22 @@ static void fill(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, con
 {
     const bool rigid = shv_bodies_coupled_body(bodies, pair->fragments[0]);
     const bool other_rigid = pair->element < 0 || shv_bodies_coupled_body(bodies, pair->fragments[1]);
-    pair->slots[0] = rigid ? -1 : candidate->slot;
-    for (int k = 0; k < 3; k++) pair->slots[1 + k] = other_rigid ? -1 : contact->list.facets[candidate->facet].slots[k];
+    const int32_t half_edge = candidate->half_edge - 1;
+    pair->slots[0] = pair->slots[1] = rigid ? -1 : candidate->slot;
+    if (half_edge >= 0 && !rigid) pair->slots[1] = contact->list.facets[half_edge / 3].slots[(half_edge + 1) % 3];
+    for (int k = 0; k < 3; k++) pair->slots[2 + k] = other_rigid ? -1 : contact->list.facets[candidate->facet].slots[k];
     pair->deforming = !rigid && !other_rigid;
+}
+
+static bool detect_edges(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                         const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
+                         double *distance)
+{
+    ShvEdge own, other;
+    *distance = 0.0;
+    return shv_surface_edge(&contact->list, bodies, candidate->half_edge - 1, &own) &&
+           shv_surface_edge(&contact->list, bodies, 3 * candidate->facet + candidate->edge, &other) &&
+           shv_edge_pair_detect(bodies, &own, &other, step, reach, pair, distance);
 }
 
 /* One that is near becomes a draft, which is taken or not. */
@@ -175,9 +190,11 @@ static void make_pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     ShvSurfaceCandidates *list = &contact->candidates[due->kind];
     const ShvSurfaceCandidate *candidate = &list->items[due->candidate];
     const uint8_t movers = list->movers[due->candidate];
+    const double reach = horizon->reach[movers];
     double distance;
-    due->near =
-        shv_facet_pair_detect(bodies, contact->model, candidate, step, horizon->reach[movers], draft, &distance);
+    due->near = candidate->half_edge > 0
+                    ? detect_edges(contact, bodies, candidate, step, reach, draft, &distance)
+                    : shv_facet_pair_detect(bodies, contact->model, candidate, step, reach, draft, &distance);
     list->due[due->candidate] = horizon->path[movers] + distance;
     due->near = due->near && !faces_away(contact, candidate, draft);
     if (due->near) fill(contact, bodies, candidate, draft);
@@ -233,7 +250,7 @@ static ShvStatus find_pairs_of_kind(ShvSurfaceContact *contact, const ShvSurface
         const ShvFacetPair *draft = &narrow->drafts[first + i];
         if (!narrow->due[i].near) continue;
         narrow->keys[narrow->key_count++] =
-            (ShvPairKey){draft->node, draft->element, draft->face, draft->feature, first + i};
+            (ShvPairKey){draft->node, draft->end, draft->element, draft->face, draft->edge, draft->feature, first + i};
     }
     narrow->count += narrow->due_count;
     return SHV_OK;
@@ -243,8 +260,10 @@ static int by_number(const void *a, const void *b)
 {
     const ShvPairKey *x = a, *y = b;
     if (x->node != y->node) return x->node < y->node ? -1 : 1;
+    if (x->end != y->end) return x->end < y->end ? -1 : 1;
     if (x->element != y->element) return x->element < y->element ? -1 : 1;
     if (x->face != y->face) return x->face < y->face ? -1 : 1;
+    if (x->edge != y->edge) return x->edge < y->edge ? -1 : 1;
     return (x->feature > y->feature) - (x->feature < y->feature);
 }
 

@@ -2,10 +2,10 @@
 #ifndef SHV_CONTACT_NARROW_PHASE_H
 #define SHV_CONTACT_NARROW_PHASE_H
 
-#include "contact/facet_pair.h"
+#include "contact/edge_pair.h"
 
 typedef struct ShvPairKey {
-    int32_t node, element, face, feature, draft;
+    int32_t node, end, element, face, edge, feature, draft;
 } ShvPairKey;
 
 /* A candidate that is due. */

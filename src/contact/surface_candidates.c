@@ -1,5 +1,7 @@
 #include "contact/surface_candidates.h"
 
+#include "contact/surface_edge.h"
+
 /* ---- whether anything can meet ---- */
 
 static bool find_idle(const ShvSurfaceBodies *bodies)
@@ -68,6 +70,8 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     SHV_TRY(shv_surface_fill_grid(contact, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
         SHV_TRY(shv_surface_pair_facet(contact, bodies, &contact->list.facets[k], error));
+    for (int32_t k = 0; k < contact->list.facet_count; k++) shv_surface_edges_mark(&contact->list, bodies, k);
+    for (int32_t k = 0; k < contact->list.facet_count; k++) SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
     for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
         SHV_TRY(shv_surface_pair_obstacle(contact, bodies, k, error));
     contact->rebuilds++;
@@ -85,8 +89,11 @@ static ShvStatus add_late(ShvSurfaceContact *contact, const ShvSurfaceBodies *bo
     for (int32_t k = facets; k < list->facet_count; k++) shv_surface_speed_facet(contact, bodies, &list->facets[k]);
     for (int32_t k = nodes; k < list->node_count; k++)
         SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, facets, error));
-    for (int32_t k = facets; k < list->facet_count; k++)
+    for (int32_t k = facets; k < list->facet_count; k++) {
         SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
+        shv_surface_edges_mark(list, bodies, k);
+        SHV_TRY(shv_surface_pair_late_edges(contact, bodies, k, k, error));
+    }
     return SHV_OK;
 }
 

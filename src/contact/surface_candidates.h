@@ -1,4 +1,4 @@
-/* Which nodes may soon meet which facets. */
+/* Which nodes may soon meet which facets, and which sharp edges each other. */
 #ifndef SHV_CONTACT_SURFACE_CANDIDATES_H
 #define SHV_CONTACT_SURFACE_CANDIDATES_H
 
@@ -40,6 +40,12 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
                                      int32_t facets, ShvError *error);
 ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
                                     ShvError *error);
+/* surface_edge_pair.c: sharp edges of a facet, which have been marked, with those of facets of lower places, as all candidates are
+   chosen anew; of one that is new, or moved, since, with those of the first so many facets. */
+ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
+                                 ShvError *error);
+ShvStatus shv_surface_pair_late_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
+                                      int32_t facets, ShvError *error);
 /* surface_skin.c: nodes that are about to leave their skin get a new one from where they are, and their candidates are
    chosen anew. *many: so many that all should be. */
 ShvStatus shv_surface_renew_out_of_skin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
@@ -52,6 +58,10 @@ ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCan
                                        ShvError *error);
 ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                       const ShvSurfaceCandidate *candidate, ShvError *error);
+/* The same, to the list it belongs to: `own` and `other` are the movers of both sides, `distance` how far they have to go, m. */
+ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                    const ShvSurfaceCandidate *candidate, int own, int other, double distance,
+                                    ShvError *error);
 /* Largest speeds against the frame of the nodes of candidates and of obstacles, m/s, into contact->speed. */
 void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 

@@ -159,7 +159,8 @@ static void exclude_deeper(ShvSurfaceContact *contact)
 {
     for (int32_t i = 0; i < contact->pair_count; i++) {
         ShvFacetPair *pair = &contact->pairs[i];
-        for (int32_t k = i - 1; k >= 0 && pair->element >= 0 && contact->pairs[k].node == pair->node; k--) {
+        if (pair->element < 0 || pair->end >= 0) continue;
+        for (int32_t k = i - 1; k >= 0 && contact->pairs[k].node == pair->node; k--) {
             ShvFacetPair *other = &contact->pairs[k];
             if (other->fragments[1] != pair->fragments[1]) continue;
             ShvFacetPair *farther = fabs(pair->gap) < fabs(other->gap) ? other : pair;
@@ -194,7 +195,7 @@ static double closing_velocity(const ShvFacetPair *pair, const double *velocity)
 static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     const double allowed = pair->gap > 0.0 ? -pair->gap / pair->step : 0.0;
-    if (pair->deforming) return allowed - closing_velocity(pair, bodies->state->velocity);
+    if (pair->deforming && pair->end < 0) return allowed - closing_velocity(pair, bodies->state->velocity);
     return allowed - shv_dot(shv_facet_pair_velocity(pair, bodies), pair->normal);
 }
 
@@ -232,7 +233,7 @@ static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
         contact->visit_capacity = contact->list.node_capacity;
     }
     for (int32_t i = 0; i < contact->pair_count; i++)
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 5; k++)
             if (contact->pairs[i].slots[k] >= 0) contact->visits[contact->pairs[i].slots[k]] = 0;
     contact->visit = contact->rigid_visit = 0;
     return SHV_OK;
@@ -241,7 +242,7 @@ static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
 /* Whether a velocity of the pair has changed since its last visit. */
 static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         const int32_t slot = pair->slots[k];
         if ((slot >= 0 ? contact->visits[slot] : contact->rigid_visit) > pair->visit) return true;
     }
@@ -251,7 +252,7 @@ static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
 /* Those who share a velocity that has changed by enough are visited again. */
 static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 5; k++)
         if (pair->slots[k] >= 0) contact->visits[pair->slots[k]] = contact->visit;
     if (!pair->deforming) contact->rigid_visit = contact->visit;
 }
@@ -355,10 +356,19 @@ static ShvVec3 velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceB
     return shv_load3(contact->before + 3 * (int64_t)contact->list.nodes[contact->list.slot[node]].watch);
 }
 
+static ShvVec3 point_velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                   const ShvFacetPair *pair, int half)
+{
+    const ShvVec3 v = velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half);
+    if (pair->end < 0) return v;
+    const ShvVec3 end = velocity_then(contact, bodies, pair->end, pair->fragments[0], pair->point, half);
+    return shv_madd(v, pair->share, shv_sub(end, v));
+}
+
 static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,
                         ShvVec3 impulse, int half)
 {
-    double work = shv_dot(impulse, velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half));
+    double work = shv_dot(impulse, point_velocity_then(contact, bodies, pair, half));
     if (pair->element < 0) return 0.5 * work;
     if (shv_bodies_coupled_body(bodies, pair->fragments[1]))
         return 0.5 *

@@ -1,12 +1,14 @@
 /* Deforming surfaces against one another in fracture mode, and against coupled bodies (fragments still rigid): nodes against
-   facets, both ways; pieces of one body and faces of its cracks included. Unilateral, Coulomb friction, restitution 0.
+   facets, both ways, and sharp edges against each other (edge_pair.h); pieces of one body and faces of its cracks included.
+   Unilateral, Coulomb friction, restitution 0.
 
    A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
-   it (gap ≤ 0); it is never pushed out. So what touches, interlocks or overlaps from birth stays as it is and only comes
+   it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps from birth stays as it is and only comes
    no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
    node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
-   are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges against edges are not looked for:
-   where two edges cross they can pass until a node meets a facet, about a facet's size deep for sharp edges.
+   are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
+   SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
+   flatter edges can pass until a node does, by a fiftieth of an edge.
 
    Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
    out of place by a fiftieth of a facet's size.
@@ -120,7 +122,7 @@ struct ShvSurfaceContact {
     ShvCoupledBodyBefore *coupled_body_before; /* per fragment */
     int32_t coupled_body_capacity;
     /* this step */
-    ShvFacetPair *pairs; /* by node, element, face; those without an impulse included */
+    ShvFacetPair *pairs; /* by node, end, element, face, edge; those without an impulse included */
     int32_t pair_count, pair_capacity;
     ShvNarrowPhase narrow;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */

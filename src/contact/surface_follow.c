@@ -115,6 +115,11 @@ static bool in_tet(const ShvState *state, int32_t element, int32_t node)
 
 static void name_anew(const ShvSurfaceContact *contact, const ShvState *state, ShvSurfaceCandidate *candidate)
 {
+    const int32_t half_edge = candidate->half_edge - 1;
+    if (half_edge >= 0) {
+        candidate->slot = contact->list.facets[half_edge / 3].slots[half_edge % 3];
+        candidate->node = contact->list.nodes[candidate->slot].node;
+    }
     candidate->fragments[0] = contact->list.nodes[candidate->slot].fragment;
     if (candidate->element < 0) return;
     const ShvSurfaceFacet *facet = &contact->list.facets[candidate->facet];
@@ -132,6 +137,7 @@ static ShvStatus copy_candidates(ShvSurfaceContact *contact, const ShvSurfaceBod
     const int32_t count = list->count;
     for (int32_t k = 0; k < count; k++) {
         const int32_t slot = list->items[k].slot, facet = list->items[k].facet;
+        if (list->items[k].half_edge > 0) continue;
         if (!contact->list.parted[slot] && !(facet >= 0 && contact->list.touch[facet])) continue;
         const ShvSurfaceCandidate candidate = list->items[k];
         if (candidate.element >= 0 && contact->list.facets[candidate.facet].changed)
@@ -161,8 +167,10 @@ static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceB
     for (int kind = 0; kind < 2; kind++)
         for (int32_t k = 0; k < contact->candidates[kind].count; k++) {
             ShvSurfaceCandidate *candidate = &contact->candidates[kind].items[k];
-            if (renamed || (candidate->facet >= 0 && contact->list.touch[candidate->facet]))
+            const bool edge = candidate->half_edge > 0;
+            if (renamed || edge || (candidate->facet >= 0 && contact->list.touch[candidate->facet]))
                 name_anew(contact, bodies->state, candidate);
+            if (edge) SHV_TRY(shv_surface_candidate_watch(contact, bodies, candidate, error));
         }
     return SHV_OK;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "contact/candidates.h"
+#include "contact/surface_edge.h"
 #include "mesh/facets.h"
 
 void shv_surface_list_release(ShvSurfaceList *list)
@@ -145,11 +146,13 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     list->facets = block;
     if (list->place) list->place[4 * (int64_t)element + face] = list->facet_count;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
-    *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .crack = crack};
+    *facet = (ShvSurfaceFacet){
+        .element = element, .face = face, .fragment = fragment, .crack = crack, .across = {-1, -1, -1}};
     int32_t nodes[3];
     shv_surface_corners(bodies->state, element, face, nodes);
     for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
     measure(list, bodies, facet);
+    if (list->place) shv_surface_edges_link(list, list->facet_count - 1);
     return SHV_OK;
 }
 
@@ -424,7 +427,7 @@ ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *b
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
-    if (!bodies->cohesive) return SHV_OK;
+    if (!bodies->cohesive) return shv_surface_edges_link_all(list, error);
     for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
     SHV_TRY(shv_surface_list_part(list, bodies, error));
     for (int32_t k = 0; k < list->node_count; k++) hold_node(list, bodies, list->nodes[k].node);

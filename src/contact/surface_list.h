@@ -35,6 +35,8 @@ typedef struct ShvSurfaceFacet {
     bool leaves_skin;    /* of one that does just now */
     int64_t seen;        /* pass of the last search that met it */
     uint8_t speed_class; /* the largest of its nodes */
+    uint8_t sharp;       /* bits: the sharp edges that it names (surface_edge.h) */
+    int32_t across[3];   /* half-edge on the other side of each edge, −1: none */
     ShvBox box;          /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 

@@ -49,23 +49,35 @@ ShvStatus shv_surface_candidate_append(ShvSurfaceContact *contact, ShvSurfaceCan
 ShvStatus shv_surface_candidate_watch(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                       const ShvSurfaceCandidate *candidate, ShvError *error)
 {
-    if (!shv_bodies_coupled_body(bodies, candidate->fragments[0])) SHV_TRY(watch(contact, candidate->slot, error));
+    if (!shv_bodies_coupled_body(bodies, candidate->fragments[0])) {
+        SHV_TRY(watch(contact, candidate->slot, error));
+        const int32_t half_edge = candidate->half_edge - 1;
+        if (half_edge >= 0)
+            SHV_TRY(watch(contact, contact->list.facets[half_edge / 3].slots[(half_edge + 1) % 3], error));
+    }
     if (candidate->element < 0 || shv_bodies_coupled_body(bodies, candidate->fragments[1])) return SHV_OK;
     const int32_t *slots = contact->list.facets[candidate->facet].slots;
     for (int k = 0; k < 3; k++) SHV_TRY(watch(contact, slots[k], error));
     return SHV_OK;
 }
 
-static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                               const ShvSurfaceCandidate *candidate, int other, double distance, ShvError *error)
+ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                    const ShvSurfaceCandidate *candidate, int own, int other, double distance,
+                                    ShvError *error)
 {
-    const int own = contact->list.nodes[candidate->slot].speed_class;
     const bool rigid = candidate->element >= 0 && shv_bodies_coupled_body(bodies, candidate->fragments[0]) &&
                        shv_bodies_coupled_body(bodies, candidate->fragments[1]);
     SHV_TRY(shv_surface_candidate_append(contact, &contact->candidates[rigid], candidate,
                                          contact->path[own] + contact->path[other] + distance,
                                          (uint8_t)(own * SHV_SURFACE_MOVERS + other), error));
     return shv_surface_candidate_watch(contact, bodies, candidate, error);
+}
+
+static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                               const ShvSurfaceCandidate *candidate, int other, double distance, ShvError *error)
+{
+    const int own = contact->list.nodes[candidate->slot].speed_class;
+    return shv_surface_candidate_add(contact, bodies, candidate, own, other, distance, error);
 }
 
 /* ---- a facet and a node ---- */

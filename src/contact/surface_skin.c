@@ -68,6 +68,7 @@ static void drop_candidates(ShvSurfaceContact *contact)
     for (int32_t k = 0; k < list->count; k++) {
         const ShvSurfaceCandidate *candidate = &list->items[k];
         if (contact->list.nodes[candidate->slot].leaves_skin ||
+            (candidate->half_edge > 0 && contact->list.facets[(candidate->half_edge - 1) / 3].leaves_skin) ||
             (candidate->facet >= 0 && contact->list.facets[candidate->facet].leaves_skin))
             continue;
         list->items[kept] = *candidate;
@@ -77,12 +78,15 @@ static void drop_candidates(ShvSurfaceContact *contact)
     list->count = kept;
 }
 
-/* A facet that leaves its skin looks for all nodes, a node that leaves its skin for all other facets. */
+/* A facet that leaves its skin looks for all nodes and edges, a node that leaves its skin for all other facets. */
 static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
-    for (int32_t k = 0; k < list->facet_count; k++)
-        if (list->facets[k].leaves_skin) SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
+    for (int32_t k = 0; k < list->facet_count; k++) {
+        if (!list->facets[k].leaves_skin) continue;
+        SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
+        SHV_TRY(shv_surface_pair_late_edges(contact, bodies, k, list->facet_count, error));
+    }
     for (int32_t k = 0; k < list->node_count; k++)
         if (list->nodes[k].leaves_skin)
             SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, list->facet_count, error));

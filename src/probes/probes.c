@@ -340,7 +340,10 @@ static ShvVec3 contact_pair_impulse(const ShvSampledProbe *probe, const ShvSurfa
     for (int32_t k = 0; k < surface->pair_count; k++) {
         const ShvFacetPair *pair = &surface->pairs[k];
         const ShvVec3 given = shv_madd(pair->friction, pair->normal_impulse, pair->normal);
-        if (is_touched(probe, state, pair->node, -1 - pair->element)) impulse = shv_add(impulse, given);
+        if (is_touched(probe, state, pair->node, -1 - pair->element))
+            impulse = shv_madd(impulse, 1.0 - pair->share, given);
+        if (pair->end >= 0 && is_touched(probe, state, pair->end, -1 - pair->element))
+            impulse = shv_madd(impulse, pair->share, given);
         for (int c = 0; c < 3 && pair->element >= 0 && probe->obstacle < 0; c++)
             if (is_chosen(probe, state->origin[pair->corners[c]]))
                 impulse = shv_add(impulse, shv_facet_pair_share(pair, c, given));

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "mesh/edge_table.h"
+#include "shape/segment.h"
 #include "shape/triangle.h"
 
 /* ---- making ---- */
@@ -206,9 +207,8 @@ bool shv_features_about(const ShvObstacle *obstacle, const ShvFacetShape *facet,
 
 /* ---- contact points ---- */
 
-/* Shares of a facet and an edge next to their rims, where what touches by rounding, or a step deep, would face features it has
-   nothing to do with: a node that lies on a box brings its steep edges to those of the box, sideways. */
-static const double facet_rim = 1e-8, edge_rim = 1e-3;
+/* Share of a facet next to its rim, where what touches by rounding would face features it has nothing to do with. */
+static const double facet_rim = 1e-8;
 
 /* Whether a direction is among the outward normals of the obstacle at a point of its surface: then the surface is as far
    behind a point a little way out. */
@@ -254,32 +254,6 @@ static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, 
     return looks_out(obstacle, feature, point, normal);
 }
 
-typedef struct Nearest {
-    double shares[2]; /* along each */
-    ShvVec3 between;  /* from the point of the first to that of the second */
-    bool inside;      /* neither is at an end */
-} Nearest;
-
-/* Of two segments from `a` along `u` and from `b` along `v` (V. Lumelsky, On fast computation of distance between line segments,
-   Information Processing Letters 21 (1985)). */
-static Nearest nearest_of_segments(ShvVec3 a, ShvVec3 u, ShvVec3 b, ShvVec3 v)
-{
-    const double parallel = 1e-6; /* sin² of the angle; the nodes of such edges meet faces */
-    const ShvVec3 w = shv_sub(b, a);
-    const double uu = shv_dot(u, u), vv = shv_dot(v, v), uv = shv_dot(u, v), uw = shv_dot(u, w), vw = shv_dot(v, w);
-    const double determinant = uu * vv - uv * uv;
-    double s = determinant > parallel * uu * vv ? (uw * vv - vw * uv) / determinant : 0.0;
-    const bool first_inside = determinant > parallel * uu * vv && s >= edge_rim && s <= 1.0 - edge_rim;
-    s = uu > 0.0 ? clamp(s) : 0.0;
-    double t = vv > 0.0 ? (s * uv - vw) / vv : 0.0;
-    const bool inside = first_inside && t >= edge_rim && t <= 1.0 - edge_rim;
-    if (t < 0.0 || t > 1.0) {
-        t = clamp(t);
-        s = uu > 0.0 ? clamp((t * uv + uw) / uu) : 0.0;
-    }
-    return (Nearest){{s, t}, shv_add(w, shv_sub(shv_scale(v, t), shv_scale(u, s))), inside};
-}
-
 /* One edge of the facet; its tet is to be on its far side, where a body that drapes over an edge has its next nodes lower. What a
    node of the edge has gone into is its own to leave. */
 static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, int edge,
@@ -289,7 +263,7 @@ static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, co
     const int next = (edge + 1) % 3, third = (edge + 2) % 3;
     const ShvVec3 a = world_of(obstacle, feature->ends[0]), b = facet->corners[edge];
     const ShvVec3 u = shv_sub(world_of(obstacle, feature->ends[1]), a), v = shv_sub(facet->corners[next], b);
-    const Nearest at = nearest_of_segments(a, u, b, v);
+    const ShvSegmentPoints at = shv_segments_closest(a, u, b, v);
     if (!at.inside) return false;
     ShvVec3 normal = shv_unit(shv_cross(u, v));
     if (shv_dot(normal, shv_rotate(obstacle->orientation, feature->outward)) < 0.0) normal = shv_scale(normal, -1.0);
@@ -325,7 +299,7 @@ double shv_feature_distance(const ShvObstacle *obstacle, const ShvFeature *featu
     double least = (double)INFINITY;
     for (int k = 0; k < 3; k++) {
         const ShvVec3 b = facet->corners[k], v = shv_sub(facet->corners[(k + 1) % 3], b);
-        least = fmin(least, shv_norm(nearest_of_segments(a, u, b, v).between));
+        least = fmin(least, shv_norm(shv_segments_closest(a, u, b, v).between));
     }
     return least;
 }

@@ -1,6 +1,7 @@
 #include "surfaces.h"
 
 #include "base/random.h"
+#include "contact/surface_edge.h"
 
 /* ---- free flight into each other ---- */
 
@@ -467,7 +468,7 @@ static bool is_listed(const ShvSurfaceContact *contact, const ShvFacetPair *pair
 {
     for (int32_t i = 0; i < contact->pair_count; i++) {
         const ShvFacetPair *other = &contact->pairs[i];
-        if (other->node == pair->node && other->fragments[1] == pair->fragments[1] &&
+        if (other->end < 0 && other->node == pair->node && other->fragments[1] == pair->fragments[1] &&
             fabs(other->gap) <= fabs(pair->gap) * (1.0 + 1e-6))
             return true;
     }
@@ -512,34 +513,129 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
     return count;
 }
 
+/* ---- edges ---- */
+
+enum { MOST_EDGES = 4000 };
+
+/* Sharp edges as they are, each once. */
+static int32_t list_edges(const Surfaces *s, ShvEdge edges[MOST_EDGES])
+{
+    const ShvSurfaceList *list = &s->contact.list;
+    int32_t count = 0;
+    for (int32_t h = 0; h < 3 * list->facet_count; h++) {
+        if (!(list->facets[h / 3].sharp >> h % 3 & 1)) continue;
+        assert_true(count < MOST_EDGES);
+        if (shv_surface_edge(list, &s->bodies, h, &edges[count])) count++;
+    }
+    return count;
+}
+
+static bool share_a_node(const Surfaces *s, const ShvEdge *a, const ShvEdge *b)
+{
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++)
+            if (s->state.origin[a->corners[(a->edge + i) % 3]] == s->state.origin[b->corners[(b->edge + k) % 3]])
+                return true;
+    return false;
+}
+
+static ShvBox box_of_edge(const ShvEdge *edge)
+{
+    ShvBox box = shv_box_empty();
+    shv_box_add(&box, edge->places[edge->edge]);
+    shv_box_add(&box, edge->places[(edge->edge + 1) % 3]);
+    return box;
+}
+
+static bool both_rigid(const Surfaces *s, const int32_t fragments[2])
+{
+    return s->coupled_bodies[fragments[0]] && s->coupled_bodies[fragments[1]];
+}
+
+/* Whether the two edges of a pair are among the pairs of the step, whichever comes first. */
+static bool edges_are_listed(const ShvSurfaceContact *contact, const ShvEdge *a, const ShvEdge *b)
+{
+    for (int32_t i = 0; i < contact->pair_count; i++) {
+        const ShvFacetPair *pair = &contact->pairs[i];
+        for (int side = 0; side < 2; side++) {
+            const ShvEdge *own = side == 0 ? a : b, *other = side == 0 ? b : a;
+            if (pair->node == own->corners[own->edge] && pair->end == own->corners[(own->edge + 1) % 3] &&
+                pair->element == other->element && pair->face == other->face && pair->edge == other->edge)
+                return true;
+        }
+    }
+    return false;
+}
+
+typedef struct EdgePairs {
+    ShvEdge edges[MOST_EDGES];
+    int32_t pairs[MOST_EDGES][2], count;
+} EdgePairs;
+
+/* All edges of different fragments against one another that would be struck in a step. */
+static void find_edges(const Surfaces *s, double step, EdgePairs *found)
+{
+    const double reach = 1e-4; /* m, more than any two can come closer in a step */
+    const int32_t count = list_edges(s, found->edges);
+    found->count = 0;
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = 0; k < i; k++) {
+            const ShvEdge *a = &found->edges[i], *b = &found->edges[k];
+            const ShvBox box = shv_box_grown(box_of_edge(a), reach), other = box_of_edge(b);
+            ShvFacetPair pair;
+            double distance;
+            if (a->fragment == b->fragment || !shv_box_meets(&box, &other) || share_a_node(s, a, b) ||
+                both_rigid(s, (const int32_t[]){a->fragment, b->fragment}) ||
+                !shv_edge_pair_detect(&s->bodies, a, b, step, reach, &pair, &distance))
+                continue;
+            if (pair.gap + step * shv_dot(pair.relative, pair.normal) >= -1e-12) continue;
+            assert_true(found->count < MOST_EDGES);
+            found->pairs[found->count][0] = i;
+            found->pairs[found->count++][1] = k;
+        }
+}
+
+/* After the step's pairs have been found. Returns how many there were. */
+static int32_t check_edges(const Surfaces *s, const EdgePairs *expected)
+{
+    for (int32_t i = 0; i < expected->count; i++)
+        assert_true(edges_are_listed(&s->contact, &expected->edges[expected->pairs[i][0]],
+                                     &expected->edges[expected->pairs[i][1]]));
+    return expected->count;
+}
+
 /* In spite of skin, paths and grid. */
 static void test_nothing_is_missed(void **state)
 {
     (void)state;
     enum { ROOM = 1000 };
     static ShvFacetPair expected[ROOM];
+    static EdgePairs edges;
     Surfaces s;
     surfaces_define(&s);
     surfaces_place(surfaces_ball(&s, 0.02, 0.006), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.5, 0.0));
     ShvObjectDefinition *other = surfaces_box(&s, 0.03, 0.03, 0.03, 0.012);
-    surfaces_place(other, shv_vec3(0.021, 0.013, 0.004), shv_vec3(-2.0, -0.5, 0.3));
+    surfaces_place(other, shv_vec3(0.014, 0.0255, 0.004), shv_vec3(-2.0, -0.5, 0.3));
     other->placement.angular_velocity[2] = 100.0;
     surfaces_box(&s, 0.08, 0.08, 0.08, 0.08)->placement.position[2] = -0.0605;
     surfaces_build(&s, 0.4, false);
     surfaces_make_coupled_body(&s, 2, shv_vec3(0.0, 0.0, 2.0), shv_vec3(0.0, 5.0, 0.0));
     const double step = surfaces_stable_step(&s);
-    int64_t found = 0;
+    int64_t crossed = 0, found = 0;
     for (int k = 0; k < 400; k++) {
         surfaces_forces(&s);
         check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
         shv_motion_kick(&s.state, s.nodes, s.node_count, 0.5 * (s.state.last_step + step), s.gravity, 1);
         const int32_t count = brute_force(&s, step, expected, ROOM);
+        find_edges(&s, step, &edges);
         check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
         for (int32_t i = 0; i < count; i++) assert_true(is_listed(&s.contact, &expected[i]));
         found += count;
+        crossed += check_edges(&s, &edges);
         surfaces_drift(&s, step);
     }
     assert_true(found > 100);
+    assert_true(crossed > 50);
     assert_true(s.contact.rebuilds < 100);
     assert_true(s.contact.distance_checks < 100 * found);
     surfaces_release(&s);
@@ -552,6 +648,7 @@ static void test_late_cracks(void **state)
     (void)state;
     enum { ROOM = 4000, PIECES = 8 };
     static ShvFacetPair expected[ROOM];
+    static EdgePairs edges;
     const double size[3] = {0.04, 0.04, 0.04};
     Surfaces s;
     surfaces_define(&s);
@@ -570,7 +667,7 @@ static void test_late_cracks(void **state)
             }
         }
     const double step = surfaces_stable_step(&s);
-    int64_t found = 0, late = 0;
+    int64_t crossed = 0, found = 0, late = 0;
     for (int k = 0; k < 300; k++) {
         for (int n = 0; n < 2; n++) {
             const double share = shv_random_uniform(11, (uint64_t)(2 * k + n));
@@ -582,13 +679,16 @@ static void test_late_cracks(void **state)
         check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
         late += rebuilds == s.contact.rebuilds && s.contact.list.facet_count > facets;
         const int32_t count = brute_force(&s, step, expected, ROOM);
+        find_edges(&s, step, &edges);
         check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
         for (int32_t i = 0; i < count; i++) assert_true(is_listed(&s.contact, &expected[i]));
         found += count;
+        crossed += check_edges(&s, &edges);
         surfaces_drift(&s, step);
     }
     assert_true(late > 20);
     assert_true(found > 100);
+    assert_true(crossed > 50);
     surfaces_release(&s);
 }
 
@@ -627,11 +727,6 @@ static void wake_coupled_body(Surfaces *s, int32_t index)
     shv_surface_contact_wake(&s->contact);
 }
 
-static bool both_rigid(const Surfaces *s, const ShvFacetPair *pair)
-{
-    return s->coupled_bodies[pair->fragments[0]] && s->coupled_bodies[pair->fragments[1]];
-}
-
 /* A block comes to pieces one by one while it runs into two coupled bodies, which run into each other too, and one of which wakes:
    candidates go on without new lists, and nothing is missed. Neighbours in place are left out: they are no candidates by
    intention; so are coupled bodies among themselves, which are looked at now and then. */
@@ -640,10 +735,11 @@ static void test_lists_go_on(void **state)
     (void)state;
     enum { ROOM = 4000, PIECES = 12, PAUSE = 12 };
     static ShvFacetPair expected[ROOM];
+    static EdgePairs edges;
     Surfaces s;
     surfaces_define(&s);
     surfaces_box(&s, 0.04, 0.04, 0.04, 0.01);
-    ShvObjectDefinition *other = surfaces_box(&s, 0.05, 0.05, 0.03, 0.0125);
+    ShvObjectDefinition *other = surfaces_box(&s, 0.03, 0.05, 0.03, 0.0125);
     surfaces_place(other, shv_vec3(0.003, 0.002, 0.035001), shv_vec3(0.0, 0.0, 0.0));
     surfaces_place(surfaces_box(&s, 0.03, 0.05, 0.05, 0.0125), shv_vec3(0.035001, 0.001, 0.002),
                    shv_vec3(0.0, 0.0, 0.0));
@@ -654,7 +750,7 @@ static void test_lists_go_on(void **state)
     for (int32_t e = 0; e < s.state.element_count; e++)
         piece[e] = e < s.model.objects[0].element_end ? 1 + e * 7 % PIECES : 0;
     const double step = surfaces_stable_step(&s);
-    int64_t found = 0, kept = 0, copies = 0, built = 0;
+    int64_t crossed = 0, found = 0, kept = 0, copies = 0, built = 0;
     int32_t nodes = 0; /* when lists were last made */
     for (int k = 0; k < PAUSE * (PIECES + 4); k++) {
         const bool changed = k % PAUSE == 0 && k > 0 && k / PAUSE <= PIECES;
@@ -668,18 +764,21 @@ static void test_lists_go_on(void **state)
         built = s.contact.rebuilds;
         shv_motion_kick(&s.state, s.nodes, s.node_count, 0.5 * (s.state.last_step + step), s.gravity, 1);
         const int32_t count = brute_force(&s, step, expected, ROOM);
+        find_edges(&s, step, &edges);
         check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
         for (int32_t i = 0; i < count; i++)
             assert_true(are_neighbours(&s.state, expected[i].element, expected[i].node) ||
-                        both_rigid(&s, &expected[i]) || is_listed(&s.contact, &expected[i]));
+                        both_rigid(&s, expected[i].fragments) || is_listed(&s.contact, &expected[i]));
         for (int32_t i = 0; i < count; i++)
             copies += expected[i].node >= nodes && !are_neighbours(&s.state, expected[i].element, expected[i].node);
         found += count;
+        crossed += check_edges(&s, &edges);
         surfaces_drift(&s, step);
     }
     assert_true(copies > 10);
     assert_true(kept > PIECES / 2);
     assert_true(found > 100);
+    assert_true(crossed > 50);
     shv_release(piece);
     surfaces_release(&s);
 }
