@@ -40,12 +40,14 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
                                      int32_t facets, ShvError *error);
 ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
                                     ShvError *error);
-/* surface_edge_pair.c: sharp edges of a facet, which have been marked, with those of facets of lower places, as all candidates are
-   chosen anew; of one that is new, or moved, since, with those of the first so many facets. */
+/* surface_edge_pair.c: sharp edges of a facet, which have been marked, with all others where one of the two deforms, as all candidates
+   are chosen anew; of one that is new, or moved, since, with those of the first so many facets; of one whose body has woken. */
 ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
                                  ShvError *error);
 ShvStatus shv_surface_pair_late_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
                                       int32_t facets, ShvError *error);
+ShvStatus shv_surface_pair_woken_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
+                                       ShvError *error);
 /* surface_skin.c: nodes that are about to leave their skin get a new one from where they are, and their candidates are
    chosen anew. *many: so many that all should be. */
 ShvStatus shv_surface_renew_out_of_skin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,

@@ -3,12 +3,12 @@
    Unilateral, Coulomb friction, restitution 0.
 
    A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
-   it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps from birth stays as it is and only comes
-   no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
+   it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps
+   from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
    node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
    are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
    SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
-   flatter edges can pass until a node does, by a fiftieth of an edge.
+   flatter edges can pass until a node does, by a fiftieth of an edge. Edges of two coupled bodies do not.
 
    Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
    out of place by a fiftieth of a facet's size.

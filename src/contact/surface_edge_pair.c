@@ -1,4 +1,5 @@
-/* Sharp edges that may soon meet one another. */
+/* Sharp edges that may soon meet one another, one of them at least of what deforms: two rigid bodies that go along are left to
+   nodes and facets, and in flight to their convex pieces. */
 #include "contact/surface_candidates.h"
 #include "contact/surface_edge.h"
 #include "shape/segment.h"
@@ -8,6 +9,8 @@ typedef struct Seeker {
     int32_t place;
     const ShvSurfaceFacet *facet;
     bool alone; /* it cannot meet its own fragment */
+    bool anew;  /* all lists are: what deforms looks for what is rigid, and for what has a lower place */
+    bool woken; /* it was rigid until now, and looks for what it was left to then */
 } Seeker;
 
 static ShvVec3 place_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot)
@@ -64,13 +67,23 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                      error);
 }
 
+static bool is_for(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
+                   const ShvSurfaceFacet *other, int32_t place)
+{
+    const bool rigid = contact->fragments[other->fragment].rigid, below = place < seeker->place;
+    if (seeker->woken) return rigid && (below || shv_bodies_coupled_body(bodies, other->fragment));
+    if (seeker->anew) return rigid || below;
+    if (rigid && contact->fragments[seeker->facet->fragment].rigid) return false;
+    return !(other->leaves_skin && below); /* it has found this one */
+}
+
 static ShvStatus pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
                             int32_t place, double times, ShvError *error)
 {
     const ShvSurfaceFacet *facet = seeker->facet, *other = &contact->list.facets[place];
     if (other->sharp == 0 || place == seeker->place || (seeker->alone && other->fragment == facet->fragment))
         return SHV_OK;
-    if (other->leaves_skin && place < seeker->place) return SHV_OK; /* it has found this one */
+    if (!is_for(contact, bodies, seeker, other, place)) return SHV_OK;
     const double reach = times * shv_surface_reach(contact, facet, other->speed_class);
     const ShvBox box = shv_box_grown(facet->box, reach);
     if (!shv_box_meets(&box, &other->box)) return SHV_OK;
@@ -110,20 +123,37 @@ ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBod
                                  ShvError *error)
 {
     Seeker seeker;
-    if (!make_seeker(contact, place, &seeker) || !shv_surface_in_region(contact, seeker.facet)) return SHV_OK;
-    return pair_grid(contact, bodies, &seeker, place, 1.0, error);
+    if (!make_seeker(contact, place, &seeker) || contact->fragments[seeker.facet->fragment].rigid ||
+        !shv_surface_in_region(contact, seeker.facet))
+        return SHV_OK;
+    seeker.anew = true;
+    return pair_grid(contact, bodies, &seeker, contact->grid_facets, 1.0, error);
+}
+
+/* With those below a place, wherever they have gone since the grid was filled. */
+static ShvStatus pair_late(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
+                           int32_t facets, ShvError *error)
+{
+    SHV_TRY(pair_grid(contact, bodies, seeker, facets, 2.0, error));
+    for (int32_t k = 0; k < contact->facets_out_of_skin.count; k++)
+        if (contact->facets_out_of_skin.items[k] < facets)
+            SHV_TRY(pair_facet(contact, bodies, seeker, contact->facets_out_of_skin.items[k], 2.0, error));
+    for (int32_t k = contact->grid_facets; k < facets; k++) SHV_TRY(pair_facet(contact, bodies, seeker, k, 2.0, error));
+    return SHV_OK;
 }
 
 ShvStatus shv_surface_pair_late_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
                                       int32_t facets, ShvError *error)
 {
     Seeker seeker;
+    return make_seeker(contact, place, &seeker) ? pair_late(contact, bodies, &seeker, facets, error) : SHV_OK;
+}
+
+ShvStatus shv_surface_pair_woken_edges(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
+                                       ShvError *error)
+{
+    Seeker seeker;
     if (!make_seeker(contact, place, &seeker)) return SHV_OK;
-    SHV_TRY(pair_grid(contact, bodies, &seeker, facets, 2.0, error));
-    for (int32_t k = 0; k < contact->facets_out_of_skin.count; k++)
-        if (contact->facets_out_of_skin.items[k] < facets)
-            SHV_TRY(pair_facet(contact, bodies, &seeker, contact->facets_out_of_skin.items[k], 2.0, error));
-    for (int32_t k = contact->grid_facets; k < facets; k++)
-        SHV_TRY(pair_facet(contact, bodies, &seeker, k, 2.0, error));
-    return SHV_OK;
+    seeker.woken = true;
+    return pair_late(contact, bodies, &seeker, contact->list.facet_count, error);
 }

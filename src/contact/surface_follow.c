@@ -99,6 +99,9 @@ static ShvStatus wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
         if (has_woken(contact, bodies, facet->fragment) && opens_inside(contact, bodies, facet))
             contact->fragments[facet->fragment].opened = true;
     }
+    for (int32_t k = 0; k < contact->list.facet_count; k++)
+        if (has_woken(contact, bodies, contact->list.facets[k].fragment))
+            SHV_TRY(shv_surface_pair_woken_edges(contact, bodies, k, error));
     for (int32_t i = 0; i < contact->known_fragments; i++)
         if (has_woken(contact, bodies, i)) contact->fragments[i].rigid = contact->fragments[i].cracked = false;
     return SHV_OK;
