@@ -24,6 +24,18 @@ MUG = dict(scene="mug/mug", material="stoneware", edge="objects.mug.mesh",
 BODIES = {"ball": BALL, "tile": TILE, "mug": MUG}
 
 
+# What else was tried on the ball, to find what a miss comes from.
+WHY = {
+    "another mesh seed": {"objects.ball.mesh.seed": 2},
+    "jitter: 0.3": {"objects.ball.mesh.jitter": 0.3},
+    "no scatter of strength": {"materials.concrete.weibull.modulus": 0},
+    "safety: 0.45": {"fracture.safety": 0.45},
+    "criterion: traction": {"fracture.criterion": "traction"},
+    "friction_angle: 37": {"materials.concrete.friction_angle": 37},
+    "fracture_energy_shear: 800": {"materials.concrete.fracture_energy_shear": 800},
+}
+
+
 def settings(body):
     """name: settings, of one body; the first is the scene as it is."""
     jitter = {"ball": "objects.ball.mesh.jitter", "tile": "objects.tile.mesh.jitter"}
@@ -52,6 +64,10 @@ def runs():
     """name of a run, body, settings"""
     for edge, seed in itertools.product((18, 12, 8), SEEDS):
         yield f"convergence/{edge} mm/{seed}", BALL, {BALL["edge"]: edge * 1e-3, "seed": seed}
+    for edge, seed in itertools.product((15, 10), SEEDS[:4]):
+        yield f"edges/{edge} mm/{seed}", BALL, {BALL["edge"]: edge * 1e-3, "seed": seed}
+    for (name, values), edge, seed in itertools.product(WHY.items(), (18, 12, 8), SEEDS[:2]):
+        yield f"why {name}/{edge} mm/{seed}", BALL, {BALL["edge"]: edge * 1e-3, **values, "seed": seed}
     for body, edges, seeds in (("tile", (12, 8, 6), 4), ("ball", (18, 12), 4), ("mug", (4, 3), 2)):
         what = BODIES[body]
         for edge, (name, values), seed in itertools.product(edges, settings(body).items(), SEEDS[:seeds]):
@@ -136,6 +152,11 @@ def mean(values):
     return middle, math.sqrt(sum((v - middle) ** 2 for v in values) / (count - 1) / count) if count > 1 else math.nan
 
 
+def told(form, values):
+    middle, error = mean(values)
+    return form % middle + ("" if math.isnan(error) else " ± " + form % error)
+
+
 QUANTITIES = [  # what, format, of a run
     ("kinetic energy, J", "%.1f", lambda r: r["said"]["kinetic"]),
     ("fracture energy, J", "%.2f", lambda r: r["said"]["fracture_dissipation"]),
@@ -170,7 +191,7 @@ def convergence(found, title):
     print("|---" * (1 + len(edges)) + "|")
     print("| runs | " + " | ".join(str(len(of[e])) for e in edges) + " |")
     for what, form, *parts in QUANTITIES:
-        cells = [", ".join(f"{form % m} ± {form % s}" for m, s in (mean([part(r) for r in of[e]]) for part in parts)) for e in edges]
+        cells = [", ".join(told(form, [part(r) for r in of[e]]) for part in parts) for e in edges]
         print(f"| {what} | " + " | ".join(cells) + " |")
     if len(edges) < 2:
         return
@@ -187,6 +208,24 @@ def convergence(found, title):
                         ("energy of facets that have not opened, % of the fracture energy", 30)):
         worst, error = max(mean([by_name[what](r) for r in of[e]]) for e in edges)
         print(f"| {what}: the most of all meshes | {bound} | {worst:.2f} ± {error:.2f} | {'held' if worst <= bound else 'missed'} |")
+    print()
+
+
+def why(found):
+    groups = {}
+    for name, result in found.items():
+        title, edge, *_ = name.split("/")
+        if result["status"] == 0 and (title in ("convergence", "edges") or title.startswith("why ")):
+            groups.setdefault((title[4:] if title.startswith("why ") else "as it is", edge), []).append(result)
+    if not groups:
+        return
+    shown = [QUANTITIES[i] for i in (0, 1, 2, 3, 7, 9, 10, 13, 14, 16)]
+    print("| the ball | edge | runs | " + " | ".join(q[0] for q in shown) + " |\n" + "|---" * (3 + len(shown)) + "|")
+    order = ["as it is", *WHY]
+    for setting, edge in sorted(groups, key=lambda k: (order.index(k[0]), -float(k[1].split()[0]))):
+        good = groups[setting, edge]
+        cells = [", ".join(told(form, [part(r) for r in good]) for part in parts) for _, form, *parts in shown]
+        print(f"| {setting} | {edge} | {len(good)} | " + " | ".join(cells) + " |")
     print()
 
 
@@ -207,11 +246,11 @@ def defaults(found, body):
             if not good:
                 print(f"| {setting} | none ended |" + " |" * 8 + f" 0 of {lost} |")
                 continue
-            told = lambda form, part: "%s ± %s" % tuple(form % x for x in mean([part(r) for r in good]))
-            print(f"| {setting} | {told('%.3f', lambda r: r['largest'])} | {told('%.0f', lambda r: r['pieces'])} | "
-                  f"{told('%.0f', lambda r: 100 * r['single'] / r['pieces'])} | {told('%.2f', lambda r: 100 * r['single_mass'])} | "
-                  f"{told('%.3g', lambda r: r['dissipated'])} | {told('%.0f', lambda r: r['inserted'])} | {told('%.0f', lambda r: r['failed'])} | "
-                  f"{told('%.1f', lambda r: r['overshoot'])} | {told('%.2g', lambda r: r['seconds'])} | {len(good)}{f' of {len(good) + lost}' if lost else ''} |")
+            cell = lambda form, part: told(form, [part(r) for r in good])
+            print(f"| {setting} | {cell('%.3f', lambda r: r['largest'])} | {cell('%.0f', lambda r: r['pieces'])} | "
+                  f"{cell('%.0f', lambda r: 100 * r['single'] / r['pieces'])} | {cell('%.2f', lambda r: 100 * r['single_mass'])} | "
+                  f"{cell('%.3g', lambda r: r['dissipated'])} | {cell('%.0f', lambda r: r['inserted'])} | {cell('%.0f', lambda r: r['failed'])} | "
+                  f"{cell('%.1f', lambda r: r['overshoot'])} | {cell('%.2g', lambda r: r['seconds'])} | {len(good)}{f' of {len(good) + lost}' if lost else ''} |")
         print()
 
 
@@ -222,6 +261,7 @@ def main(program, folder, parts):
             make(program, folder, name, body, values)
     found = kept(folder)
     convergence(found, "convergence")
+    why(found)
     for body in BODIES:
         defaults(found, body)
 
