@@ -26,7 +26,7 @@ BODIES = {"ball": BALL, "tile": TILE, "mug": MUG}
 
 def turned(corners, edge, seed):
     """A mesh in no order of what a profile sweeps."""
-    profile = ", ".join(f"{{radius: {r:.9g}, height: {z:.9g}}}" for r, z in corners)
+    profile = ", ".join(f"{{radius: {r:.9f}, height: {z:.9f}}}" for r, z in corners)
     return f"{{turned: {{profile: [{profile}], edge: {edge:g}}}, seed: {seed}}}"
 
 
