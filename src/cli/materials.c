@@ -120,7 +120,7 @@ static const char *const formulas =
     "| `scale_strength` | σ √(R/(n h)) | too early | G |\n"
     "| `scale_energy` | G n h/R | at σ | n h/R times too much |\n"
     "| `tip_strength` | ½ √(E G/h) ahead of cracks, h the mean edge of the facet; σ elsewhere | at σ | about G |\n\n"
-    "`tip_strength` is the one for glass, stone and ceramics on edges of millimetres (docs/glass.md): a crack begins "
+    "`tip_strength` is the one for glass, stone and ceramics on edges of millimetres (docs/glass.md, docs/evidence.md): a crack begins "
     "where "
     "the "
     "material's strength is reached and grows at its toughness. It leaves facets alone where σ is the lower of the "
