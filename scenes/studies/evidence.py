@@ -38,7 +38,6 @@ WHY = {
     "in no order, another mesh for each seed": {"objects.ball.mesh": lambda edge, seed: turned(HALF_CIRCLE, edge, seed)},
     "turned, another way for each seed": {"objects.ball.rotation": lambda edge, seed: f"{{axis: [1, {seed}, 3], angle: {40 * seed}}}"},
     "friction_angle: 37": {"materials.concrete.friction_angle": 37},
-    "safety: 0.45": {"fracture.safety": 0.45},
 }
 
 
