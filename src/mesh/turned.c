@@ -16,7 +16,10 @@ static bool meet(const double *a, const double *b, const double *c, const double
     return (cross(a, b, c) > 0.0) != (cross(a, b, d) > 0.0) && (cross(c, d, a) > 0.0) != (cross(c, d, b) > 0.0);
 }
 
-static ShvStatus check_profile(const double *profile, int32_t count, ShvError *error)
+/* Of an edge: a corner that is closer to the axis, but not on it, makes a hole that no tet goes round. */
+static const double narrowest_hole = 0.01;
+
+static ShvStatus check_profile(const double *profile, int32_t count, double edge, ShvError *error)
 {
     if (!profile || count < 3)
         return shv_fail(error, SHV_BAD_INPUT, "turned body: its profile has %d corners; give 3 at least", (int)count);
@@ -27,6 +30,11 @@ static ShvStatus check_profile(const double *profile, int32_t count, ShvError *e
                             "turned body: corner %d of its profile has the radius %g and the height %g; give finite "
                             "numbers, and no negative radius",
                             (int)i + 1, p[0], p[1]);
+        if (p[0] > 0.0 && p[0] < narrowest_hole * edge)
+            return shv_fail(error, SHV_BAD_INPUT,
+                            "turned body: corner %d of its profile is %g m off the axis, less than %g of an edge; give "
+                            "0 for a place on the axis",
+                            (int)i + 1, p[0], narrowest_hole);
         if (p[0] == q[0] && p[1] == q[1])
             return shv_fail(error, SHV_BAD_INPUT,
                             "turned body: corner %d of its profile is the next one, too; remove it", (int)i + 1);
@@ -58,7 +66,7 @@ ShvStatus shv_mesh_turned(ShvMesh *mesh, ShvMemory *memory, const ShvMeshDefinit
     const double edge = definition->edge;
     *mesh = (ShvMesh){0};
     SHV_TRY(shv_require_length(edge, "turned body", "edge", error));
-    SHV_TRY(check_profile(outline.profile, outline.count, error));
+    SHV_TRY(check_profile(outline.profile, outline.count, edge, error));
     const double volume = shv_outline_volume(&outline), tets = 6.0 * sqrt(2.0) * volume / (edge * edge * edge);
     if (!(tets >= 1.0))
         return shv_fail(error, SHV_BAD_INPUT, "turned body: an edge of %g m is too long for its volume of %.3g m³",

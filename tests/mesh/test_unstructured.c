@@ -153,7 +153,9 @@ static void bad_bodies_are_refused(void **state)
     (void)state;
     static const double eight[] = {0.01, 0.0, 0.02, 0.01, 0.01, 0.01, 0.02, 0.0};
     static const double left[] = {-0.01, 0.0, 0.02, 0.0, 0.02, 0.01}, twice[] = {0.01, 0.0, 0.01, 0.0, 0.02, 0.01};
+    static const double near_axis[] = {9e-18, 0.0, 0.02, 0.0, 0.02, 0.01, 0.0, 0.01};
     refused(turned(NULL, 0, 0.004), "its profile has 0 corners");
+    refused(turned(near_axis, 4, 0.004), "off the axis");
     refused(turned(eight, 4, 0.004), "crosses itself after corners 1 and 3");
     refused(turned(left, 3, 0.004), "corner 1 of its profile has the radius -0.01");
     refused(turned(twice, 3, 0.004), "corner 1 of its profile is the next one, too");
