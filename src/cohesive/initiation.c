@@ -186,7 +186,7 @@ double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t
 static double strength_at(const ShvCohesive *cohesive, int32_t node)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
-    double weakest = (double)INFINITY;
+    bool opens = false;
     for (int32_t i = adjacency->corner_start[node]; i < adjacency->corner_start[node + 1]; i++) {
         const int32_t corner = adjacency->corners[i];
         for (int face = 0; face < 4; face++) {
@@ -195,10 +195,10 @@ static double strength_at(const ShvCohesive *cohesive, int32_t node)
             const ShvMaterial *material = shv_cohesive_material(cohesive->model, facet);
             if (!material || shv_front_tip_strength(cohesive->model, facet) >= material->strength[SHV_NORMAL])
                 return (double)INFINITY;
-            weakest = fmin(weakest, cohesive->facet_strength[facet]);
+            opens = opens || isfinite(cohesive->facet_strength[facet]);
         }
     }
-    return isfinite(weakest) ? shv_cohesive_node_strength(cohesive->model, node) : weakest;
+    return opens ? shv_cohesive_node_strength(cohesive->model, node) : (double)INFINITY;
 }
 
 ShvStatus shv_initiation_create(ShvCohesive *cohesive, ShvError *error)

@@ -178,15 +178,15 @@ bool shv_imposed_release_condition(ShvImposed *imposed, const char *name)
 
 bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
 {
-    return !condition->released && time >= condition->definition->start && time < condition->definition->end;
+    return !is_over(condition, time) && time >= condition->definition->start;
 }
 
 bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
 {
-    bool held = false;
-    for (int32_t k = 0; imposed->over_count < imposed->count && k < count && !held; k++)
-        held = imposed->held[state->origin[nodes[k]]] != 0;
-    return held;
+    if (imposed->over_count == imposed->count) return false;
+    for (int32_t k = 0; k < count; k++)
+        if (imposed->held[state->origin[nodes[k]]]) return true;
+    return false;
 }
 
 /* ---- a step ---- */

@@ -28,9 +28,8 @@ static bool concern(const ShvSurfaceContact *contact, const ShvState *state, int
         for (int k = 0; k < 2; k++) {
             if (slots[0][i] == slots[1][k]) return false;
             const int32_t own = contact->list.nodes[slots[0][i]].node, other = contact->list.nodes[slots[1][k]].node;
-            const ShvVec3 apart = shv_sub(places[0][i], places[1][k]);
             if (state->origin[own] == state->origin[other] &&
-                shv_dot(apart, apart) < 0.25 * contact->skin[0] * contact->skin[0])
+                shv_surface_in_place(contact, shv_sub(places[0][i], places[1][k])))
                 return false;
         }
     return true;

@@ -131,8 +131,7 @@ static bool concerns(const ShvSurfaceContact *contact, const ShvState *state, co
     for (int k = 0; k < 4; k++) {
         if (seeker->nodes[k] == node) return false;
         if (seeker->origins[k] != state->origin[node]) continue;
-        const ShvVec3 apart = shv_sub(x, seeker->places[k]);
-        bool in_place = shv_dot(apart, apart) < 0.25 * contact->skin[0] * contact->skin[0];
+        bool in_place = shv_surface_in_place(contact, shv_sub(x, seeker->places[k]));
         for (int i = 0; i < 4; i++) in_place = in_place && seeker->across[i] != node;
         if (in_place) return false;
         *mate = seeker->nodes[k];

@@ -160,17 +160,12 @@ bool shv_feature_is_edge(const ShvFeature *feature)
     return feature->outward.x != 0.0 || feature->outward.y != 0.0 || feature->outward.z != 0.0;
 }
 
-static double clamp(double share)
-{
-    return fmin(1.0, fmax(0.0, share));
-}
-
 bool shv_feature_is_near(const ShvObstacle *obstacle, const ShvFeature *feature, ShvVec3 point, double reach)
 {
     const ShvVec3 way = shv_sub(feature->ends[1], feature->ends[0]);
     const ShvVec3 from = shv_sub(local_of(obstacle, point), feature->ends[0]);
     const double squared = shv_dot(way, way);
-    const double share = squared > 0.0 ? clamp(shv_dot(from, way) / squared) : 0.0;
+    const double share = squared > 0.0 ? shv_segment_share(shv_dot(from, way) / squared) : 0.0;
     return shv_norm(shv_madd(from, -share, way)) < reach + obstacle->radius;
 }
 

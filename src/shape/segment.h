@@ -2,6 +2,7 @@
 #ifndef SHV_SHAPE_SEGMENT_H
 #define SHV_SHAPE_SEGMENT_H
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "base/vector.h"
@@ -15,6 +16,12 @@ typedef struct ShvSegmentPoints {
     ShvVec3 between;  /* from the point of the first to that of the second */
     bool inside;      /* neither is in the rim of its segment, nor are they parallel */
 } ShvSegmentPoints;
+
+/* Cut to what lies on a segment. */
+static inline double shv_segment_share(double share)
+{
+    return fmin(1.0, fmax(0.0, share));
+}
 
 /* Of two segments from `a` along `u` and from `b` along `v`. */
 ShvSegmentPoints shv_segments_closest(ShvVec3 a, ShvVec3 u, ShvVec3 b, ShvVec3 v);
