@@ -49,8 +49,8 @@ void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */
 void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3]);
 
-/* outcome_file.c */
-void shv_outcome_put(const ShvOutcome *outcome, FILE *stream);
+/* outcome_file.c; `data`: an outcome */
+void shv_outcome_put(const void *data, FILE *stream);
 /* Writes whole or not at all. */
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error);
 /* SHV_BAD_INPUT for what is not whole; `name` stands for it in messages. On failure nothing is owned. */

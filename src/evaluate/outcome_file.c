@@ -9,8 +9,9 @@ enum { LARGEST_FILE = 1 << 30 };
 
 /* Heads and values as they lie in memory, without pointers: whoever reads them is the program that wrote them, on a machine of the
    same kind. */
-void shv_outcome_put(const ShvOutcome *outcome, FILE *stream)
+void shv_outcome_put(const void *data, FILE *stream)
 {
+    const ShvOutcome *outcome = data;
     ShvOutcome head = *outcome;
     head.memory = NULL;
     head.lists = NULL;
@@ -27,12 +28,9 @@ void shv_outcome_put(const ShvOutcome *outcome, FILE *stream)
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error)
 {
     ShvExportOptions options = shv_export_default();
-    ShvOutput output;
     options.force = true;
     options.memory = outcome->memory;
-    SHV_TRY(shv_output_open(&output, &options, path, "", error));
-    shv_outcome_put(outcome, output.stream);
-    return shv_output_close(&output, &options, SHV_OK, error);
+    return shv_output_write(&options, path, shv_outcome_put, outcome, error);
 }
 
 /* ---- reading ---- */

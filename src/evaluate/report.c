@@ -2,15 +2,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/publish.h"
 #include "base/text.h"
-#include "evaluate/html.h"
+#include "export/html.h"
 #include "export/output.h"
+#include "export/table.h"
 #include "shiver/verify.h"
-
-enum { CELL = 96, COLUMNS = 9 };
-static const char *const heads[COLUMNS] = {"quantity", "run",       "reference", "Shiver",     "unit",
-                                           "error",    "tolerance", "verdict",   "run time, s"};
 
 const char *shv_verify_relation(const ShvVerifyRow *row)
 {
@@ -19,10 +15,11 @@ const char *shv_verify_relation(const ShvVerifyRow *row)
 }
 
 /* Nothing where there is no number. */
-static void put_figure(char cell[CELL], const char *before, const char *format, double value)
+static void put_figure(ShvTable *table, const char *head, const char *before, const char *format, double value)
 {
-    const int length = shv_format(cell, CELL, "%s", isnan(value) ? "" : before);
-    if (!isnan(value)) shv_format(cell + length, CELL - (size_t)length, format, value);
+    char text[64] = "";
+    if (!isnan(value)) shv_format(text, sizeof text, format, value);
+    shv_table_put(table, head, "number", "%s%s", text[0] ? before : "", text);
 }
 
 ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
@@ -52,22 +49,20 @@ static const char *class_of(ShvVerdict verdict)
 }
 
 /* Shares of the reference in percent. */
-static void put_row(FILE *stream, const ShvVerifyRow *row, bool html)
+static void put_row(ShvTable *table, const ShvVerifyRow *row)
 {
-    static const char *const right = "number";
     const double scale = row->absolute ? 1.0 : 100.0;
-    char reference[CELL], value[CELL], error[CELL], tolerance[CELL], seconds[CELL];
-    put_figure(reference, shv_verify_relation(row), "%.6g", row->reference);
-    put_figure(value, "", "%.6g", row->value);
-    put_figure(error, "", row->absolute ? "%+.3g" : "%+.3g %%", scale * row->error);
-    put_figure(tolerance, "", row->absolute ? "%.3g" : "%.3g %%",
-               row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance);
-    put_figure(seconds, "", "%.3g", row->seconds);
-    const char *const texts[COLUMNS] = {row->quantity, row->run, reference, value,
-                                        row->unit,     error,    tolerance, shv_verdict_name(row->verdict),
-                                        seconds};
-    const char *const classes[COLUMNS] = {NULL, NULL, right, right, NULL, right, right, class_of(row->verdict), right};
-    shv_table_row(stream, html, texts, classes, COLUMNS);
+    const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
+    shv_table_text(table, "quantity", NULL, row->quantity);
+    shv_table_text(table, "run", NULL, row->run);
+    put_figure(table, "reference", shv_verify_relation(row), "%.6g", row->reference);
+    put_figure(table, "Shiver", "", "%.6g", row->value);
+    shv_table_text(table, "unit", NULL, row->unit);
+    put_figure(table, "error", "", row->absolute ? "%+.3g" : "%+.3g %%", scale * row->error);
+    put_figure(table, "tolerance", "", row->absolute ? "%.3g" : "%.3g %%", tolerance);
+    shv_table_text(table, "verdict", class_of(row->verdict), shv_verdict_name(row->verdict));
+    put_figure(table, "run time, s", "", "%.3g", row->seconds);
+    shv_table_end_row(table);
 }
 
 /* A sentence once, however many rows it belongs to. */
@@ -106,48 +101,49 @@ static void markdown_paragraph(FILE *stream, const char *text)
     shv_print(stream, "\n%s\n", text);
 }
 
-static void put_head(FILE *stream, const ShvVerifyCase *of, bool html)
+static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
 {
+    static const ShvVerifyRow heads = {.run = ""};
     char command[256];
     shv_format(command, sizeof command, "shiver verify --full %s", of->name);
     if (html) {
         shv_html_heading(stream, 2, of->title);
         shv_html_command(stream, command);
-        shv_html_table_begin(stream, heads, COLUMNS);
     } else {
         shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", of->title, of->name, of->scene);
-        shv_table_row(stream, false, heads, NULL, COLUMNS);
-        shv_print(stream, "|---|---|--:|--:|---|--:|--:|---|--:|\n");
     }
+    ShvTable table = shv_table_begin(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN);
+    put_row(&table, &heads);
+    for (int32_t i = 0; i < of->row_count; i++) put_row(&table, &of->rows[i]);
+    shv_table_end(&table);
+    put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph);
 }
 
-static void put_page(FILE *stream, bool html, const ShvVerifyCase *const *cases, int32_t count)
+typedef struct Page {
+    bool html;
+    const ShvVerifyCase *const *cases;
+    int32_t count;
+} Page;
+
+static void put_page(const void *data, FILE *stream)
 {
-    const ShvVerifyCase totals = shv_verify_sum(cases, count);
+    const Page *page = data;
+    const ShvVerifyCase totals = shv_verify_sum(page->cases, page->count);
     char text[256];
     shv_format(text, sizeof text,
                "%d cases; %d quantities pass, %d miss with an explanation, %d miss without one; %.0f s of run time.",
-               (int)count, (int)totals.passes, (int)totals.explained, (int)totals.misses, totals.seconds);
-    if (html) shv_html_begin(stream, "Verification");
-    if (html) shv_html_paragraph(stream, text);
-    if (!html) shv_print(stream, "%s\n", text);
-    for (int32_t i = 0; i < count; i++) {
-        put_head(stream, cases[i], html);
-        for (int32_t k = 0; k < cases[i]->row_count; k++) put_row(stream, &cases[i]->rows[k], html);
-        if (html) shv_html_table_end(stream);
-        put_sentences(stream, cases[i], html ? shv_html_paragraph : markdown_paragraph);
-    }
-    if (html) shv_html_end(stream);
+               (int)page->count, (int)totals.passes, (int)totals.explained, (int)totals.misses, totals.seconds);
+    if (page->html) shv_html_begin(stream, "Verification");
+    if (page->html) shv_html_paragraph(stream, text);
+    if (!page->html) shv_print(stream, "%s\n", text);
+    for (int32_t i = 0; i < page->count; i++) put_case(stream, page->cases[i], page->html);
+    if (page->html) shv_html_end(stream);
 }
 
 ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,
                            ShvError *error)
 {
     ShvExportOptions options = shv_export_default();
-    ShvOutput output;
     options.force = force;
-    SHV_TRY(shv_publish_check(path, force, error));
-    SHV_TRY(shv_output_open(&output, &options, path, "", error));
-    put_page(output.stream, html, cases, count);
-    return shv_output_close(&output, &options, SHV_OK, error);
+    return shv_output_write(&options, path, put_page, &(Page){html, cases, count}, error);
 }

@@ -9,7 +9,7 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
-#include "evaluate/inputs.h"
+#include "scene/inputs.h"
 
 #include "record/checkpoint.h"
 #include "scene/source.h"

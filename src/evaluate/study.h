@@ -4,7 +4,7 @@
 
 #include "base/timer.h"
 #include "evaluate/outcome.h"
-#include "evaluate/plot.h"
+#include "export/plot.h"
 #include "evaluate/study_plan.h"
 #include "evaluate/trajectory_error.h"
 #include "shiver/scene.h"
@@ -61,8 +61,10 @@ ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **sc
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
-/* study_report.c, study_tables.c */
-void shv_study_put_html(const ShvStudy *study, FILE *stream);
+/* study_tables.c */
+void shv_study_put_runs(const ShvStudy *study, FILE *stream);
+void shv_study_put_failures(const ShvStudy *study, FILE *stream);
+void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
 void shv_study_put_results(const ShvStudy *study, FILE *stream);
 void shv_study_put_markdown(const ShvStudy *study, FILE *stream);
 void shv_study_put_timings(const ShvStudy *study, FILE *stream);

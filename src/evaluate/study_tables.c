@@ -1,120 +1,104 @@
-/* A study as CSV and JSON. Results and run times are apart: the former are the same, bit for bit, wherever and however often the
+/* The tables of a study. Results and run times are apart: the former are the same, bit for bit, wherever and however often the
    study is run. */
 #include <string.h>
 
 #include "base/text.h"
 #include "evaluate/study.h"
 #include "export/output.h"
-#include "shiver/version.h"
+#include "export/table.h"
+
+/* ---- columns ---- */
+
+static void put_number(ShvTable *table, const char *name, const char *unit, const char *class, double value)
+{
+    char head[160], text[SHV_OUTPUT_NUMBER] = "–";
+    const bool csv = table->form == SHV_TABLE_CSV;
+    shv_format(head, sizeof head, unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", name, unit);
+    if (csv && isfinite(value))
+        shv_output_format(text, value);
+    else if (csv || isfinite(value))
+        shv_format(text, sizeof text, csv ? "" : "%.3g", value);
+    shv_table_text(table, head, class, text);
+}
+
+static void put_part(ShvTable *table, const char *part, const ShvMeasure *measure, const char *class, double value)
+{
+    char name[128];
+    shv_format(name, sizeof name, "%s%s", part, measure->name);
+    put_number(table, name, part[0] ? measure->error_unit : measure->unit, class, value);
+}
+
+static void put_keys(ShvTable *table, const ShvStudy *study, int32_t index)
+{
+    for (int32_t i = 0; i < study->plan.key_count; i++)
+        shv_table_text(table, study->plan.keys[i], NULL, shv_study_setting(study, index)->values[i]);
+}
+
+/* All rows; `put` gives the cells of one. */
+static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form,
+                      void (*put)(ShvTable *table, const ShvStudy *study, int32_t index))
+{
+    ShvTable table = shv_table_begin(stream, form);
+    for (int32_t i = -1; i < study->setting_count; i++) {
+        put(&table, study, i < 0 ? 0 : i);
+        shv_table_end_row(&table);
+    }
+    shv_table_end(&table);
+}
 
 /* ---- CSV ---- */
 
-/* Quoted where it has to be (RFC 4180). */
-static void put_field(FILE *stream, const char *text)
+static void put_setting(ShvTable *table, const ShvStudy *study, int32_t index)
 {
-    const bool quoted = strpbrk(text, ",\"\n") != NULL;
-    if (quoted) shv_print(stream, "\"");
-    for (; *text; text++) shv_print(stream, *text == '"' ? "\"\"" : "%c", *text);
-    if (quoted) shv_print(stream, "\"");
+    put_keys(table, study, index);
+    shv_table_text(table, "reference", NULL, study->rows[index].is_reference ? "yes" : "");
+    shv_table_text(table, "status", NULL, shv_status_name(study->rows[index].status));
 }
 
-/* The keys, or the values of a setting, and how it went. */
-static void put_start(const ShvStudy *study, const char *const *texts, const char *reference, const char *status,
-                      FILE *stream)
-{
-    for (int32_t i = 0; i < study->plan.key_count; i++) {
-        put_field(stream, texts[i]);
-        shv_print(stream, ",");
-    }
-    shv_print(stream, "%s,%s", reference, status);
-}
-
-static void put_setting(const ShvStudy *study, int32_t index, FILE *stream)
-{
-    const ShvStudyRow *row = &study->rows[index];
-    put_start(study, shv_study_setting(study, index)->values, row->is_reference ? "yes" : "",
-              shv_status_name(row->status), stream);
-}
-
-static void put_head(FILE *stream, const char *what, const char *name, const char *unit)
-{
-    shv_print(stream, unit[0] ? ",%s%s [%s]" : ",%s%s", what, name, unit);
-}
-
-static void put_measure_heads(const ShvStudy *study, FILE *stream)
+static void put_result(ShvTable *table, const ShvStudy *study, int32_t index)
 {
     static const char *const parts[] = {"error of ", "least error of ", "most error of ", "scatter of "};
+    const ShvStudyRow *row = &study->rows[index];
+    put_setting(table, study, index);
+    put_number(table, "stable step", "s", NULL, row->stable_step);
+    put_number(table, "step", "s", NULL, row->step);
+    put_number(table, "Courant number", "", NULL, row->courant);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         const ShvMeasure *measure = &study->plan.measures[i];
-        if (measure->unit) put_head(stream, "", measure->name, measure->unit);
-        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++)
-            put_head(stream, parts[k], measure->name, measure->error_unit);
+        const double values[] = {row->errors[i], row->errors_low[i], row->errors_high[i], study->view.scatter[i]};
+        if (measure->unit) put_part(table, "", measure, NULL, row->values[i]);
+        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++) put_part(table, parts[k], measure, NULL, values[k]);
     }
-}
-
-static void put_measures(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
-{
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const double parts[] = {row->errors[i], row->errors_low[i], row->errors_high[i], study->view.scatter[i]};
-        if (study->plan.measures[i].unit) shv_output_number(stream, row->values[i]);
-        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++) shv_output_number(stream, parts[k]);
-    }
+    shv_table_text(table, "message", NULL, row->message);
 }
 
 void shv_study_put_results(const ShvStudy *study, FILE *stream)
 {
-    put_start(study, study->plan.keys, "reference", "status", stream);
-    shv_print(stream, ",stable step [s],step [s],Courant number");
-    put_measure_heads(study, stream);
-    shv_print(stream, ",message\n");
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->rows[i];
-        put_setting(study, i, stream);
-        shv_output_number(stream, row->stable_step);
-        shv_output_number(stream, row->step);
-        shv_output_number(stream, row->courant);
-        put_measures(study, row, stream);
-        shv_print(stream, ",");
-        put_field(stream, row->message);
-        shv_print(stream, "\n");
+    put_table(study, stream, SHV_TABLE_CSV, put_result);
+}
+
+static void put_timing(ShvTable *table, const ShvStudy *study, int32_t index)
+{
+    const ShvStudyRow *row = &study->rows[index];
+    char head[96];
+    put_setting(table, study, index);
+    shv_table_text(table, "valid", NULL, study->view.timings_valid ? "yes" : "no");
+    put_number(table, "median", "s", NULL, row->seconds);
+    put_number(table, "least", "s", NULL, row->seconds_low);
+    put_number(table, "most", "s", NULL, row->seconds_high);
+    for (int c = 0; c < SHV_COST_COUNT; c++) put_number(table, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        shv_format(head, sizeof head, "on front of %s", study->plan.measures[i].name);
+        shv_table_text(table, head, NULL, row->on_front[i] ? "yes" : "");
     }
 }
 
 void shv_study_put_timings(const ShvStudy *study, FILE *stream)
 {
-    put_start(study, study->plan.keys, "reference", "status", stream);
-    shv_print(stream, ",valid,median [s],least [s],most [s]");
-    for (int c = 0; c < SHV_COST_COUNT; c++) put_head(stream, "", shv_cost_name((ShvCost)c), "s");
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        put_head(stream, "on front of ", study->plan.measures[i].name, "");
-    shv_print(stream, "\n");
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->rows[i];
-        put_setting(study, i, stream);
-        shv_print(stream, ",%s", study->view.timings_valid ? "yes" : "no");
-        shv_output_number(stream, row->seconds);
-        shv_output_number(stream, row->seconds_low);
-        shv_output_number(stream, row->seconds_high);
-        for (int c = 0; c < SHV_COST_COUNT; c++) shv_output_number(stream, row->costs[c]);
-        for (int32_t m = 0; m < study->plan.measure_count; m++) shv_print(stream, ",%s", row->on_front[m] ? "yes" : "");
-        shv_print(stream, "\n");
-    }
+    put_table(study, stream, SHV_TABLE_CSV, put_timing);
 }
 
 /* ---- Markdown ---- */
-
-static void put_cell(FILE *stream, double value, bool bold)
-{
-    char text[32] = "–";
-    if (isfinite(value)) shv_format(text, sizeof text, "%.3g", value);
-    shv_print(stream, bold ? " **%s** |" : " %s |", text);
-}
-
-/* Bars would end a cell. */
-static void put_words(FILE *stream, const char *text)
-{
-    for (; *text; text++) shv_print(stream, "%c", *text == '|' || *text == '\n' ? '/' : *text);
-}
 
 /* Columns in which no row would have a figure are left out. */
 static bool has_courant(const ShvStudy *study)
@@ -135,129 +119,119 @@ static bool has_error(const ShvStudy *study, int32_t measure)
     return failed;
 }
 
-static void put_markdown_row(const ShvStudy *study, const ShvStudyRow *row, FILE *stream)
+static double courant_of(const ShvStudyRow *row)
 {
-    const bool failed = row->status != SHV_OK;
-    shv_print(stream, "| ");
-    put_words(stream, row->series);
-    shv_print(stream, "%s", row->label[0] ? ", " : "");
-    put_words(stream, row->label);
-    shv_print(stream, "%s |", row->is_reference ? " (reference)" : "");
-    if (has_courant(study)) put_cell(stream, row->courant > 0.0 ? row->courant : (double)NAN, false);
-    put_cell(stream, row->seconds, false);
-    if (failed) {
-        char first[sizeof row->message]; /* what happened; what to do about it is in the page */
-        shv_format(first, sizeof first, "%.*s", (int)strcspn(row->message, ";"), row->message);
-        shv_print(stream, " failed: ");
-        put_words(stream, first);
-    }
+    return row->courant > 0.0 ? row->courant : (double)NAN;
+}
+
+/* Of a run that failed what happened; what to do about it is in the page. */
+static void put_line(ShvTable *table, const ShvStudy *study, int32_t index)
+{
+    const ShvStudyRow *row = &study->rows[index];
+    bool failed = row->status != SHV_OK;
+    shv_table_put(table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
+                  row->is_reference ? " (reference)" : "");
+    if (has_courant(study)) put_number(table, "Courant", "", NULL, courant_of(row));
+    put_number(table, "run time", "s", NULL, row->seconds);
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const ShvMeasure *measure = &study->plan.measures[i];
         if (!has_error(study, i)) continue;
-        if (failed)
-            shv_print(stream, " |");
+        if (row->status == SHV_OK || table->heads)
+            put_number(table, measure->name, measure->error_unit, row->on_front[i] ? "best" : NULL, row->errors[i]);
         else
-            put_cell(stream, row->errors[i], row->on_front[i]);
+            shv_table_put(table, "", NULL, failed ? "failed: %.*s" : "", (int)strcspn(row->message, ";"), row->message);
+        failed = false;
     }
-    shv_print(stream, "\n");
+    if (failed && !table->heads) shv_table_put(table, "", NULL, "failed: %s", row->message);
 }
 
 void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
 {
-    int columns = has_courant(study) ? 3 : 2;
-    shv_print(stream, "| setting |%s run time, s |", columns == 3 ? " Courant |" : "");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i];
-        if (!has_error(study, i)) continue;
-        shv_print(stream, " %s%s%s |", measure->name, measure->error_unit[0] ? ", " : "", measure->error_unit);
-        columns++;
-    }
-    shv_print(stream, "\n|");
-    for (int i = 0; i < columns; i++) shv_print(stream, "---|");
-    shv_print(stream, "\n");
-    for (int32_t i = 0; i < study->setting_count; i++) put_markdown_row(study, &study->rows[i], stream);
+    put_table(study, stream, SHV_TABLE_MARKDOWN, put_line);
     if (study->plan.members == 1) return;
-    shv_print(stream, has_courant(study) ? "| scatter | | |" : "| scatter | |");
+    ShvTable table = {.stream = stream, .form = SHV_TABLE_MARKDOWN};
+    shv_table_text(&table, "", NULL, "scatter");
+    for (int i = 0; i < (has_courant(study) ? 2 : 1); i++) shv_table_text(&table, "", NULL, "");
     for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (has_error(study, i)) put_cell(stream, study->view.scatter[i], false);
-    shv_print(stream, "\n");
+        if (has_error(study, i)) put_number(&table, "", "", NULL, study->view.scatter[i]);
+    shv_table_end_row(&table);
 }
 
-/* ---- JSON ---- */
+/* ---- HTML ---- */
 
-/* `before` what comes between it and the member before. */
-static void put_pair(FILE *stream, const char *before, const char *name, const char *text)
+static void put_error(ShvTable *table, const ShvStudy *study, const ShvStudyRow *row, int32_t measure)
 {
-    shv_print(stream, "%s", before);
-    shv_print_json_text(stream, name);
-    shv_print(stream, ": ");
-    shv_print_json_text(stream, text);
+    const double error = row->errors[measure], low = row->errors_low[measure], high = row->errors_high[measure];
+    const bool ensemble = study->plan.members > 1, within = ensemble && error <= study->view.scatter[measure];
+    const char *class = row->on_front[measure] ? "number best" : within ? "number warn" : "number";
+    if (ensemble && !table->heads && isfinite(error) && isfinite(low))
+        shv_table_put(table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
+    else
+        put_part(table, "error of ", &study->plan.measures[measure], class, error);
 }
 
-typedef struct Number {
-    const char *name;
-    double value;
-} Number;
-
-static void put_numbers(FILE *stream, const char *before, const Number *numbers, int count)
+static void put_run(ShvTable *table, const ShvStudy *study, int32_t index)
 {
-    for (int i = 0; i < count; i++) {
-        shv_print(stream, "%s", i > 0 ? ", " : before);
-        shv_output_member(stream, numbers[i].name, numbers[i].value);
-    }
-}
-
-static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
-{
-    const ShvStudySetting *setting = shv_study_setting(study, index);
     const ShvStudyRow *row = &study->rows[index];
-    const char *before = "";
-    const Number numbers[] = {{"seconds", row->seconds},
-                              {"seconds_low", row->seconds_low},
-                              {"seconds_high", row->seconds_high},
-                              {"stable_step", row->stable_step},
-                              {"step", row->step},
-                              {"courant", row->courant}};
-    shv_print(stream, "{\"setting\": {");
-    for (int32_t i = 0; i < study->plan.key_count; i++) {
-        if (setting->values[i][0] == '\0') continue;
-        put_pair(stream, before, study->plan.keys[i], setting->values[i]);
-        before = ", ";
-    }
-    shv_print(stream, "}, \"reference\": %s", row->is_reference ? "true" : "false");
-    put_pair(stream, ", ", "status", shv_status_name(row->status));
-    put_pair(stream, ", ", "message", row->message);
-    put_numbers(stream, ", ", numbers, 6);
-    shv_print(stream, ", \"costs\": {");
-    for (int c = 0; c < SHV_COST_COUNT; c++)
-        put_numbers(stream, c > 0 ? ", " : "", &(Number){shv_cost_name((ShvCost)c), row->costs[c]}, 1);
-    shv_print(stream, "}, \"measures\": {");
+    const bool failed = row->status != SHV_OK;
+    put_keys(table, study, index);
+    put_number(table, "step", "s", "number", row->step > 0.0 ? row->step : (double)NAN);
+    put_number(table, "Courant number", "", "number", courant_of(row));
+    put_number(table, "run time", "s", study->view.timings_valid ? "number" : "number warn", row->seconds);
+    shv_table_text(table, "", failed ? "miss" : NULL, failed ? "failed" : row->is_reference ? "reference" : "");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const Number parts[] = {{"value", row->values[i]},
-                                {"error", row->errors[i]},
-                                {"error_low", row->errors_low[i]},
-                                {"error_high", row->errors_high[i]}};
-        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
-        put_numbers(stream, "", parts, 4);
-        shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
+        if (study->plan.measures[i].unit) put_part(table, "", &study->plan.measures[i], "number", row->values[i]);
+        put_error(table, study, row, i);
     }
-    shv_print(stream, "}}");
 }
 
-void shv_study_print_json(const ShvStudy *study, FILE *stream)
+static void put_scatter(ShvTable *table, const ShvStudy *study)
 {
-    put_pair(stream, "{", "study", study->plan.name);
-    put_pair(stream, ", ", "scene", study->scene_path);
-    put_pair(stream, ", ", "version", shv_version());
-    put_pair(stream, ", ", "processor", study->processor);
-    put_pair(stream, ", ", "errors_from", study->view.reference);
-    shv_print(stream, ", \"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
-              study->view.timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        put_numbers(stream, i > 0 ? ", " : "", &(Number){study->plan.measures[i].name, study->view.scatter[i]}, 1);
-    shv_print(stream, "}, \"rows\": [");
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");
-        put_row(study, i, stream);
+    for (int32_t i = 0; i < study->plan.key_count + 4; i++)
+        shv_table_text(table, "", NULL, i == 0 && study->plan.key_count > 0 ? "scatter" : "");
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        if (study->plan.measures[i].unit) shv_table_text(table, "", NULL, "");
+        put_number(table, "", "", "number", study->view.scatter[i]);
     }
-    shv_print(stream, "]}\n");
+    shv_table_end_row(table);
+}
+
+void shv_study_put_runs(const ShvStudy *study, FILE *stream)
+{
+    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+    for (int32_t i = -1; i < study->setting_count; i++) {
+        put_run(&table, study, i < 0 ? 0 : i);
+        shv_table_end_row(&table);
+    }
+    if (study->plan.members > 1) put_scatter(&table, study);
+    shv_table_end(&table);
+}
+
+/* Messages are long: below the table, not in it. */
+void shv_study_put_failures(const ShvStudy *study, FILE *stream)
+{
+    int32_t failed = 0;
+    for (int32_t i = 0; i < study->setting_count; i++) failed += study->rows[i].status != SHV_OK;
+    if (failed == 0) return;
+    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+    for (int32_t i = -1; i < study->setting_count; i++) {
+        const int32_t index = i < 0 ? 0 : i;
+        if (i >= 0 && study->rows[i].status == SHV_OK) continue;
+        put_keys(&table, study, index);
+        shv_table_text(&table, "why it failed", "miss", study->rows[index].message);
+        shv_table_end_row(&table);
+    }
+    shv_table_end(&table);
+}
+
+void shv_study_put_definitions(const ShvStudy *study, FILE *stream)
+{
+    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+    for (int32_t i = -1; i < study->plan.measure_count; i++) {
+        const ShvMeasure *measure = &study->plan.measures[i < 0 ? 0 : i];
+        shv_table_text(&table, "measure", NULL, measure->name);
+        shv_table_text(&table, "error", NULL, measure->sentence ? measure->sentence : measure->error);
+        shv_table_end_row(&table);
+    }
+    shv_table_end(&table);
 }

@@ -95,6 +95,16 @@ ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, S
     return status;
 }
 
+ShvStatus shv_output_write(const ShvExportOptions *options, const char *path,
+                           void (*put)(const void *data, FILE *stream), const void *data, ShvError *error)
+{
+    ShvOutput output;
+    SHV_TRY(shv_publish_check(path, options->force, error));
+    SHV_TRY(shv_output_open(&output, options, path, "", error));
+    put(data, output.stream);
+    return shv_output_close(&output, options, SHV_OK, error);
+}
+
 void shv_output_withdraw(const char *prefix, const char *suffix)
 {
     const ShvExportOptions plain = {.memory = NULL}; /* what failed may have been memory with a limit */
@@ -116,6 +126,14 @@ void shv_output_number(FILE *stream, double value)
     char text[SHV_OUTPUT_NUMBER] = "";
     if (isfinite(value)) shv_output_format(text, value);
     shv_print(stream, ",%s", text);
+}
+
+void shv_output_field(FILE *stream, const char *text)
+{
+    const char *quote = strpbrk(text, ",\"\n") ? "\"" : "";
+    shv_print(stream, "%s", quote);
+    for (; *text; text++) shv_print(stream, *text == '"' ? "\"\"" : "%c", *text);
+    shv_print(stream, "%s", quote);
 }
 
 void shv_output_member(FILE *stream, const char *name, double value)

@@ -25,6 +25,10 @@ ShvStatus shv_output_open(ShvOutput *output, const ShvExportOptions *options, co
    of both failures. `output` may be zeroed. */
 ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, ShvStatus status, ShvError *error);
 
+/* A whole text file at once, from what `put` writes. */
+ShvStatus shv_output_write(const ShvExportOptions *options, const char *path,
+                           void (*put)(const void *data, FILE *stream), const void *data, ShvError *error);
+
 /* Removes a file of an export of several that has failed. */
 void shv_output_withdraw(const char *prefix, const char *suffix);
 
@@ -34,6 +38,8 @@ enum { SHV_OUTPUT_NUMBER = 32 };
    number is not finite. */
 void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value);
 void shv_output_number(FILE *stream, double value);
+/* A text as a field of CSV, quoted where it has to be (RFC 4180). */
+void shv_output_field(FILE *stream, const char *text);
 /* A member of a JSON object, without a comma: null where the number is not finite. */
 void shv_output_member(FILE *stream, const char *name, double value);
 

@@ -1,7 +1,7 @@
 /* The files of a measurement. */
 #include "base/publish.h"
 #include "base/text.h"
-#include "evaluate/plot.h"
+#include "export/plot.h"
 #include "export/output.h"
 #include "stability/stability.h"
 

@@ -4,8 +4,9 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "evaluate/html.h"
+#include "export/html.h"
 #include "export/output.h"
+#include "export/table.h"
 #include "survive/pictures.h"
 
 enum { CURVE_POINTS = 61, LINES = 4 };
@@ -122,36 +123,28 @@ static void put_origins(const ShvSurviveView *view, const Room *room, int x, int
 
 /* ---- words ---- */
 
-static void put_interval(FILE *stream, double height, double low, double high)
+static void put_interval(ShvTable *table, const char *head, double height, double low, double high)
 {
-    char text[96], from[32] = "no lower bound", to[32] = "no upper bound";
+    char from[32] = "no lower bound", to[32] = "no upper bound";
     if (low > 0.0) shv_format(from, sizeof from, "%.3g", low);
     if (isfinite(high)) shv_format(to, sizeof to, "%.3g m", high);
-    shv_format(text, sizeof text, "%.3g m, %.3g m/s", height, shv_drop_speed(height));
-    shv_html_cell(stream, text, "number");
-    shv_format(text, sizeof text, "%s to %s", from, to);
-    shv_html_cell(stream, text, "number");
+    shv_table_put(table, head, "number", "%.3g m, %.3g m/s", height, shv_drop_speed(height));
+    shv_table_put(table, "95 %", "number", "%s to %s", from, to);
 }
 
 static void put_laws(const ShvSurviveView *view, FILE *stream)
 {
-    static const char *const heads[] = {"law",  "half break from", "95 %",          "a tenth breaks from",
-                                        "95 %", "spread of ln h",  "log-likelihood"};
-    shv_html_table_begin(stream, heads, sizeof heads / sizeof heads[0]);
-    for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
-        const ShvFragilityView *fit = &view->laws[law];
-        char text[32];
-        shv_html_row_begin(stream, NULL);
-        shv_html_cell(stream, shv_fragility_law_name(law), NULL);
-        put_interval(stream, fit->h50, fit->h50_low, fit->h50_high);
-        put_interval(stream, fit->h10, fit->h10_low, fit->h10_high);
-        shv_format(text, sizeof text, "%.3g", fit->scale);
-        shv_html_cell(stream, text, "number");
-        shv_format(text, sizeof text, "%.2f", fit->likelihood);
-        shv_html_cell(stream, text, "number");
-        shv_html_row_end(stream);
+    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+    for (int law = -1; law < SHV_FRAGILITY_LAWS; law++) {
+        const ShvFragilityView *fit = &view->laws[law < 0 ? 0 : law];
+        shv_table_text(&table, "law", NULL, shv_fragility_law_name(law));
+        put_interval(&table, "half break from", fit->h50, fit->h50_low, fit->h50_high);
+        put_interval(&table, "a tenth breaks from", fit->h10, fit->h10_low, fit->h10_high);
+        shv_table_put(&table, "spread of ln h", "number", "%.3g", fit->scale);
+        shv_table_put(&table, "log-likelihood", "number", "%.2f", fit->likelihood);
+        shv_table_end_row(&table);
     }
-    shv_html_table_end(stream);
+    shv_table_end(&table);
 }
 
 static void put_answer(const ShvSurvive *survive, FILE *stream)
@@ -191,27 +184,19 @@ static void put_answer(const ShvSurvive *survive, FILE *stream)
 
 static void put_shots(const ShvSurviveView *view, FILE *stream)
 {
-    static const char *const heads[] = {"specimen", "height, m", "speed, m/s", "", "pieces", "largest piece"};
     shv_html_heading(stream, 2, "Shots");
-    shv_html_table_begin(stream, heads, sizeof heads / sizeof heads[0]);
-    for (int32_t i = 0; i < view->shot_count; i++) {
-        const ShvShot *shot = &view->shots[i];
-        char text[32];
-        shv_html_row_begin(stream, NULL);
-        shv_format(text, sizeof text, "%llu", (unsigned long long)shot->specimen);
-        shv_html_cell(stream, text, "number");
-        shv_format(text, sizeof text, "%.4g", shot->height);
-        shv_html_cell(stream, text, "number");
-        shv_format(text, sizeof text, "%.3g", shv_drop_speed(shot->height));
-        shv_html_cell(stream, text, "number");
-        shv_html_cell(stream, shot->broken ? "broke" : "survived", shot->broken ? "miss" : "pass");
-        shv_format(text, sizeof text, "%d", (int)shot->pieces);
-        shv_html_cell(stream, text, "number");
-        shv_format(text, sizeof text, "%.1f %%", 100.0 * shot->shares[0]);
-        shv_html_cell(stream, text, "number");
-        shv_html_row_end(stream);
+    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+    for (int32_t i = -1; i < view->shot_count; i++) {
+        const ShvShot *shot = &view->shots[i < 0 ? 0 : i];
+        shv_table_put(&table, "specimen", "number", "%llu", (unsigned long long)shot->specimen);
+        shv_table_put(&table, "height, m", "number", "%.4g", shot->height);
+        shv_table_put(&table, "speed, m/s", "number", "%.3g", shv_drop_speed(shot->height));
+        shv_table_text(&table, "", shot->broken ? "miss" : "pass", shot->broken ? "broke" : "survived");
+        shv_table_put(&table, "pieces", "number", "%d", (int)shot->pieces);
+        shv_table_put(&table, "largest piece", "number", "%.1f %%", 100.0 * shot->shares[0]);
+        shv_table_end_row(&table);
     }
-    shv_html_table_end(stream);
+    shv_table_end(&table);
 }
 
 static void put_pictures(const ShvSurvivePictures *pictures, FILE *stream)

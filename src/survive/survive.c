@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
-#include "evaluate/inputs.h"
+#include "scene/inputs.h"
 #include "shiver/version.h"
 
 ShvSurviveOptions shv_survive_default(void)

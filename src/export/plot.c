@@ -1,4 +1,4 @@
-#include "evaluate/plot.h"
+#include "export/plot.h"
 
 #include <math.h>
 

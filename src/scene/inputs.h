@@ -1,6 +1,6 @@
 /* What a run follows from beside its scene: the files that the scene names. */
-#ifndef SHV_EVALUATE_INPUTS_H
-#define SHV_EVALUATE_INPUTS_H
+#ifndef SHV_SCENE_INPUTS_H
+#define SHV_SCENE_INPUTS_H
 
 #include "base/memory.h"
 #include "shiver/definition.h"

@@ -1,4 +1,4 @@
-#include "evaluate/inputs.h"
+#include "scene/inputs.h"
 
 #include <string.h>
 

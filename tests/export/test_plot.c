@@ -4,7 +4,7 @@
 #include <locale.h>
 #include <stdlib.h>
 
-#include "evaluate/plot.h"
+#include "export/plot.h"
 #include "xml.h"
 
 static char *draw(const ShvPlot *plot)

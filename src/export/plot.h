@@ -1,6 +1,6 @@
 /* A small plot as SVG: axes with ticks, lines with markers, labels at points, a legend. */
-#ifndef SHV_EVALUATE_PLOT_H
-#define SHV_EVALUATE_PLOT_H
+#ifndef SHV_EXPORT_PLOT_H
+#define SHV_EXPORT_PLOT_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,0 +1,38 @@
+/* A table, cell by cell, as HTML, Markdown or CSV. The first row that is put is that of the heads; the same calls put both, so
+   that what stands above a figure is told where the figure is:
+
+     ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
+     for (int i = -1; i < count; i++) {
+         shv_table_text(&table, "run", NULL, i < 0 ? "" : runs[i].name);
+         shv_table_put(&table, "error", "number", "%.3g", i < 0 ? 0.0 : runs[i].error);
+         shv_table_end_row(&table);
+     }
+     shv_table_end(&table);
+
+   Texts are plain text and are escaped here. Errors of writing are the stream's. */
+#ifndef SHV_EXPORT_TABLE_H
+#define SHV_EXPORT_TABLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum ShvTableForm { SHV_TABLE_HTML, SHV_TABLE_MARKDOWN, SHV_TABLE_CSV } ShvTableForm;
+
+typedef struct ShvTable {
+    FILE *stream;
+    ShvTableForm form;
+    bool heads; /* the row under way is the first */
+    int column;
+    uint64_t right; /* bit by column: of numbers, which Markdown sets to the right; of the first 64 */
+} ShvTable;
+
+ShvTable shv_table_begin(FILE *stream, ShvTableForm form);
+/* `class` as of the page in HTML (NULL: none); of its words Markdown knows "number" in heads, and "best", which is bold. */
+void shv_table_text(ShvTable *table, const char *head, const char *class, const char *text);
+/* The same from a format, cut after some 400 bytes. */
+void shv_table_put(ShvTable *table, const char *head, const char *class, const char *format, ...);
+void shv_table_end_row(ShvTable *table);
+void shv_table_end(ShvTable *table);
+
+#endif
