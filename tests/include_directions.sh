@@ -26,7 +26,7 @@ allowed()
     export) echo base record export ;;
     view) echo base convex export view ;;
     evaluate) echo base shape scene record export evaluate ;;
-    stability) echo base mesh model solid coupling export evaluate stability ;;
+    stability) echo base mesh model solid scene coupling export evaluate stability ;;
     survive) echo base scene export evaluate survive ;;
     cli) echo base mesh cli ;;
     *) echo "unknown" ;;

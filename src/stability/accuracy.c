@@ -37,17 +37,16 @@ static double swing_period(const Swing *swing)
 
 /* q under a steady load of `rate` × s a second, from a run that mass-proportional friction near the critical one brings to
    rest. It does not change where that is: friction vanishes with the velocities. NaN where nothing settles. */
-static double settle_with(ShvProbe *probe, const ShvProbeReference *reference, double stiffness, int32_t iterations,
-                          double step, double friction)
+static double settle_with(ShvProbe *probe, double stiffness, int32_t iterations, double step, double friction)
 {
     enum { MOST_PERIODS = 60, IN_A_ROW = 4 };
     static const double settled = 1e-6;
-    const double rate = stretch_rate(probe) / reference->period;
+    const double period = probe->reference.period, rate = stretch_rate(probe) / period;
     const double keep = 1.0 / (1.0 + friction * step);
-    double before = 0.0, next = 0.25 * reference->period;
+    double before = 0.0, next = 0.25 * period;
     int still = 0;
     shv_probe_restart(probe, NULL, 0.0, stiffness, iterations);
-    for (double time = 0.0; time < MOST_PERIODS * reference->period; time += step) {
+    for (double time = 0.0; time < MOST_PERIODS * period; time += step) {
         shv_probe_push(probe, rate * step, keep);
         if (shv_probe_step(probe, step) != SHV_OK) return (double)NAN;
         if (time < next) continue;
@@ -55,42 +54,36 @@ static double settle_with(ShvProbe *probe, const ShvProbeReference *reference, d
         still = fabs(q - before) <= settled * fabs(q) ? still + 1 : 0;
         if (still == IN_A_ROW) return q / rate;
         before = q;
-        next = fmax(next, time) + 0.25 * reference->period;
+        next = fmax(next, time) + 0.25 * period;
     }
     return (double)NAN;
 }
 
 /* Near the limit friction may be too much; bars bring their own. */
-static double settle(ShvProbe *probe, const ShvProbeReference *reference, double stiffness, int32_t iterations,
-                     double step)
+static double settle(ShvProbe *probe, double stiffness, int32_t iterations, double step)
 {
     static const double two_pi = 6.283185307179586;
-    const double critical = 2.0 * two_pi / reference->period;
-    const double q = settle_with(probe, reference, stiffness, iterations, step, critical);
-    return isnan(q) && iterations > 0 ? settle_with(probe, reference, stiffness, iterations, step, 0.0) : q;
+    const double critical = 2.0 * two_pi / probe->reference.period;
+    const double q = settle_with(probe, stiffness, iterations, step, critical);
+    return isnan(q) && iterations > 0 ? settle_with(probe, stiffness, iterations, step, 0.0) : q;
 }
 
 /* ---- the reference ---- */
 
-static ShvStatus reserve(ShvProbe *probe, ShvProbeReference *reference, int32_t *room, ShvError *error)
-{
-    if (reference->count < *room) return SHV_OK;
-    const int32_t count = *room ? 2 * *room : 1024;
-    SHV_RESIZE(probe->memory, SHV_PART_GENERAL, reference->q, (size_t)count, "the reference run",
-               (size_t)count * sizeof(double), error);
-    *room = count;
-    return SHV_OK;
-}
-
-static ShvStatus swing_freely(ShvProbe *probe, ShvProbeReference *reference, ShvError *error)
+static ShvStatus swing_freely(ShvProbe *probe, ShvError *error)
 {
     enum { MOST_STEPS = 4000000 };
+    ShvProbeReference *reference = &probe->reference;
     const double rate = stretch_rate(probe);
     Swing swing = {0.0, 0.0, {0.0, 0.0}, 0};
-    int32_t room = 0;
+    size_t room = 0;
     shv_probe_restart(probe, probe->stretch, rate, 0.0, 0);
     for (int32_t i = 0; i < MOST_STEPS && swing.count < 2; i++) {
-        SHV_TRY(reserve(probe, reference, &room, error));
+        if ((size_t)i == room) {
+            room = room ? 2 * room : 1024;
+            SHV_RESIZE(probe->pool.memory, SHV_PART_GENERAL, reference->q, room, "the reference run",
+                       room * sizeof(double), error);
+        }
         if (i > 0 && shv_probe_step(probe, reference->step) != SHV_OK) break;
         const double q = shv_probe_elongation(probe) / rate;
         reference->q[reference->count++] = q;
@@ -102,18 +95,12 @@ static ShvStatus swing_freely(ShvProbe *probe, ShvProbeReference *reference, Shv
     return shv_fail(error, SHV_DIVERGED, "the first body does not swing at a quarter of the stable step");
 }
 
-ShvStatus shv_probe_refer(ShvProbe *probe, ShvProbeReference *reference, ShvError *error)
+ShvStatus shv_probe_refer(ShvProbe *probe, ShvError *error)
 {
-    *reference = (ShvProbeReference){.step = 0.25 * probe->hybrid.steps.stable};
-    SHV_TRY(swing_freely(probe, reference, error));
-    reference->compliance = settle(probe, reference, 0.0, 0, 4.0 * reference->step);
+    probe->reference.step = 0.25 * probe->hybrid.steps.stable;
+    SHV_TRY(swing_freely(probe, error));
+    probe->reference.compliance = settle(probe, 0.0, 0, 4.0 * probe->reference.step);
     return SHV_OK;
-}
-
-void shv_probe_refer_release(ShvProbeReference *reference)
-{
-    shv_release(reference->q);
-    *reference = (ShvProbeReference){.q = NULL};
 }
 
 static double reference_at(const ShvProbeReference *reference, double time)
@@ -125,9 +112,9 @@ static double reference_at(const ShvProbeReference *reference, double time)
 
 /* ---- one step ---- */
 
-static void measure_swing(ShvProbe *probe, const ShvProbeReference *reference, const ShvStabilityRow *row,
-                          ShvStabilityPoint *point)
+static void measure_swing(ShvProbe *probe, const ShvStabilityRow *row, ShvStabilityPoint *point)
 {
+    const ShvProbeReference *reference = &probe->reference;
     const double rate = stretch_rate(probe), step = point->multiple * row->stable_step;
     Swing swing = {0.0, 0.0, {0.0, 0.0}, 0};
     shv_probe_restart(probe, probe->stretch, rate, row->stiffness, row->iterations);
@@ -148,10 +135,9 @@ static void measure_swing(ShvProbe *probe, const ShvProbeReference *reference, c
     point->frequency = period >= 4.0 * step ? reference->period / period : (double)NAN;
 }
 
-void shv_probe_measure(ShvProbe *probe, const ShvProbeReference *reference, const ShvStabilityRow *row,
-                       ShvStabilityPoint *point)
+void shv_probe_measure(ShvProbe *probe, const ShvStabilityRow *row, ShvStabilityPoint *point)
 {
     const double step = point->multiple * row->stable_step;
-    measure_swing(probe, reference, row, point);
-    point->stiffness = reference->compliance / settle(probe, reference, row->stiffness, row->iterations, step);
+    measure_swing(probe, row, point);
+    point->stiffness = probe->reference.compliance / settle(probe, row->stiffness, row->iterations, step);
 }

@@ -45,16 +45,16 @@ static double weight_of(const ShvProbe *probe, const Edge *edge)
     return mass * square * change * change / (material->youngs_modulus * hybrid->fragments.items[0].volume);
 }
 
-ShvStatus shv_bars_alone(ShvBarsAlone *bars, const ShvProbe *probe, ShvError *error)
+ShvStatus shv_bars_alone(ShvProbe *probe, ShvError *error)
 {
     const ShvObject *object = &probe->hybrid.model.objects[0];
+    ShvBarsAlone *bars = &probe->bars;
     const size_t most = 6 * (size_t)(object->element_end - object->element_begin);
-    *bars = (ShvBarsAlone){.count = 0};
-    Edge *edges = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof *edges);
-    bars->weight = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof(double));
-    bars->visits = shv_allocate(probe->memory, SHV_PART_GENERAL, most, sizeof(int32_t));
-    const bool whole = edges && bars->weight && bars->visits;
-    const int64_t count = whole ? list_edges(probe, edges) : 0;
+    Edge *edges = shv_pool_take(&probe->pool, most, sizeof *edges);
+    bars->weight = shv_pool_take(&probe->pool, most, sizeof *bars->weight);
+    bars->visits = shv_pool_take(&probe->pool, most, sizeof *bars->visits);
+    if (probe->pool.failed) return shv_fail_memory(error, "edges", most * (sizeof *edges + 12));
+    const int64_t count = list_edges(probe, edges);
     for (int64_t i = 0; i < count; i++) {
         if (i == 0 || compare_edges(&edges[i], &edges[i - 1]) != 0)
             bars->weight[bars->count++] = weight_of(probe, &edges[i]);
@@ -62,15 +62,7 @@ ShvStatus shv_bars_alone(ShvBarsAlone *bars, const ShvProbe *probe, ShvError *er
     }
     if (probe->scene.pbd.form == SHV_BARS_EDGE)
         for (int32_t i = 0; i < bars->count; i++) bars->visits[i] = 1;
-    shv_release(edges);
-    return whole ? SHV_OK : shv_fail_memory(error, "edges", most * (sizeof *edges + 12));
-}
-
-void shv_bars_alone_release(ShvBarsAlone *bars)
-{
-    shv_release(bars->weight);
-    shv_release(bars->visits);
-    *bars = (ShvBarsAlone){.count = 0};
+    return SHV_OK;
 }
 
 double shv_bars_alone_stiffness(const ShvBarsAlone *bars, double stiffness, int32_t iterations, double step)

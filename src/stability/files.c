@@ -1,8 +1,8 @@
 /* The files of a measurement. */
 #include "base/publish.h"
 #include "base/text.h"
-#include "export/plot.h"
 #include "export/output.h"
+#include "export/plot.h"
 #include "stability/stability.h"
 
 enum { MOST_LINES = SHV_MOST_STABILITY_VALUES + 1, PICTURES = 3 };
@@ -17,47 +17,57 @@ typedef struct Drawing {
     ShvPlotPoint points[MOST_LINES][SHV_MOST_STABILITY_VALUES];
     char names[MOST_LINES][24];
     ShvPlotLine lines[MOST_LINES];
+    int32_t count;
 } Drawing;
+
+/* Begins a line; its points come next. */
+static void begin_line(Drawing *drawing)
+{
+    const int32_t i = drawing->count++;
+    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], 0, SHV_PLOT_MARKED_LINE};
+    shv_format(drawing->names[i], sizeof drawing->names[i], "no bars");
+}
+
+static void add_point(Drawing *drawing, double x, double y)
+{
+    const int32_t i = drawing->count - 1;
+    drawing->points[i][drawing->lines[i].count++] = (ShvPlotPoint){.x = x, .y = y};
+}
+
+static void put_plot(FILE *stream, const Drawing *drawing, const char *x, const char *y)
+{
+    const ShvPlot plot = {.title = drawing->stability->name,
+                          .x_label = x,
+                          .y_label = y,
+                          .log_x = true,
+                          .log_y = true,
+                          .lines = drawing->lines,
+                          .line_count = drawing->count};
+    shv_plot_write(stream, &plot, false);
+}
 
 static void put_limits(FILE *stream, Drawing *drawing)
 {
     const ShvStability *stability = drawing->stability;
-    const ShvStabilityOptions *options = &stability->options;
-    const int32_t plain = options->stiffness.count;
-    for (int32_t k = 0; k <= plain; k++) {
-        for (int32_t n = 0; n < options->iterations.count; n++) {
-            const ShvStabilityRow *row = &stability->rows[k < plain ? 1 + k * options->iterations.count + n : 0];
-            drawing->points[k][n] = (ShvPlotPoint){.x = options->iterations.values[n], .y = row->limit};
-        }
-        if (k < plain)
-            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", options->stiffness.values[k]);
-        else
-            shv_format(drawing->names[k], sizeof drawing->names[k], "no bars");
-        drawing->lines[k] =
-            (ShvPlotLine){drawing->names[k], drawing->points[k], options->iterations.count, SHV_PLOT_MARKED_LINE};
+    const ShvStabilityValues *stiffness = &stability->options.stiffness, *iterations = &stability->options.iterations;
+    for (int32_t k = 0; k <= stiffness->count; k++) {
+        begin_line(drawing);
+        if (k < stiffness->count)
+            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", stiffness->values[k]);
+        for (int32_t n = 0; n < iterations->count; n++)
+            add_point(drawing, iterations->values[n],
+                      stability->rows[k < stiffness->count ? 1 + k * iterations->count + n : 0].limit);
     }
-    shv_plot_write(stream,
-                   &(ShvPlot){.title = stability->name,
-                              .x_label = "sweeps of bars a step",
-                              .y_label = "largest stable step, computed stable steps",
-                              .log_x = true,
-                              .log_y = true,
-                              .lines = drawing->lines,
-                              .line_count = plain + 1},
-                   false);
+    put_plot(stream, drawing, "sweeps of bars a step", "largest stable step, computed stable steps");
 }
 
-static void add_line(Drawing *drawing, int32_t *count, const ShvStabilityRow *row,
-                     double (*value)(const ShvStabilityPoint *point))
+static void add_line(Drawing *drawing, const ShvStabilityRow *row, double (*value)(const ShvStabilityPoint *point))
 {
-    const int32_t i = (*count)++;
-    for (int32_t k = 0; k < row->point_count; k++)
-        drawing->points[i][k] = (ShvPlotPoint){.x = row->points[k].multiple, .y = value(&row->points[k])};
+    const int32_t i = drawing->count;
+    begin_line(drawing);
+    for (int32_t k = 0; k < row->point_count; k++) add_point(drawing, row->points[k].multiple, value(&row->points[k]));
     if (row->iterations > 0)
         shv_format(drawing->names[i], sizeof drawing->names[i], "k %g, n %d", row->stiffness, (int)row->iterations);
-    else
-        shv_format(drawing->names[i], sizeof drawing->names[i], "no bars");
-    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], row->point_count, SHV_PLOT_MARKED_LINE};
 }
 
 /* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the
@@ -69,20 +79,11 @@ static void put_against_step(FILE *stream, Drawing *drawing, const char *label,
     const ShvStabilityOptions *options = &drawing->stability->options;
     const ShvStabilityRow *rows = drawing->stability->rows;
     const int32_t n = options->iterations.count, middle = n / 2;
-    int32_t count = 0;
-    add_line(drawing, &count, &rows[0], value);
+    add_line(drawing, &rows[0], value);
     for (int32_t k = 0; n > 0 && k < options->stiffness.count && k < MOST_K; k++)
-        add_line(drawing, &count, &rows[1 + k * n + middle], value);
-    if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &count, &rows[n], value);
-    shv_plot_write(stream,
-                   &(ShvPlot){.title = drawing->stability->name,
-                              .x_label = "step, computed stable steps",
-                              .y_label = label,
-                              .log_x = true,
-                              .log_y = true,
-                              .lines = drawing->lines,
-                              .line_count = count},
-                   false);
+        add_line(drawing, &rows[1 + k * n + middle], value);
+    if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &rows[n], value);
+    put_plot(stream, drawing, "step, computed stable steps", label);
 }
 
 static double stiffness_of(const ShvStabilityPoint *point)
@@ -97,6 +98,7 @@ static double error_of(const ShvStabilityPoint *point)
 
 static void put_picture(FILE *stream, Drawing *drawing, int which)
 {
+    drawing->count = 0;
     if (which == 0)
         put_limits(stream, drawing);
     else if (which == 1)

@@ -7,21 +7,16 @@
 /* Strain rates and velocities at the start are this small against the speed of waves, so that what is seen is linear. */
 static const double small = 1e-6;
 
-static ShvStatus copy_materials(ShvProbe *probe, const ShvSceneDefinition *scene, double modulus, ShvError *error)
+/* What is judged here must not end the run: energies have no bound. */
+static ShvStatus strip_scene(ShvProbe *probe, const ShvSceneDefinition *scene, double modulus, ShvError *error)
 {
     const size_t count = (size_t)scene->material_count;
-    probe->materials = shv_allocate(probe->memory, SHV_PART_GENERAL, count, sizeof *probe->materials);
+    probe->materials = shv_pool_take(&probe->pool, count, sizeof *probe->materials);
     if (!probe->materials) return shv_fail_memory(error, "materials", count * sizeof *probe->materials);
     for (size_t i = 0; i < count; i++) {
         probe->materials[i] = scene->materials[i];
         if (!isnan(modulus)) probe->materials[i].youngs_modulus = modulus;
     }
-    return SHV_OK;
-}
-
-/* What is judged here must not end the run: energies have no bound. */
-static void strip_scene(ShvProbe *probe, const ShvSceneDefinition *scene)
-{
     probe->scene = *scene;
     probe->scene.materials = probe->materials;
     probe->scene.condition_count = probe->scene.obstacle_count = probe->scene.event_count = 0;
@@ -31,6 +26,7 @@ static void strip_scene(ShvProbe *probe, const ShvSceneDefinition *scene)
     probe->scene.fracture.stabiliser = SHV_STABILISER_BARS;
     probe->scene.fracture.energy_bound = 1e300;
     probe->scene.reference.law = SHV_REFERENCE_NONE;
+    return SHV_OK;
 }
 
 static ShvStatus wake_all(ShvHybrid *hybrid, ShvError *error)
@@ -88,11 +84,10 @@ static ShvStatus make_fields(ShvProbe *probe, uint64_t seed, ShvError *error)
     const size_t count = 3 * (size_t)probe->hybrid.state.node_count;
     probe->modulus = material->youngs_modulus;
     probe->bar_speed = material->bar_speed;
-    probe->shake = shv_allocate(probe->memory, SHV_PART_GENERAL, count, sizeof(double));
-    probe->stretch = shv_allocate(probe->memory, SHV_PART_GENERAL, count, sizeof(double));
-    probe->before = shv_allocate(probe->memory, SHV_PART_GENERAL, count, sizeof(double));
-    if (!probe->shake || !probe->stretch || !probe->before)
-        return shv_fail_memory(error, "velocities", 3 * count * sizeof(double));
+    probe->shake = shv_pool_take(&probe->pool, count, sizeof(double));
+    probe->stretch = shv_pool_take(&probe->pool, count, sizeof(double));
+    probe->before = shv_pool_take(&probe->pool, count, sizeof(double));
+    if (probe->pool.failed) return shv_fail_memory(error, "velocities", 3 * count * sizeof(double));
     draw_shake(probe, seed);
     shape_stretch(probe);
     return SHV_OK;
@@ -101,24 +96,18 @@ static ShvStatus make_fields(ShvProbe *probe, uint64_t seed, ShvError *error)
 ShvStatus shv_probe_create(ShvProbe *probe, const ShvSceneDefinition *scene, const ShvStabilityOptions *options,
                            double modulus, ShvError *error)
 {
-    *probe = (ShvProbe){.memory = options->memory};
-    SHV_TRY(copy_materials(probe, scene, modulus, error));
-    strip_scene(probe, scene);
-    ShvStatus status = shv_hybrid_create(&probe->hybrid, options->memory, &probe->scene, options->folder, error);
-    if (status == SHV_OK) status = wake_all(&probe->hybrid, error);
-    if (status == SHV_OK) status = make_fields(probe, options->seed, error);
-    if (status != SHV_OK) shv_probe_release(probe);
-    return status;
+    *probe = (ShvProbe){.pool = {.memory = options->memory}};
+    SHV_TRY(strip_scene(probe, scene, modulus, error));
+    SHV_TRY(shv_hybrid_create(&probe->hybrid, options->memory, &probe->scene, options->folder, error));
+    SHV_TRY(wake_all(&probe->hybrid, error));
+    return make_fields(probe, options->seed, error);
 }
 
 void shv_probe_release(ShvProbe *probe)
 {
     if (probe->hybrid.scene) shv_hybrid_release(&probe->hybrid);
-    shv_release(probe->materials);
-    shv_release(probe->shake);
-    shv_release(probe->stretch);
-    shv_release(probe->before);
-    memset(probe, 0, sizeof *probe);
+    shv_release(probe->reference.q);
+    shv_pool_release(&probe->pool);
 }
 
 void shv_probe_restart(ShvProbe *probe, const double *velocities, double scale, double stiffness, int32_t iterations)

@@ -70,39 +70,30 @@ static ShvStatus check_options(const ShvStabilityOptions *options, ShvError *err
 
 /* ---- rows ---- */
 
-/* Without bars the program does not begin above the computed step: asked of the program itself. */
-static ShvStatus ask_for_refusal(const ShvSceneDefinition *given, const ShvProbe *probe,
-                                 const ShvStabilityOptions *options, double multiple, bool *refused, ShvError *error)
-{
-    ShvSceneDefinition scene = *given;
-    scene.materials = probe->materials;
-    scene.fracture.stabiliser = SHV_STABILISER_NONE;
-    scene.fracture.time_step = multiple * probe->hybrid.steps.stable;
-    ShvSimulationOptions making = shv_simulation_options_default();
-    making.folder = options->folder;
-    making.memory = options->memory;
-    ShvSimulation *simulation = NULL;
-    const ShvStatus status = shv_simulation_create(&simulation, &scene, &making, error);
-    shv_simulation_destroy(simulation);
-    *refused = status == SHV_BAD_INPUT;
-    return status == SHV_OK || *refused ? SHV_OK : status;
-}
-
-static ShvStatus find_refusal(const ShvSceneDefinition *scene, const ShvProbe *probe,
+/* Without bars the program does not begin above the computed step: asked of the program itself, on both sides of it. One that
+   is refused below is so for another reason, and the message says which. */
+static ShvStatus find_refusal(const ShvSceneDefinition *given, const ShvProbe *probe,
                               const ShvStabilityOptions *options, ShvStabilityRow *row, ShvError *error)
 {
     static const double tried[] = {0.999, 1.001};
-    bool refused[2];
+    ShvSceneDefinition scene = *given;
+    ShvSimulationOptions making = shv_simulation_options_default();
+    making.folder = options->folder;
+    making.memory = options->memory;
+    scene.materials = probe->materials;
+    scene.fracture.stabiliser = SHV_STABILISER_NONE;
     for (int i = 0; i < 2; i++) {
-        SHV_TRY(ask_for_refusal(scene, probe, options, tried[i], &refused[i], error));
-        if (refused[0]) return SHV_BAD_INPUT; /* for another reason than its step; the message says which */
+        ShvSimulation *simulation = NULL;
+        scene.fracture.time_step = tried[i] * probe->hybrid.steps.stable;
+        const ShvStatus status = shv_simulation_create(&simulation, &scene, &making, error);
+        shv_simulation_destroy(simulation);
+        if (i == 0 || status != SHV_BAD_INPUT) SHV_TRY(status);
+        if (status == SHV_BAD_INPUT) row->refused_above = 1.0;
     }
-    if (refused[1]) row->refused_above = 1.0;
     return SHV_OK;
 }
 
-static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, const ShvProbeReference *reference,
-                           const ShvBarsAlone *alone, ShvStabilityRow *row)
+static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, ShvStabilityRow *row)
 {
     for (int32_t i = 0; i <= options->multiples.count; i++) {
         const bool last = i == options->multiples.count;
@@ -114,45 +105,40 @@ static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, 
                                      .displacement = (double)NAN,
                                      .energy_kept = (double)NAN};
         point->closed_form =
-            shv_bars_alone_stiffness(alone, row->stiffness, row->iterations, point->multiple * row->stable_step);
+            shv_bars_alone_stiffness(&probe->bars, row->stiffness, row->iterations, point->multiple * row->stable_step);
         point->outcome = last ? SHV_STABLE : shv_probe_judge(probe, row, point->multiple, options->steps);
-        if (point->outcome == SHV_STABLE) shv_probe_measure(probe, reference, row, point);
+        if (point->outcome == SHV_STABLE) shv_probe_measure(probe, row, point);
         if (point->multiple > row->refused_above) point->outcome = SHV_REFUSED;
     }
 }
 
-static void measure_row(ShvStability *stability, ShvProbe *probe, const ShvProbeReference *reference,
-                        const ShvBarsAlone *alone, ShvStabilityRow *row, double without)
+/* `without`: the limit without bars; says nothing in the row of that. */
+static void measure_row(ShvStability *stability, ShvProbe *probe, ShvStabilityRow *row, double without)
 {
     const ShvStabilityOptions *options = &stability->options;
+    stability->count++;
     row->modulus = probe->modulus;
     if (options->begins) options->begins(options->data, row->modulus, row->stiffness, row->iterations);
     shv_probe_search(probe, options, row);
     row->over_mesh = row->limit / (row->iterations > 0 ? without : row->limit);
-    measure_points(probe, options, reference, alone, row);
-}
-
-static ShvStabilityRow *next_row(ShvStability *stability, double stiffness, int32_t iterations)
-{
-    ShvStabilityRow *row = &stability->rows[stability->count++];
-    row->stiffness = stiffness;
-    row->iterations = iterations;
-    row->refused_above = (double)NAN;
-    return row;
+    measure_points(probe, options, row);
 }
 
 static ShvStatus measure_rows(ShvStability *stability, const ShvSceneDefinition *scene, ShvProbe *probe,
-                              const ShvProbeReference *reference, const ShvBarsAlone *alone, ShvError *error)
+                              ShvError *error)
 {
     const ShvStabilityOptions *options = &stability->options;
-    ShvStabilityRow *plain = next_row(stability, 0.0, 0);
+    ShvStabilityRow *plain = &stability->rows[stability->count], *row = plain;
+    *plain = (ShvStabilityRow){.refused_above = (double)NAN};
     SHV_TRY(find_refusal(scene, probe, options, plain, error));
-    measure_row(stability, probe, reference, alone, plain, 1.0);
+    measure_row(stability, probe, plain, 0.0);
     for (int32_t k = 0; k < options->stiffness.count; k++)
-        for (int32_t n = 0; n < options->iterations.count; n++)
-            measure_row(stability, probe, reference, alone,
-                        next_row(stability, options->stiffness.values[k], (int32_t)options->iterations.values[n]),
-                        plain->limit);
+        for (int32_t n = 0; n < options->iterations.count; n++) {
+            *++row = (ShvStabilityRow){.stiffness = options->stiffness.values[k],
+                                       .iterations = (int32_t)options->iterations.values[n],
+                                       .refused_above = (double)NAN};
+            measure_row(stability, probe, row, plain->limit);
+        }
     return SHV_OK;
 }
 
@@ -160,14 +146,10 @@ static ShvStatus measure_modulus(ShvStability *stability, const ShvSceneDefiniti
                                  ShvError *error)
 {
     ShvProbe probe;
-    ShvProbeReference reference = {.q = NULL};
-    ShvBarsAlone alone = {.count = 0};
-    SHV_TRY(shv_probe_create(&probe, scene, &stability->options, modulus, error));
-    ShvStatus status = shv_probe_refer(&probe, &reference, error);
-    if (status == SHV_OK) status = shv_bars_alone(&alone, &probe, error);
-    if (status == SHV_OK) status = measure_rows(stability, scene, &probe, &reference, &alone, error);
-    shv_bars_alone_release(&alone);
-    shv_probe_refer_release(&reference);
+    ShvStatus status = shv_probe_create(&probe, scene, &stability->options, modulus, error);
+    if (status == SHV_OK) status = shv_probe_refer(&probe, error);
+    if (status == SHV_OK) status = shv_bars_alone(&probe, error);
+    if (status == SHV_OK) status = measure_rows(stability, scene, &probe, error);
     shv_probe_release(&probe);
     return status;
 }

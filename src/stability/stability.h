@@ -3,6 +3,7 @@
 #define SHV_STABILITY_STABILITY_H
 
 #include "coupling/hybrid.h"
+#include "scene/pool.h"
 #include "shiver/stability.h"
 
 struct ShvStability {
@@ -13,8 +14,24 @@ struct ShvStability {
     int32_t count;
 };
 
+/* The small-step run without bars. */
+typedef struct ShvProbeReference {
+    double step, period; /* s */
+    double compliance;   /* s²: static q of a load of 1/s² */
+    double *q;           /* after 0, 1, … steps, as of a stretching rate of 1/s: s */
+    int32_t count;
+    double largest; /* |q| */
+} ShvProbeReference;
+
+/* Sums over the edges of the first body, made once. */
+typedef struct ShvBarsAlone {
+    double *weight;  /* per edge: reduced mass × (change of length per stretch)² over E V, s² */
+    int32_t *visits; /* per edge: of one sweep */
+    int32_t count;
+} ShvBarsAlone;
+
 typedef struct ShvProbe {
-    ShvMemory *memory;
+    ShvPool pool; /* of materials, fields and bars */
     ShvMaterialDefinition *materials;
     ShvSceneDefinition scene;
     ShvHybrid hybrid;    /* made from `scene`, whose pbd is changed from run to run */
@@ -24,9 +41,11 @@ typedef struct ShvProbe {
     double stretch_norm; /* Σ m s·s, kg m² */
     ShvVec3 axis;
     double modulus, bar_speed, length; /* of the first body; length: diameter about its centre, m */
+    ShvProbeReference reference;
+    ShvBarsAlone bars;
 } ShvProbe;
 
-/* `modulus`: of all materials, NaN for their own. `probe` must not move afterwards. On failure it owns nothing. */
+/* `modulus`: of all materials, NaN for their own. `probe` must not move afterwards; the caller releases it in every case. */
 ShvStatus shv_probe_create(ShvProbe *probe, const ShvSceneDefinition *scene, const ShvStabilityOptions *options,
                            double modulus, ShvError *error);
 void shv_probe_release(ShvProbe *probe);
@@ -39,33 +58,17 @@ double shv_probe_elongation(const ShvProbe *probe);
 /* Adds the velocity of a steady load, `rate` × s in a step, and multiplies velocities by `keep`. */
 void shv_probe_push(ShvProbe *probe, double rate, double keep);
 
-/* judge.c: `steps` steps of `multiple` stable steps from the shaken state. `largest` (may be NULL): energy over the start. */
+/* judge.c: `steps` steps of `multiple` stable steps from the shaken state. */
 ShvStabilityClass shv_probe_judge(ShvProbe *probe, const ShvStabilityRow *row, double multiple, int32_t steps);
 /* search.c: limit, failed, classes and monotony of a row. */
 void shv_probe_search(ShvProbe *probe, const ShvStabilityOptions *options, ShvStabilityRow *row);
 
-/* accuracy.c: the small-step run without bars. */
-typedef struct ShvProbeReference {
-    double step, period; /* s */
-    double compliance;   /* s²: static q of a load of 1/s² */
-    double *q;           /* after 0, 1, … steps, as of a stretching rate of 1/s: s */
-    int32_t count;
-    double largest; /* |q| */
-} ShvProbeReference;
-ShvStatus shv_probe_refer(ShvProbe *probe, ShvProbeReference *reference, ShvError *error);
-void shv_probe_refer_release(ShvProbeReference *reference);
-void shv_probe_measure(ShvProbe *probe, const ShvProbeReference *reference, const ShvStabilityRow *row,
-                       ShvStabilityPoint *point);
+/* accuracy.c: makes the reference; errors of one step against it. */
+ShvStatus shv_probe_refer(ShvProbe *probe, ShvError *error);
+void shv_probe_measure(ShvProbe *probe, const ShvStabilityRow *row, ShvStabilityPoint *point);
 
-/* alone.c: stiffness over that without bars if every bar were alone, for one k, n and step (s). The sums over edges are made
-   once. */
-typedef struct ShvBarsAlone {
-    double *weight;  /* per edge: reduced mass × (change of length per stretch)² over E V, s² */
-    int32_t *visits; /* per edge: of one sweep */
-    int32_t count;
-} ShvBarsAlone;
-ShvStatus shv_bars_alone(ShvBarsAlone *bars, const ShvProbe *probe, ShvError *error);
-void shv_bars_alone_release(ShvBarsAlone *bars);
+/* alone.c: makes the sums; stiffness over that without bars if every bar were alone, for one k, n and step (s). */
+ShvStatus shv_bars_alone(ShvProbe *probe, ShvError *error);
 double shv_bars_alone_stiffness(const ShvBarsAlone *bars, double stiffness, int32_t iterations, double step);
 
 /* tables.c */
