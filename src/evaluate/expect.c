@@ -65,7 +65,6 @@ static ShvStatus compare(Verifier *verifier, char *line, ShvVerifyRow *row, ShvE
 {
     const ShvFormulaNames names = shv_names(&verifier->names);
     char *sign = NULL;
-    bool absolute;
     const Relation *relation = find_relation(line, &sign);
     if (!relation)
         return shv_fail(error, SHV_BAD_INPUT,
@@ -73,15 +72,14 @@ static ShvStatus compare(Verifier *verifier, char *line, ShvVerifyRow *row, ShvE
     char *right = sign + strlen(relation->sign), *end = sign;
     while (end > line && end[-1] == ' ') end--;
     *end = '\0';
-    const char *within = cut_tolerance(right, &absolute);
-    SHV_TRY(shv_formula_number(line, &names, &row->value, error));
-    SHV_TRY(shv_formula_number(right, &names, &row->reference, error));
-    row->tolerance = 0.0;
-    if (within) SHV_TRY(shv_formula_number(within, &names, &row->tolerance, error));
+    const char *within = cut_tolerance(right, &row->absolute);
     row->compare = relation->compare;
     row->strict = relation->strict;
-    row->absolute = absolute || row->reference == 0.0;
-    row->error = (row->value - row->reference) / (row->absolute ? 1.0 : fabs(row->reference));
+    double tolerance = 0.0;
+    if (within) SHV_TRY(shv_formula_number(within, &names, &tolerance, error));
+    SHV_TRY(shv_formula_number(line, &names, &row->value, error));
+    SHV_TRY(shv_formula_number(right, &names, &row->reference, error));
+    row->tolerance = tolerance;
     return SHV_OK;
 }
 
@@ -100,8 +98,7 @@ static ShvStatus expect_line(Verifier *verifier, char *line, const ShvCaseRun *r
         if (status == SHV_NO_MEMORY) return shv_fail_memory(error, "rows", 0);
         if (status != SHV_OK && now->outcome.status == SHV_OK)
             return shv_verify_fail(verifier, row.quantity, &why, error);
-        if (status != SHV_OK) row.error = (double)NAN; /* what the run did not come to is a miss */
-        shv_verify_judge(&row, run->explained);
+        shv_verify_judge(&row, row.absolute, run->explained); /* what the run did not come to is a miss */
     } else {
         row.verdict = so ? SHV_VERDICT_PASS : run->explained ? SHV_VERDICT_EXPLAINED : SHV_VERDICT_MISS;
         if (!so) row.note = run->explained ? run->explained : message[0] ? message : "it ran to its end";

@@ -249,28 +249,23 @@ static ShvStatus parse_sign(Parser *parser, ShvFormulaValue *value)
     return minus ? operate(parser, '*', value, &less) : SHV_OK;
 }
 
-static ShvStatus parse_product(Parser *parser, ShvFormulaValue *value)
+/* Sums of products, from the left: `signs` are the two operations of this level. */
+static ShvStatus parse_terms(Parser *parser, const char *signs, ShvFormulaValue *value)
 {
-    SHV_TRY(parse_sign(parser, value));
+    const bool sum = signs[0] == '+';
+    SHV_TRY(sum ? parse_terms(parser, "*/", value) : parse_sign(parser, value));
     while (true) {
-        const char operation = take(parser, '*') ? '*' : take(parser, '/') ? '/' : '\0';
+        const char operation = take(parser, signs[0]) ? signs[0] : take(parser, signs[1]) ? signs[1] : '\0';
         if (!operation) return SHV_OK;
         ShvFormulaValue other;
-        SHV_TRY(parse_sign(parser, &other));
+        SHV_TRY(sum ? parse_terms(parser, "*/", &other) : parse_sign(parser, &other));
         SHV_TRY(operate(parser, operation, value, &other));
     }
 }
 
 static ShvStatus parse_sum(Parser *parser, ShvFormulaValue *value)
 {
-    SHV_TRY(parse_product(parser, value));
-    while (true) {
-        const char operation = take(parser, '+') ? '+' : take(parser, '-') ? '-' : '\0';
-        if (!operation) return SHV_OK;
-        ShvFormulaValue other;
-        SHV_TRY(parse_product(parser, &other));
-        SHV_TRY(operate(parser, operation, value, &other));
-    }
+    return parse_terms(parser, "+-", value);
 }
 
 ShvStatus shv_formula_evaluate(const char *text, const ShvFormulaNames *names, ShvFormulaValue *value, ShvError *error)

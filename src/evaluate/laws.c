@@ -26,21 +26,6 @@ ShvLineMotion shv_law_bounce(double height, double velocity, double gravity, dou
     return accelerate(motion, -gravity, time);
 }
 
-ShvLineMotion shv_law_slide(double velocity, double pull, double friction, double time)
-{
-    ShvLineMotion motion = {0.0, velocity};
-    if (velocity != 0.0) {
-        const double acceleration = pull - copysign(friction, velocity);
-        const double stop = velocity * acceleration < 0.0 ? -velocity / acceleration : HUGE_VAL;
-        motion = accelerate(motion, acceleration, fmin(time, stop));
-        if (time < stop) return motion;
-        time -= stop;
-        motion.velocity = 0.0;
-    }
-    if (fabs(pull) <= friction) return motion;
-    return accelerate(motion, pull - copysign(friction, pull), time);
-}
-
 /* Friction of acceleration `drag` against the motion of the contact point slows the centre and spins the rim. */
 static ShvRollMotion roll_on(ShvRollMotion from, double pull, double drag, double shape, double time)
 {
@@ -60,6 +45,11 @@ ShvRollMotion shv_law_roll(double velocity, double rim_speed, double pull, doubl
         motion.rim.velocity = motion.centre.velocity;
     }
     /* Rolling needs drag = pull shape/(1 + shape). */
-    const double needed = pull * shape / (1.0 + shape);
+    const double needed = isinf(shape) ? pull : pull * shape / (1.0 + shape);
     return roll_on(motion, pull, fabs(needed) <= friction ? needed : copysign(friction, pull), shape, time);
+}
+
+ShvLineMotion shv_law_slide(double velocity, double pull, double friction, double time)
+{
+    return shv_law_roll(velocity, 0.0, pull, friction, HUGE_VAL, time).centre;
 }

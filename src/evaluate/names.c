@@ -46,16 +46,10 @@ static bool crack_function(ShvNames *names, const char *function, const ShvOutco
 {
     const bool overlap = strcmp(function, "crack_overlap") == 0, mean = strcmp(function, "crack_mean_distance") == 0;
     if (!overlap && !mean && strcmp(function, "crack_distance") != 0) return false;
-    *number = (double)NAN;
     if (!other) return true;
     const ShvCrackSurface a = crack_of(names->run->outcome), b = crack_of(other);
-    if (a.mesh == 0 || b.mesh == 0) return true;
-    if (overlap) {
-        *number = shv_crack_overlap(&a, &b);
-        return true;
-    }
-    const ShvCrackDistance distance = shv_crack_distance(&a, &b);
-    *number = mean ? distance.mean : distance.largest;
+    const ShvCrackDistance distance = overlap ? (ShvCrackDistance){0.0, 0.0} : shv_crack_distance(&a, &b);
+    *number = overlap ? shv_crack_overlap(&a, &b) : mean ? distance.mean : distance.largest;
     return true;
 }
 
@@ -123,9 +117,11 @@ static bool find_list(const ShvOutcome *outcome, const char *name, ShvFormulaVal
     const ShvOutcomeList *list = shv_outcome_find(outcome, name);
     if (!list) return false;
     const double *times = shv_outcome_times(outcome, list);
-    *value = (ShvFormulaValue){.number = list->count > 0 ? list->values[0] : (double)NAN};
-    if (list->clock == SHV_CLOCK_NONE) return true;
-    *value = (ShvFormulaValue){.series = true, .times = times, .values = list->values, .count = list->count};
+    *value = (ShvFormulaValue){.series = list->clock != SHV_CLOCK_NONE,
+                               .number = list->count > 0 ? list->values[0] : (double)NAN,
+                               .times = times,
+                               .values = list->values,
+                               .count = list->count};
     return true;
 }
 

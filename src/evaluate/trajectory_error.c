@@ -83,12 +83,12 @@ typedef struct Sums {
     ShvVec3 momentum, exact_momentum;
 } Sums;
 
-/* The largest of them over the frames so far. */
+/* The largest over the frames so far: errors, and what they are measured by. */
 typedef struct Extremes {
-    double energy, lowest, gain;     /* J: error; the least energy; its largest rise above that */
-    double kinetic, start, fallen;   /* J, of the exact motion: kinetic; potential at the start, and its change */
-    double spin, exact_spin;         /* kg m²/s, about a body's own centre: error; of the exact motion */
-    double momentum, exact_momentum; /* kg m/s: likewise */
+    double errors[SHV_TRAJECTORY_MEASURES]; /* J, kg m²/s, kg m/s and so on */
+    double lowest;                          /* J: the least energy */
+    double kinetic, start, fallen; /* J, of the exact motion: kinetic; potential at the start, and its change */
+    double spin, momentum;         /* of the exact motion: kg m²/s, about a body's own centre; kg m/s */
 } Extremes;
 
 static double energy_of(const ShvBody *body, const ShvBodyState *state, ShvVec3 gravity)
@@ -101,18 +101,18 @@ static void raise(double *largest, double value)
     *largest = fmax(*largest, value);
 }
 
-static void add_body(Sums *sums, Extremes *most, double errors[SHV_TRAJECTORY_MEASURES], const ShvBody *body,
-                     const ShvBodyState *state, const ShvBodyState *exact, ShvVec3 gravity)
+static void add_body(Sums *sums, Extremes *most, const ShvBody *body, const ShvBodyState *state,
+                     const ShvBodyState *exact, ShvVec3 gravity)
 {
     const double moved = shv_norm(shv_sub(state->position, exact->position));
     const double turned = shv_angle_between(state->orientation, exact->orientation);
     const ShvVec3 spin = shv_body_spin_momentum(body, state), exact_spin = shv_body_spin_momentum(body, exact);
-    raise(&errors[SHV_TRAJECTORY_POSITION], moved);
-    raise(&errors[SHV_TRAJECTORY_ORIENTATION], turned);
-    raise(&errors[SHV_TRAJECTORY_VELOCITY], shv_norm(shv_sub(state->velocity, exact->velocity)));
-    raise(&errors[SHV_TRAJECTORY_SURFACE], moved + body->radius * turned);
-    raise(&most->spin, shv_norm(shv_sub(spin, exact_spin)));
-    raise(&most->exact_spin, shv_norm(exact_spin));
+    raise(&most->errors[SHV_TRAJECTORY_POSITION], moved);
+    raise(&most->errors[SHV_TRAJECTORY_ORIENTATION], turned);
+    raise(&most->errors[SHV_TRAJECTORY_VELOCITY], shv_norm(shv_sub(state->velocity, exact->velocity)));
+    raise(&most->errors[SHV_TRAJECTORY_SURFACE], moved + body->radius * turned);
+    raise(&most->errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM], shv_norm(shv_sub(spin, exact_spin)));
+    raise(&most->spin, shv_norm(exact_spin));
     sums->energy += energy_of(body, state, gravity);
     sums->exact_energy += energy_of(body, exact, gravity);
     sums->exact_kinetic += shv_body_kinetic(body, exact);
@@ -125,17 +125,17 @@ static void add_frame(Extremes *most, const Sums *sums, bool first)
     const double potential = sums->exact_energy - sums->exact_kinetic;
     if (first) most->start = potential;
     most->lowest = first ? sums->energy : fmin(most->lowest, sums->energy);
-    raise(&most->gain, sums->energy - most->lowest);
-    raise(&most->energy, fabs(sums->energy - sums->exact_energy));
+    raise(&most->errors[SHV_TRAJECTORY_ENERGY_GAIN], sums->energy - most->lowest);
+    raise(&most->errors[SHV_TRAJECTORY_ENERGY], fabs(sums->energy - sums->exact_energy));
+    raise(&most->errors[SHV_TRAJECTORY_LINEAR_MOMENTUM], shv_norm(shv_sub(sums->momentum, sums->exact_momentum)));
     raise(&most->kinetic, sums->exact_kinetic);
     raise(&most->fallen, fabs(potential - most->start));
-    raise(&most->momentum, shv_norm(shv_sub(sums->momentum, sums->exact_momentum)));
-    raise(&most->exact_momentum, shv_norm(sums->exact_momentum));
+    raise(&most->momentum, shv_norm(sums->exact_momentum));
 }
 
 /* `reference` NULL, or shorter: the closed form, or the run itself. */
 static void follow_frame(ShvTrajectoryError *trajectory, const ShvOutcomeList *track, const ShvOutcomeList *reference,
-                         double time, Extremes *most, double errors[SHV_TRAJECTORY_MEASURES])
+                         double time, Extremes *most)
 {
     const int32_t count = trajectory->bodies.count, frame = trajectory->track.count;
     ShvTrackRow *row = &trajectory->track.rows[trajectory->track.count++];
@@ -150,7 +150,7 @@ static void follow_frame(ShvTrajectoryError *trajectory, const ShvOutcomeList *t
             exact = shv_closed_form_at(&trajectory->forms[i], time);
         else if ((int64_t)(frame + 1) * count * SHV_BODY_NUMBERS <= reference->count)
             exact = state_at(reference, count, frame, i);
-        add_body(&sums, most, errors, body, &state, &exact, shv_load3(trajectory->scene->gravity));
+        add_body(&sums, most, body, &state, &exact, shv_load3(trajectory->scene->gravity));
         if (!any) *row = (ShvTrackRow){time, state, exact};
         any = true;
     }
@@ -249,15 +249,16 @@ ShvStatus shv_trajectory_error_measure(ShvTrajectoryError *trajectory, const Shv
         trajectory->forms[i].top.time = trajectory->forms[i].top.turned = 0.0; /* closed forms start anew */
     SHV_RESIZE(trajectory->memory, SHV_PART_RECORD, trajectory->track.rows, (size_t)times->count, "a run to compare", 0,
                error);
-    Extremes most = {.energy = 0.0};
-    for (int i = 0; i <= SHV_TRAJECTORY_SURFACE; i++) errors[i] = 0.0;
+    Extremes most = {.lowest = 0.0};
     while (trajectory->track.count < times->count)
-        follow_frame(trajectory, track, beside, times->values[trajectory->track.count], &most, errors);
+        follow_frame(trajectory, track, beside, times->values[trajectory->track.count], &most);
     const double scale = energy_scale(trajectory, &most);
-    errors[SHV_TRAJECTORY_ENERGY] = over(most.energy, scale);
-    errors[SHV_TRAJECTORY_ENERGY_GAIN] = over(most.gain, scale);
-    errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM] = over(most.spin, most.exact_spin);
-    errors[SHV_TRAJECTORY_LINEAR_MOMENTUM] = most.momentum == 0.0 ? 0.0 : over(most.momentum, most.exact_momentum);
+    memcpy(errors, most.errors, SHV_TRAJECTORY_EVENT_TIME * sizeof *errors);
+    errors[SHV_TRAJECTORY_ENERGY] = over(errors[SHV_TRAJECTORY_ENERGY], scale);
+    errors[SHV_TRAJECTORY_ENERGY_GAIN] = over(errors[SHV_TRAJECTORY_ENERGY_GAIN], scale);
+    errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM] = over(errors[SHV_TRAJECTORY_ANGULAR_MOMENTUM], most.spin);
+    if (errors[SHV_TRAJECTORY_LINEAR_MOMENTUM] != 0.0)
+        errors[SHV_TRAJECTORY_LINEAR_MOMENTUM] = over(errors[SHV_TRAJECTORY_LINEAR_MOMENTUM], most.momentum);
     if (trajectory->forms) find_event_times(trajectory, errors);
     return SHV_OK;
 }

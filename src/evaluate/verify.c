@@ -22,7 +22,6 @@ const char *shv_verdict_name(ShvVerdict verdict)
 
 /* ---- lines ---- */
 
-/* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
 char *shv_next_line(ShvPool *pool, const char **at)
 {
     while (*at && **at) {
@@ -148,25 +147,15 @@ static bool within(const ShvVerifyRow *row)
     return true;
 }
 
-void shv_verify_judge(ShvVerifyRow *row, const char *explained)
+void shv_verify_judge(ShvVerifyRow *row, bool absolute, const char *explained)
 {
-    if (row->compare == SHV_VERIFY_SHOWN) {
-        row->verdict = SHV_VERDICT_SHOWN;
-    } else if (within(row)) {
-        row->verdict = SHV_VERDICT_PASS;
-    } else {
-        row->verdict = explained ? SHV_VERDICT_EXPLAINED : SHV_VERDICT_MISS;
-        row->note = explained ? explained : "";
-    }
-}
-
-static void set_error(ShvVerifyRow *row, const ShvCaseQuantity *quantity)
-{
-    row->absolute = !isnan(quantity->tolerance_absolute) || row->reference == 0.0;
+    row->absolute = absolute || row->reference == 0.0;
     row->error = (row->value - row->reference) / (row->absolute ? 1.0 : fabs(row->reference));
-    row->tolerance = row->absolute ? quantity->tolerance_absolute : quantity->tolerance;
-    if (isnan(row->tolerance) && row->compare != SHV_VERIFY_NEAR && row->compare != SHV_VERIFY_SHOWN)
-        row->tolerance = 0.0;
+    row->verdict = row->compare == SHV_VERIFY_SHOWN ? SHV_VERDICT_SHOWN
+                   : within(row)                    ? SHV_VERDICT_PASS
+                   : explained                      ? SHV_VERDICT_EXPLAINED
+                                                    : SHV_VERDICT_MISS;
+    if (row->verdict == SHV_VERDICT_EXPLAINED) row->note = explained;
 }
 
 static ShvVerifyRow start_row(const Verifier *verifier, const KeptRun *run, const ShvCaseQuantity *quantity)
@@ -186,9 +175,12 @@ static ShvStatus measure(Verifier *verifier, const ShvCaseQuantity *quantity, bo
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
     if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
     if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
-    set_error(row, quantity);
+    const bool absolute = !isnan(quantity->tolerance_absolute) || row->reference == 0.0;
+    row->tolerance = absolute ? quantity->tolerance_absolute : quantity->tolerance;
+    if (isnan(row->tolerance) && (row->compare == SHV_VERIFY_BELOW || row->compare == SHV_VERIFY_ABOVE))
+        row->tolerance = 0.0;
     if (quantity->judge == SHV_JUDGE_LAST && !last) row->compare = SHV_VERIFY_SHOWN;
-    shv_verify_judge(row, quantity->explained);
+    shv_verify_judge(row, absolute, quantity->explained);
     return SHV_OK;
 }
 
@@ -232,16 +224,13 @@ static ShvStatus append_orders(Verifier *verifier, bool complete, ShvError *erro
         static const char what[] = ": observed order";
         char *name = shv_pool_take(&verifier->made->texts, strlen(quantity->name) + sizeof what, 1);
         if (!name) return shv_fail_memory(error, "rows", 0);
-        strcat(strcpy(name, quantity->name), what);
-        row.quantity = name;
+        row.quantity = strcat(strcpy(name, quantity->name), what);
         row.unit = "";
         row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
         row.value = observed_order(&verifier->made->view, quantity->name);
         row.reference = quantity->order;
-        row.absolute = true;
-        row.error = row.value - row.reference;
         row.tolerance = quantity->order_tolerance;
-        shv_verify_judge(&row, quantity->explained);
+        shv_verify_judge(&row, true, quantity->explained);
         SHV_TRY(shv_verify_append(verifier, &row, error));
     }
     return SHV_OK;

@@ -38,8 +38,8 @@ char *shv_next_line(ShvPool *pool, const char **at);
 ShvVerifyRow shv_verify_row(const Verifier *verifier, const KeptRun *run, const char *quantity);
 ShvStatus shv_verify_append(Verifier *verifier, const ShvVerifyRow *row, ShvError *error);
 ShvStatus shv_verify_fail(Verifier *verifier, const char *quantity, const ShvError *why, ShvError *error);
-/* The verdict by error and tolerance. */
-void shv_verify_judge(ShvVerifyRow *row, const char *explained);
+/* Error and verdict by value, reference and tolerance; errors are shares of the reference unless `absolute` or it is 0. */
+void shv_verify_judge(ShvVerifyRow *row, bool absolute, const char *explained);
 /* expect.c: the rows of what is expected of the run under way. */
 ShvStatus shv_verify_expect(Verifier *verifier, const ShvCaseRun *run, ShvError *error);
 
