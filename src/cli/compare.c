@@ -15,7 +15,7 @@ static const char *const engines[] = {"bullet", "bullet_plain", "pbd", "analytic
 enum { ENGINE_COUNT = sizeof engines / sizeof engines[0], MOST_STEPS = 16 };
 
 typedef struct Choice {
-    double steps[MOST_STEPS];
+    double steps[MOST_STEPS], finest, coarsest;
     int32_t step_count;
     bool engine[ENGINE_COUNT];
 } Choice;
@@ -24,14 +24,18 @@ typedef struct Choice {
 
 static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
 {
-    SHV_TRY(shv_cli_read_numbers(text, "--steps", "times in seconds, as in 1e-2,1e-3", choice->steps, MOST_STEPS,
-                                 &choice->step_count, error));
+    static const char option[] = "--steps", what[] = "times in seconds, as in 1e-2,1e-3";
+    choice->coarsest = 0.0;
+    choice->finest = HUGE_VAL;
+    SHV_TRY(shv_cli_read_numbers(text, option, what, choice->steps, MOST_STEPS, &choice->step_count, error));
     for (int32_t i = 0; i < choice->step_count; i++) {
-        if (!(choice->steps[i] > 0.0))
-            return shv_fail(error, SHV_BAD_INPUT, "--steps needs times in seconds, as in 1e-2,1e-3, not '%s'", text);
+        const double step = choice->steps[i];
+        if (!(step > 0.0)) return shv_fail(error, SHV_BAD_INPUT, "%s needs %s, not '%s'", option, what, text);
         for (int32_t k = 0; k < i; k++)
-            if (choice->steps[k] == choice->steps[i])
-                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", choice->steps[i]);
+            if (choice->steps[k] == step)
+                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);
+        choice->coarsest = fmax(choice->coarsest, step);
+        choice->finest = fmin(choice->finest, step);
     }
     return SHV_OK;
 }
@@ -56,13 +60,6 @@ static ShvStatus read_engines(const char *text, Choice *choice, ShvError *error)
     }
 }
 
-static ShvStatus read_choice(const ShvArguments *arguments, Choice *choice, ShvError *error)
-{
-    const char *steps = arguments->values[STEPS], *names = arguments->values[ENGINES];
-    const ShvStatus status = read_steps(steps ? steps : "1e-2,1e-3,1e-4", choice, error);
-    return status == SHV_OK ? read_engines(names ? names : "bullet,bullet_plain,pbd,analytic", choice, error) : status;
-}
-
 /* ---- what a comparison cannot be made of ---- */
 
 static const ShvMaterialDefinition *material_of(const ShvSceneDefinition *scene, const ShvObjectDefinition *object)
@@ -74,11 +71,9 @@ static const ShvMaterialDefinition *material_of(const ShvSceneDefinition *scene,
 
 static ShvStatus check(const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    for (int32_t i = 0; i < choice->step_count; i++)
-        if (choice->steps[i] > scene->duration)
-            return shv_fail(error, SHV_BAD_INPUT,
-                            "a time step must be above 0 and at most the duration of %g s, not %g", scene->duration,
-                            choice->steps[i]);
+    if (choice->coarsest > scene->duration)
+        return shv_fail(error, SHV_BAD_INPUT, "a time step must be above 0 and at most the duration of %g s, not %g",
+                        scene->duration, choice->coarsest);
     for (int32_t i = 0; i < scene->event_count; i++)
         if (scene->events[i].kind == SHV_EVENT_GRAVITY)
             return shv_fail(error, SHV_BAD_INPUT,
@@ -101,9 +96,7 @@ static ShvStatus put_reference(FILE *stream, const ShvSceneDefinition *scene, co
 {
     enum { BULLET = 0, ANALYTIC = 3 };
     int32_t bodies = scene->object_count;
-    double finest = choice->steps[0];
     for (int32_t i = 0; i < scene->obstacle_count; i++) bodies += scene->obstacles[i].motion == SHV_OBSTACLE_FREE;
-    for (int32_t i = 1; i < choice->step_count; i++) finest = fmin(finest, choice->steps[i]);
     int engine = bodies > 1 ? BULLET : ANALYTIC;
     if (!choice->engine[engine]) engine = BULLET + ANALYTIC - engine;
     if (scene->reference.law != SHV_REFERENCE_NONE) {
@@ -114,21 +107,19 @@ static ShvStatus put_reference(FILE *stream, const ShvSceneDefinition *scene, co
         return shv_fail(error, SHV_BAD_INPUT,
                         "the scene names no `reference`, and none of the engines can stand for it; add bullet or "
                         "analytic");
-    shv_print(stream, "reference: {rigid.engine: %s, rigid.time_step: %.17g}\n", engines[engine], finest);
+    shv_print(stream, "reference: {rigid.engine: %s, rigid.time_step: %.17g}\n", engines[engine], choice->finest);
     return SHV_OK;
 }
 
 /* Nothing wakes, whatever the scene says: rigid motion alone. Frames are the same in all runs, and no step is cut by one. */
 static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    double coarsest = choice->steps[0];
-    for (int32_t i = 1; i < choice->step_count; i++) coarsest = fmax(coarsest, choice->steps[i]);
     const char *between = "";
     shv_print(stream, "shiver_study: 1\nname: \"");
     for (const char *c = scene->name ? scene->name : "comparison"; *c; c++)
         shv_print(stream, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
     shv_print(stream, "\"\nset: {rigid.wake: stress, output.fracture_every: 0, output.rate: %.17g}\n",
-              fmin(scene->output.rate, 1.0 / coarsest));
+              fmin(scene->output.rate, 1.0 / choice->coarsest));
     shv_print(stream, "vary: {rigid.engine: [");
     for (int i = 0; i < ENGINE_COUNT; i++) {
         if (!choice->engine[i]) continue;
@@ -176,7 +167,9 @@ static int run(const ShvArguments *arguments)
     char folder[SHV_CLI_PATH];
     ShvError error;
     Choice choice = {.step_count = 0};
-    ShvStatus status = read_choice(arguments, &choice, &error);
+    const char *steps = arguments->values[STEPS], *names = arguments->values[ENGINES];
+    ShvStatus status = read_steps(steps ? steps : "1e-2,1e-3,1e-4", &choice, &error);
+    if (status == SHV_OK) status = read_engines(names ? names : "bullet,bullet_plain,pbd,analytic", &choice, &error);
     if (status == SHV_OK) status = shv_cli_scene_output(folder, arguments, arguments->values[OUTPUT], NULL, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     /* The engine that the scene names is not used; keys of pbd count. */

@@ -45,9 +45,9 @@ static ShvStatus take(ShvNames *names, const ShvMeasure *measure, const char *fo
     return shv_fail(error, status, "measure %.60s: %.900s", measure->name, why.message);
 }
 
-/* By measure of the study. */
+/* Errors and values (NULL: not wanted) by measure of the study, each `apart` from the next. */
 static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOutcome *reference, double *errors,
-                           double *values, ShvError *error)
+                           double *values, int64_t apart, ShvError *error)
 {
     const ShvStudyPlan *plan = &judge->study->plan;
     const ShvNamedRun other = {.name = "reference", .outcome = reference};
@@ -55,10 +55,10 @@ static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOut
     ShvNames names = {.pool = &judge->series, .run = &own};
     if (judge->scene) names.trajectory = &judge->trajectory;
     for (int32_t i = 0; i < plan->measure_count; i++) {
-        errors[i] = values[i] = (double)NAN;
-        if (outcome->status != SHV_OK) continue;
-        SHV_TRY(take(&names, &plan->measures[i], plan->measures[i].error, &errors[i], error));
-        SHV_TRY(take(&names, &plan->measures[i], plan->measures[i].value, &values[i], error));
+        const ShvMeasure *measure = &plan->measures[i];
+        const bool done = outcome->status == SHV_OK;
+        SHV_TRY(take(&names, measure, done ? measure->error : NULL, &errors[i * apart], error));
+        if (values) SHV_TRY(take(&names, measure, done ? measure->value : NULL, &values[i * apart], error));
     }
     return judge->series.failed ? shv_fail_memory(error, "the series of a run", 0) : SHV_OK;
 }
@@ -120,18 +120,13 @@ static double *sample(const Judge *judge, int32_t line, int32_t member)
 static ShvStatus judge_member(Judge *judge, int32_t setting, int32_t member, ShvError *error)
 {
     ShvStudy *study = judge->study;
-    const int32_t measures = study->plan.measure_count;
-    double errors[SHV_STUDY_MOST_MEASURES], values[SHV_STUDY_MOST_MEASURES];
+    const int32_t measures = study->plan.measure_count, members = study->plan.members;
     ShvOutcome outcome;
-    SHV_TRY(shv_study_load(study, setting * study->plan.members + member, &outcome, error));
+    SHV_TRY(shv_study_load(study, setting * members + member, &outcome, error));
     *sample(judge, 2 * measures, member) = note_run(&study->rows[setting], &outcome, member);
     note_machine(study, &outcome);
-    const ShvStatus status =
-        judge_run(judge, &outcome, judge->references ? &judge->references[member] : NULL, errors, values, error);
-    for (int32_t i = 0; i < measures && status == SHV_OK; i++) {
-        *sample(judge, i, member) = errors[i];
-        *sample(judge, measures + i, member) = values[i];
-    }
+    const ShvStatus status = judge_run(judge, &outcome, judge->references ? &judge->references[member] : NULL,
+                                       sample(judge, 0, member), sample(judge, measures, member), members, error);
     shv_outcome_release(&outcome);
     return status;
 }
@@ -202,15 +197,16 @@ static ShvStatus load_references(Judge *judge, ShvError *error)
     return SHV_OK;
 }
 
-/* Errors of a run against another; of an error that needs no reference how far the two are from each other. */
-static ShvStatus compare_pair(Judge *judge, const ShvOutcome *a, const ShvOutcome *b, double *errors, ShvError *error)
+/* Errors of a run against another, `apart` from each other; of an error that needs no reference how far the two are apart. */
+static ShvStatus compare_pair(Judge *judge, const ShvOutcome *a, const ShvOutcome *b, double *errors, int64_t apart,
+                              ShvError *error)
 {
-    double other[SHV_STUDY_MOST_MEASURES], ignored[SHV_STUDY_MOST_MEASURES];
+    double other[SHV_STUDY_MOST_MEASURES];
     const ShvStudyPlan *plan = &judge->study->plan;
-    SHV_TRY(judge_run(judge, a, b, errors, ignored, error));
-    SHV_TRY(judge_run(judge, b, a, other, ignored, error));
+    SHV_TRY(judge_run(judge, a, b, errors, NULL, apart, error));
+    SHV_TRY(judge_run(judge, b, a, other, NULL, 1, error));
     for (int32_t i = 0; i < plan->measure_count; i++)
-        if (shv_measure_is_own(&plan->measures[i])) errors[i] = fabs(errors[i] - other[i]);
+        if (shv_measure_is_own(&plan->measures[i])) errors[i * apart] = fabs(errors[i * apart] - other[i]);
     return SHV_OK;
 }
 
@@ -223,11 +219,8 @@ static ShvStatus find_scatter(Judge *judge, ShvError *error)
     if (!pairs) return shv_fail_memory(error, "the scatter of an ensemble", (size_t)all * sizeof *pairs);
     SHV_TRY(open_setting(judge, study->reference, error));
     for (int32_t a = 0; a < count; a++)
-        for (int32_t b = a + 1; b < count; b++, pair++) {
-            double errors[SHV_STUDY_MOST_MEASURES];
-            SHV_TRY(compare_pair(judge, &judge->references[a], &judge->references[b], errors, error));
-            for (int32_t i = 0; i < measures; i++) pairs[(int64_t)i * all + pair] = errors[i];
-        }
+        for (int32_t b = a + 1; b < count; b++, pair++)
+            SHV_TRY(compare_pair(judge, &judge->references[a], &judge->references[b], pairs + pair, all, error));
     for (int32_t i = 0; i < measures; i++) study->view.scatter[i] = median(pairs + (int64_t)i * all, all);
     return SHV_OK;
 }

@@ -57,76 +57,61 @@ static void put_html(const ShvStudy *study, FILE *stream)
 
 /* ---- JSON ---- */
 
-/* `before` what comes between it and the member before. */
-static void put_pair(FILE *stream, const char *before, const char *name, const char *text)
+static void put_measure(const ShvStudyRow *row, int32_t measure, FILE *stream)
 {
-    shv_print(stream, "%s", before);
-    shv_print_json_text(stream, name);
-    shv_print(stream, ": ");
-    shv_print_json_text(stream, text);
-}
-
-typedef struct Number {
-    const char *name;
-    double value;
-} Number;
-
-static void put_numbers(FILE *stream, const char *before, const Number *numbers, int count)
-{
-    for (int i = 0; i < count; i++) {
-        shv_print(stream, "%s", i > 0 ? ", " : before);
-        shv_output_member(stream, numbers[i].name, numbers[i].value);
-    }
+    ShvMembers members = {.stream = stream};
+    shv_print(stream, "{");
+    shv_member_number(&members, "value", row->values[measure]);
+    shv_member_number(&members, "error", row->errors[measure]);
+    shv_member_number(&members, "error_low", row->errors_low[measure]);
+    shv_member_number(&members, "error_high", row->errors_high[measure]);
+    shv_member_flag(&members, "on_front", row->on_front[measure]);
+    shv_print(stream, "}");
 }
 
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
     const ShvStudySetting *setting = shv_study_setting(study, index);
     const ShvStudyRow *row = &study->rows[index];
-    const char *before = "";
-    const Number numbers[] = {{"seconds", row->seconds},
-                              {"seconds_low", row->seconds_low},
-                              {"seconds_high", row->seconds_high},
-                              {"stable_step", row->stable_step},
-                              {"step", row->step},
-                              {"courant", row->courant}};
+    ShvMembers keys = {.stream = stream}, costs = keys, measures = keys, members = {.stream = stream, .any = true};
     shv_print(stream, "{\"setting\": {");
-    for (int32_t i = 0; i < study->plan.key_count; i++) {
-        if (setting->values[i][0] == '\0') continue;
-        put_pair(stream, before, study->plan.keys[i], setting->values[i]);
-        before = ", ";
-    }
-    shv_print(stream, "}, \"reference\": %s", row->is_reference ? "true" : "false");
-    put_pair(stream, ", ", "status", shv_status_name(row->status));
-    put_pair(stream, ", ", "message", row->message);
-    put_numbers(stream, ", ", numbers, 6);
+    for (int32_t i = 0; i < study->plan.key_count; i++)
+        if (setting->values[i][0]) shv_member_text(&keys, study->plan.keys[i], setting->values[i]);
+    shv_print(stream, "}");
+    shv_member_flag(&members, "reference", row->is_reference);
+    shv_member_text(&members, "status", shv_status_name(row->status));
+    shv_member_text(&members, "message", row->message);
+    shv_member_number(&members, "seconds", row->seconds);
+    shv_member_number(&members, "seconds_low", row->seconds_low);
+    shv_member_number(&members, "seconds_high", row->seconds_high);
+    shv_member_number(&members, "stable_step", row->stable_step);
+    shv_member_number(&members, "step", row->step);
+    shv_member_number(&members, "courant", row->courant);
     shv_print(stream, ", \"costs\": {");
-    for (int c = 0; c < SHV_COST_COUNT; c++)
-        put_numbers(stream, c > 0 ? ", " : "", &(Number){shv_cost_name((ShvCost)c), row->costs[c]}, 1);
+    for (int c = 0; c < SHV_COST_COUNT; c++) shv_member_number(&costs, shv_cost_name((ShvCost)c), row->costs[c]);
     shv_print(stream, "}, \"measures\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const Number parts[] = {{"value", row->values[i]},
-                                {"error", row->errors[i]},
-                                {"error_low", row->errors_low[i]},
-                                {"error_high", row->errors_high[i]}};
-        shv_print(stream, "%s\"%s\": {", i > 0 ? ", " : "", study->plan.measures[i].name);
-        put_numbers(stream, "", parts, 4);
-        shv_print(stream, ", \"on_front\": %s}", row->on_front[i] ? "true" : "false");
+        shv_member_key(&measures, study->plan.measures[i].name);
+        put_measure(row, i, stream);
     }
     shv_print(stream, "}}");
 }
 
 void shv_study_print_json(const ShvStudy *study, FILE *stream)
 {
-    put_pair(stream, "{", "study", study->plan.name);
-    put_pair(stream, ", ", "scene", study->scene_path);
-    put_pair(stream, ", ", "version", shv_version());
-    put_pair(stream, ", ", "processor", study->processor);
-    put_pair(stream, ", ", "errors_from", study->view.reference);
-    shv_print(stream, ", \"timings_valid\": %s, \"members\": %d, \"repeats\": %d, \"scatter\": {",
-              study->view.timings_valid ? "true" : "false", (int)study->plan.members, (int)study->plan.repeats);
+    ShvMembers members = {.stream = stream}, scatter = members;
+    shv_print(stream, "{");
+    shv_member_text(&members, "study", study->plan.name);
+    shv_member_text(&members, "scene", study->scene_path);
+    shv_member_text(&members, "version", shv_version());
+    shv_member_text(&members, "processor", study->processor);
+    shv_member_text(&members, "errors_from", study->view.reference);
+    shv_member_flag(&members, "timings_valid", study->view.timings_valid);
+    shv_member_number(&members, "members", study->plan.members);
+    shv_member_number(&members, "repeats", study->plan.repeats);
+    shv_print(stream, ", \"scatter\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++)
-        put_numbers(stream, i > 0 ? ", " : "", &(Number){study->plan.measures[i].name, study->view.scatter[i]}, 1);
+        shv_member_number(&scatter, study->plan.measures[i].name, study->view.scatter[i]);
     shv_print(stream, "}, \"rows\": [");
     for (int32_t i = 0; i < study->setting_count; i++) {
         shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");

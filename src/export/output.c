@@ -136,9 +136,30 @@ void shv_output_field(FILE *stream, const char *text)
     shv_print(stream, "%s", quote);
 }
 
-void shv_output_member(FILE *stream, const char *name, double value)
+void shv_member_key(ShvMembers *members, const char *name)
+{
+    if (members->any) shv_print(members->stream, ", ");
+    members->any = true;
+    shv_print_json_text(members->stream, name);
+    shv_print(members->stream, ": ");
+}
+
+void shv_member_text(ShvMembers *members, const char *name, const char *text)
+{
+    shv_member_key(members, name);
+    shv_print_json_text(members->stream, text);
+}
+
+void shv_member_number(ShvMembers *members, const char *name, double value)
 {
     char text[SHV_OUTPUT_NUMBER] = "null";
     if (isfinite(value)) shv_output_format(text, value);
-    shv_print(stream, "\"%s\": %s", name, text);
+    shv_member_key(members, name);
+    shv_print(members->stream, "%s", text);
+}
+
+void shv_member_flag(ShvMembers *members, const char *name, bool flag)
+{
+    shv_member_key(members, name);
+    shv_print(members->stream, flag ? "true" : "false");
 }

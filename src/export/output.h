@@ -40,8 +40,18 @@ void shv_output_format(char text[SHV_OUTPUT_NUMBER], double value);
 void shv_output_number(FILE *stream, double value);
 /* A text as a field of CSV, quoted where it has to be (RFC 4180). */
 void shv_output_field(FILE *stream, const char *text);
-/* A member of a JSON object, without a comma: null where the number is not finite. */
-void shv_output_member(FILE *stream, const char *name, double value);
+
+/* Members of a JSON object, one after the other with commas between; starts from its stream, behind the brace. */
+typedef struct ShvMembers {
+    FILE *stream;
+    bool any;
+} ShvMembers;
+/* The key alone, for a value that the caller writes. */
+void shv_member_key(ShvMembers *members, const char *name);
+void shv_member_text(ShvMembers *members, const char *name, const char *text);
+/* null where the number is not finite. */
+void shv_member_number(ShvMembers *members, const char *name, double value);
+void shv_member_flag(ShvMembers *members, const char *name, bool flag);
 
 /* Whether a frame is asked for. */
 bool shv_output_takes(const ShvExportOptions *options, const ShvRunFile *file, int64_t frame);

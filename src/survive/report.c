@@ -236,16 +236,17 @@ static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
 
 static void put_law_json(FILE *stream, const ShvFragilityView *fit)
 {
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {{"h50", fit->h50},           {"h50_low", fit->h50_low}, {"h50_high", fit->h50_high},
-                   {"h10", fit->h10},           {"h10_low", fit->h10_low}, {"h10_high", fit->h10_high},
-                   {"location", fit->location}, {"scale", fit->scale},     {"likelihood", fit->likelihood}};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        shv_print(stream, "%s", i > 0 ? ", " : "{");
-        shv_output_member(stream, numbers[i].name, numbers[i].value);
-    }
+    ShvMembers members = {.stream = stream};
+    shv_print(stream, "{");
+    shv_member_number(&members, "h50", fit->h50);
+    shv_member_number(&members, "h50_low", fit->h50_low);
+    shv_member_number(&members, "h50_high", fit->h50_high);
+    shv_member_number(&members, "h10", fit->h10);
+    shv_member_number(&members, "h10_low", fit->h10_low);
+    shv_member_number(&members, "h10_high", fit->h10_high);
+    shv_member_number(&members, "location", fit->location);
+    shv_member_number(&members, "scale", fit->scale);
+    shv_member_number(&members, "likelihood", fit->likelihood);
     shv_print(stream, "}");
 }
 
@@ -253,25 +254,21 @@ void shv_survive_print_json(const ShvSurvive *survive, FILE *stream)
 {
     const ShvSurviveView *view = &survive->view;
     static const char *const laws[SHV_FRAGILITY_LAWS] = {"lognormal", "weibull"};
-    shv_print(
-        stream,
-        "{\"shots\": %d, \"specimens\": %d, \"broken\": %d, \"overlap\": %s, \"checked\": %d, \"contradictory\": %d",
-        (int)view->shot_count, (int)view->specimens, (int)view->broken, view->overlap ? "true" : "false",
-        (int)view->checked, (int)view->contradictory);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {{"all_survived_from", view->all_survived_from},
-                   {"all_broke_from", view->all_broke_from},
-                   {"bound", view->bound},
-                   {"staircase_mean", view->staircase_mean},
-                   {"staircase_deviation", view->staircase_deviation}};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        shv_print(stream, ", ");
-        shv_output_member(stream, numbers[i].name, numbers[i].value);
-    }
+    ShvMembers members = {.stream = stream};
+    shv_print(stream, "{");
+    shv_member_number(&members, "shots", view->shot_count);
+    shv_member_number(&members, "specimens", view->specimens);
+    shv_member_number(&members, "broken", view->broken);
+    shv_member_flag(&members, "overlap", view->overlap);
+    shv_member_number(&members, "checked", view->checked);
+    shv_member_number(&members, "contradictory", view->contradictory);
+    shv_member_number(&members, "all_survived_from", view->all_survived_from);
+    shv_member_number(&members, "all_broke_from", view->all_broke_from);
+    shv_member_number(&members, "bound", view->bound);
+    shv_member_number(&members, "staircase_mean", view->staircase_mean);
+    shv_member_number(&members, "staircase_deviation", view->staircase_deviation);
     for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
-        shv_print(stream, ", \"%s\": ", laws[law]);
+        shv_member_key(&members, laws[law]);
         put_law_json(stream, &view->laws[law]);
     }
     shv_print(stream, "}\n");
