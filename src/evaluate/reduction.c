@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "evaluate/line.h"
+#include "base/line.h"
 
 /* ---- windows ---- */
 

@@ -49,7 +49,7 @@ static void read_fixed(Planner *planner, const ShvNode *set, const char *const *
     if (!planner->fixed) return;
     for (const ShvEntry *entry = set ? set->first : NULL; entry; entry = entry->next)
         planner->fixed[planner->fixed_count++] =
-            assignment(planner->pool, entry->key->text, shv_study_text_of(planner->pool, entry->value));
+            assignment(planner->pool, entry->key->text, shv_tree_text(planner->pool, entry->value));
     for (int32_t i = 0; i < more_count; i++)
         planner->fixed[planner->fixed_count++] = shv_pool_text(planner->pool, more[i], strlen(more[i]));
 }
@@ -70,13 +70,11 @@ static int32_t column_of(Planner *planner, const ShvNode *key)
     return plan->key_count++;
 }
 
-static bool read_multiple(Planner *planner, const char *text, const ShvNode *node, double *multiple)
+static void read_multiple(Planner *planner, const char *text, const ShvNode *node, double *multiple)
 {
-    if (shv_parse_double(text, strlen(text), false, multiple, NULL) == SHV_OK && *multiple > 0.0 && *multiple <= 1e6)
-        return true;
-    shv_error(planner->diagnostics, node->place, "'step' is a number of stable steps above 0, not %s",
-              shv_quoted(text).text);
-    return false;
+    if (shv_parse_double(text, strlen(text), false, multiple, NULL) != SHV_OK || !(*multiple > 0.0 && *multiple <= 1e6))
+        shv_error(planner->diagnostics, node->place, "'step' is a number of stable steps above 0, not %s",
+                  shv_quoted(text).text);
 }
 
 /* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
@@ -126,6 +124,24 @@ static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis 
     name_setting(planner, setting, axes, count, chosen);
 }
 
+/* The values of a key, one or a list, as texts of YAML. Returns their number; 0 after a fault, which is reported. */
+static int32_t read_values(Planner *planner, const ShvNode *node, const char ***values)
+{
+    const bool list = node->kind == SHV_NODE_LIST;
+    const int32_t count = list ? node->count : 1;
+    if (count == 0) {
+        shv_error(planner->diagnostics, node->place, "the list of values is empty");
+        return 0;
+    }
+    *values = shv_pool_take(planner->pool, (size_t)count, sizeof **values);
+    if (!*values) return 0;
+    int32_t i = 0;
+    if (!list) (*values)[i++] = shv_tree_text(planner->pool, node);
+    for (const ShvEntry *entry = node->first; list && entry; entry = entry->next)
+        (*values)[i++] = shv_tree_text(planner->pool, entry->value);
+    return count;
+}
+
 static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, Axis *axes)
 {
     int32_t count = 0;
@@ -138,7 +154,7 @@ static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, A
         Axis *axis = &axes[count++];
         axis->key = entry->key->text;
         axis->column = columns ? column_of(planner, entry->key) : -1;
-        axis->count = shv_study_values(planner->pool, planner->diagnostics, entry->value, &axis->values);
+        axis->count = read_values(planner, entry->value, &axis->values);
         if (axis->count == 0 || (columns && axis->column < 0)) return 0;
     }
     return count;
@@ -171,8 +187,7 @@ static void read_block(Planner *planner, const ShvNode *block, const char *along
     ShvStudyPlan *plan = planner->plan;
     const int32_t count = read_axes(planner, block, true, axes);
     if (count == 0) return;
-    int64_t settings = plan->setting_count;
-    int64_t own = 1;
+    int64_t settings = plan->setting_count, own = 1;
     for (int32_t i = 0; i < count && own <= SHV_STUDY_MOST_SETTINGS; i++) own *= axes[i].count;
     if (settings + own > SHV_STUDY_MOST_SETTINGS) {
         shv_error(planner->diagnostics, block->place, "more than %d settings; give fewer values",
@@ -202,42 +217,25 @@ static void read_vary(Planner *planner, const ShvNode *vary, const char *along)
 
 /* ---- the rest ---- */
 
-static void read_reference_setting(Planner *planner, const ShvNode *node)
+static void read_reference(Planner *planner, const ShvNode *node)
 {
     Axis axes[SHV_STUDY_MOST_KEYS];
     const int32_t chosen[SHV_STUDY_MOST_KEYS] = {0};
-    planner->plan->reference = SHV_STUDY_SETTING;
+    ShvStudyPlan *plan = planner->plan;
+    const bool text = node && node->kind == SHV_NODE_SCALAR && node->text;
+    if (!node || (text && strcmp(node->text, "closed form") == 0)) return;
+    if (node->kind != SHV_NODE_MAPPING) {
+        shv_error(planner->diagnostics, node->place, "'reference' is 'closed form' or the keys of a run of its own");
+        return;
+    }
+    plan->reference = SHV_STUDY_SETTING;
     const int32_t count = read_axes(planner, node, false, axes);
-    if (count == 0) return;
     for (int32_t i = 0; i < count; i++)
         if (axes[i].count != 1)
             shv_error(planner->diagnostics, node->place, "the reference is one run: give one value of '%.60s'",
                       axes[i].key);
     planner->along = "";
-    fill_setting(planner, &planner->plan->reference_setting, axes, count, chosen, node);
-}
-
-static void read_reference(Planner *planner, const ShvNode *node)
-{
-    ShvStudyPlan *plan = planner->plan;
-    if (!node) return;
-    if (node->kind == SHV_NODE_MAPPING)
-        read_reference_setting(planner, node);
-    else if (node->kind == SHV_NODE_SCALAR && node->text && strcmp(node->text, "closed form") == 0)
-        plan->reference = SHV_STUDY_CLOSED;
-    else
-        shv_error(planner->diagnostics, node->place, "'reference' is 'closed form' or the keys of a run of its own");
-}
-
-static void report_measure(Planner *planner, const ShvNode *node)
-{
-    const char *names[SHV_STUDY_MOST_MEASURES];
-    const int32_t count = shv_measure_count();
-    for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
-    const char *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
-    const char *near = shv_nearest_name(text, names, (size_t)count);
-    shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
-              shv_quoted(text).text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+    if (count > 0) fill_setting(planner, &plan->reference_setting, axes, count, chosen, node);
 }
 
 typedef struct MeasureItem {
@@ -275,13 +273,19 @@ static bool read_formula(Planner *planner, const ShvNode *node, ShvMeasure *meas
 
 static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *measure)
 {
-    const ShvMeasure *known = node->kind == SHV_NODE_SCALAR && node->text ? shv_measure_named(node->text) : NULL;
     if (node->kind == SHV_NODE_MAPPING) return read_formula(planner, node, measure);
-    if (known)
+    const char *names[SHV_STUDY_MOST_MEASURES], *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
+    const int32_t count = shv_measure_count();
+    const ShvMeasure *known = shv_measure_named(text);
+    if (known) {
         *measure = *known;
-    else
-        report_measure(planner, node);
-    return known != NULL;
+        return true;
+    }
+    for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
+    const char *near = shv_nearest_name(text, names, (size_t)count);
+    shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
+              shv_quoted(text).text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+    return false;
 }
 
 static void read_measures(Planner *planner, const ShvNode *node)

@@ -49,9 +49,4 @@ ShvStatus shv_study_plan_read(ShvStudyPlan *plan, const char *text, size_t lengt
                               const char *const *more, int32_t more_count, ShvMemory *memory, ShvError *error);
 void shv_study_plan_release(ShvStudyPlan *plan);
 
-/* study_values.c: the values of a key, one or a list, as texts of YAML. Returns their number; 0 after a fault, which is reported. */
-int32_t shv_study_values(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvNode *node, const char ***values);
-/* A node as YAML of one line. */
-const char *shv_study_text_of(ShvPool *pool, const ShvNode *node);
-
 #endif

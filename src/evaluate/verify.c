@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/line.h"
 #include "base/text.h"
-#include "evaluate/line.h"
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
 

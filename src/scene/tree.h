@@ -33,6 +33,9 @@ bool shv_tree_append(ShvPool *pool, ShvNode *parent, ShvNode *key, ShvNode *valu
 /* A copy whose entries may be changed; keys and values are shared. */
 ShvNode *shv_tree_copy(ShvPool *pool, const ShvNode *node);
 
+/* tree_text.c: a node as YAML of one line, of the pool. NULL when memory is out. */
+const char *shv_tree_text(ShvPool *pool, const ShvNode *node);
+
 /* First entry with that key, or entry number `index` of a list; NULL when there is none. */
 ShvEntry *shv_tree_find(const ShvNode *mapping, const char *key);
 ShvEntry *shv_tree_at(const ShvNode *list, int64_t index);

@@ -1,6 +1,6 @@
 #include <string.h>
 
-#include "evaluate/line.h"
+#include "base/line.h"
 #include "stability/stability.h"
 
 static const double bound = 100.0, growth = 0.05, gone = 1e-15;

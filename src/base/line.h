@@ -1,6 +1,6 @@
 /* The line through points, by least squares. */
-#ifndef SHV_EVALUATE_LINE_H
-#define SHV_EVALUATE_LINE_H
+#ifndef SHV_BASE_LINE_H
+#define SHV_BASE_LINE_H
 
 #include <math.h>
 

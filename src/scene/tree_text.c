@@ -2,9 +2,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "evaluate/study_plan.h"
-
-/* ---- a node as text ---- */
+#include "scene/tree.h"
 
 /* Words and numbers, which YAML reads as they are. */
 static bool is_plain(const char *text)
@@ -42,7 +40,7 @@ static void put_node(FILE *stream, const ShvNode *node)
     shv_print(stream, list ? "]" : "}");
 }
 
-const char *shv_study_text_of(ShvPool *pool, const ShvNode *node)
+const char *shv_tree_text(ShvPool *pool, const ShvNode *node)
 {
     char *text = NULL;
     size_t length = 0;
@@ -52,23 +50,4 @@ const char *shv_study_text_of(ShvPool *pool, const ShvNode *node)
     const char *copy = pool->failed ? NULL : shv_pool_text(pool, text, length);
     free(text);
     return copy;
-}
-
-/* ---- values ---- */
-
-int32_t shv_study_values(ShvPool *pool, ShvDiagnostics *diagnostics, const ShvNode *node, const char ***values)
-{
-    const bool list = node->kind == SHV_NODE_LIST;
-    const int32_t count = list ? node->count : 1;
-    if (count == 0) {
-        shv_error(diagnostics, node->place, "the list of values is empty");
-        return 0;
-    }
-    *values = shv_pool_take(pool, (size_t)count, sizeof **values);
-    if (!*values) return 0;
-    int32_t i = 0;
-    if (!list) (*values)[i++] = shv_study_text_of(pool, node);
-    for (const ShvEntry *entry = node->first; list && entry; entry = entry->next)
-        (*values)[i++] = shv_study_text_of(pool, entry->value);
-    return count;
 }
