@@ -111,66 +111,26 @@ void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stre
 
 /* ---- run time by part ---- */
 
-enum { MOST_BARS = 60, WIDTH = 760, LEFT = 250, RIGHT = 70, TOP = 96, ROW = 22 };
-
-static const char *const colours[SHV_COST_COUNT] = {"#1f6fb4", "#c8501e", "#3a8f4d", "#8a4fb0", "#8c6d1f",
-                                                    "#5a5a5a", "#2a9d9d", "#d08aa0", "#a7c05a", "#30485f"};
-
-static double cost_sum(const ShvStudyRow *row)
+static const double *costs_of(const void *data, int32_t index, char name[SHV_PLOT_BAR_NAME])
 {
-    double sum = 0.0;
-    for (int c = 0; c < SHV_COST_COUNT; c++) sum += row->costs[c];
-    return sum;
-}
-
-static void put_legend(const ShvStudy *study, FILE *stream)
-{
-    int place = 0;
-    for (int c = 0; c < SHV_COST_COUNT; c++) {
-        double most = 0.0;
-        for (int32_t i = 0; i < study->setting_count; i++) most = fmax(most, study->rows[i].costs[c]);
-        if (most <= 0.0) continue;
-        const int x = 20 + 120 * (place % 6), y = 52 + 20 * (place / 6);
-        shv_print(stream, "<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/>\n", x, y - 10, colours[c]);
-        shv_print(stream, "<text x=\"%d\" y=\"%d\">%s</text>\n", x + 18, y, shv_cost_name((ShvCost)c));
-        place++;
-    }
-}
-
-static void put_bar(const ShvStudyRow *row, int32_t index, double scale, FILE *stream)
-{
-    const double y = TOP + ROW * index;
-    double x = LEFT;
-    char name[64];
-    shv_format(name, sizeof name, "%.34s%s%.20s", row->series, row->label[0] ? ", " : "", row->label);
-    shv_print(stream, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", LEFT - 8, y + 12.0);
-    shv_html_text(stream, name);
-    shv_print(stream, "</text>\n");
-    for (int c = 0; c < SHV_COST_COUNT; c++) {
-        const double width = row->costs[c] * scale;
-        if (!(width > 0.0)) continue;
-        shv_print(stream, "<rect x=\"%.2f\" y=\"%.1f\" width=\"%.2f\" height=\"%d\" fill=\"%s\"/>\n", x, y, width,
-                  ROW - 6, colours[c]);
-        x += width;
-    }
-    shv_print(stream, "<text x=\"%.1f\" y=\"%.1f\">%.3g s</text>\n", x + 6.0, y + 12.0, cost_sum(row));
+    const ShvStudyRow *row = &((const ShvStudy *)data)->rows[index];
+    shv_format(name, SHV_PLOT_BAR_NAME, "%.34s%s%.20s", row->series, row->label[0] ? ", " : "", row->label);
+    return row->costs;
 }
 
 void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within)
 {
-    const int32_t count = study->setting_count < MOST_BARS ? study->setting_count : MOST_BARS;
-    const int height = TOP + ROW * (int)count + 14;
-    double longest = 0.0;
-    for (int32_t i = 0; i < count; i++) longest = fmax(longest, cost_sum(&study->rows[i]));
-    const double scale = longest > 0.0 ? (WIDTH - LEFT - RIGHT) / longest : 0.0;
+    enum { MOST_BARS = 60 };
+    const char *parts[SHV_COST_COUNT];
     char title[300];
+    for (int c = 0; c < SHV_COST_COUNT; c++) parts[c] = shv_cost_name((ShvCost)c);
     shv_format(title, sizeof title, "%.250s: run time by part", study->plan.name);
-    shv_plot_begin(stream, WIDTH, height, within, title, " font-size=\"12\" fill=\"#4a463f\"");
-    shv_print(stream, "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
-                      "<text x=\"20\" y=\"28\" font-size=\"14\" font-weight=\"bold\" fill=\"#2c2a26\">");
-    shv_html_text(stream, title);
-    shv_print(stream, "</text>\n");
-    put_legend(study, stream);
-    for (int32_t i = 0; i < count; i++) put_bar(&study->rows[i], i, scale, stream);
-    shv_print(stream, "</svg>\n");
+    const ShvPlotBars bars = {.title = title,
+                              .unit = "s",
+                              .parts = parts,
+                              .part_count = SHV_COST_COUNT,
+                              .count = study->setting_count < MOST_BARS ? study->setting_count : MOST_BARS,
+                              .bar = costs_of,
+                              .data = study};
+    shv_plot_bars(stream, &bars, within);
 }

@@ -6,7 +6,10 @@
 
 enum { WIDTH = 760, HEIGHT = 500, LEFT = 84, RIGHT = 28, TOP = 92, BOTTOM = 62, COLOURS = 6, MOST_TICKS = 8 };
 
-static const char *const colours[COLOURS] = {"#1f6fb4", "#c8501e", "#3a8f4d", "#8a4fb0", "#8c6d1f", "#5a5a5a"};
+/* Lines take the first six. */
+static const char *const colours[] = {"#1f6fb4", "#c8501e", "#3a8f4d", "#8a4fb0", "#8c6d1f",
+                                      "#5a5a5a", "#2a9d9d", "#d08aa0", "#a7c05a", "#30485f"};
+enum { PART_COLOURS = sizeof colours / sizeof colours[0] };
 
 typedef struct Page {
     FILE *stream;
@@ -243,7 +246,8 @@ static void put_legend(const Page *page)
     put_label(page->stream, x + 16, TOP - 28, "class=\"tick\"", page->plot->front->name);
 }
 
-void shv_plot_begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes)
+/* Head and title of a drawing; `attributes` (" name=value") of its element. */
+static void begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes)
 {
     if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     shv_print(stream,
@@ -258,7 +262,7 @@ void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within)
 {
     Page page = {.stream = stream, .plot = plot};
     fit(&page);
-    shv_plot_begin(stream, WIDTH, HEIGHT, within, plot->title, "");
+    begin(stream, WIDTH, HEIGHT, within, plot->title, "");
     shv_print(stream, "<style>.tick{font-size:13px;fill:#4a463f}.point{font-size:11px;fill:#6b665d}"
                       ".name{font-size:14px;fill:#2c2a26}</style>\n"
                       "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n");
@@ -277,5 +281,69 @@ void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within)
     if (plot->front) put_front(&page);
     for (int32_t i = 0; i < plot->line_count; i++) put_line(&page, i);
     put_legend(&page);
+    shv_print(stream, "</svg>\n");
+}
+
+/* ---- bars ---- */
+
+enum { BAR_LEFT = 250, BAR_RIGHT = 70, BAR_TOP = 96, BAR_ROW = 22 };
+
+static double sum_of(const ShvPlotBars *bars, const double *values)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < bars->part_count; i++) sum += values[i];
+    return sum;
+}
+
+/* Of the parts that any bar has. */
+static void put_parts(FILE *stream, const ShvPlotBars *bars)
+{
+    char name[SHV_PLOT_BAR_NAME];
+    int place = 0;
+    for (int32_t i = 0; i < bars->part_count; i++) {
+        double most = 0.0;
+        for (int32_t k = 0; k < bars->count; k++) most = fmax(most, bars->bar(bars->data, k, name)[i]);
+        if (most <= 0.0) continue;
+        const int x = 20 + 120 * (place % 6), y = 52 + 20 * (place / 6);
+        shv_print(stream, "<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/>\n", x, y - 10,
+                  colours[i % PART_COLOURS]);
+        shv_print(stream, "<text x=\"%d\" y=\"%d\">%s</text>\n", x + 18, y, bars->parts[i]);
+        place++;
+    }
+}
+
+static void put_bar(FILE *stream, const ShvPlotBars *bars, int32_t index, double scale)
+{
+    char name[SHV_PLOT_BAR_NAME];
+    const double *values = bars->bar(bars->data, index, name), y = BAR_TOP + BAR_ROW * index;
+    double x = BAR_LEFT;
+    shv_print(stream, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", BAR_LEFT - 8, y + 12.0);
+    shv_html_text(stream, name);
+    shv_print(stream, "</text>\n");
+    for (int32_t i = 0; i < bars->part_count; i++) {
+        const double width = values[i] * scale;
+        if (!(width > 0.0)) continue;
+        shv_print(stream, "<rect x=\"%.2f\" y=\"%.1f\" width=\"%.2f\" height=\"%d\" fill=\"%s\"/>\n", x, y, width,
+                  BAR_ROW - 6, colours[i % PART_COLOURS]);
+        x += width;
+    }
+    shv_print(stream, "<text x=\"%.1f\" y=\"%.1f\">%.3g %s</text>\n", x + 6.0, y + 12.0, sum_of(bars, values),
+              bars->unit);
+}
+
+void shv_plot_bars(FILE *stream, const ShvPlotBars *bars, bool within)
+{
+    char name[SHV_PLOT_BAR_NAME];
+    double longest = 0.0;
+    for (int32_t i = 0; i < bars->count; i++) longest = fmax(longest, sum_of(bars, bars->bar(bars->data, i, name)));
+    const double scale = longest > 0.0 ? (WIDTH - BAR_LEFT - BAR_RIGHT) / longest : 0.0;
+    begin(stream, WIDTH, BAR_TOP + BAR_ROW * (int)bars->count + 14, within, bars->title,
+          " font-size=\"12\" fill=\"#4a463f\"");
+    shv_print(stream, "<rect width=\"100%%\" height=\"100%%\" rx=\"8\" fill=\"#fbfaf8\"/>\n"
+                      "<text x=\"20\" y=\"28\" font-size=\"14\" font-weight=\"bold\" fill=\"#2c2a26\">");
+    shv_html_text(stream, bars->title);
+    shv_print(stream, "</text>\n");
+    put_parts(stream, bars);
+    for (int32_t i = 0; i < bars->count; i++) put_bar(stream, bars, i, scale);
     shv_print(stream, "</svg>\n");
 }

@@ -39,8 +39,18 @@ typedef struct ShvPlot {
 /* Writes the whole document, or an element `within` a page of HTML. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
    them. Errors of writing are the stream's. */
 void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within);
-/* Head and title of a drawing; `attributes` (" name=value") of its element. The caller ends it with "</svg>". */
-void shv_plot_begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes);
+
+/* Bars that lie below each other, each of parts in colours of their own, and their sum behind it. */
+enum { SHV_PLOT_BAR_NAME = 64 };
+typedef struct ShvPlotBars {
+    const char *title, *unit;
+    const char *const *parts;
+    int32_t part_count, count; /* colours of parts repeat after ten */
+    /* The parts of a bar, and its name. */
+    const double *(*bar)(const void *data, int32_t index, char name[SHV_PLOT_BAR_NAME]);
+    const void *data;
+} ShvPlotBars;
+void shv_plot_bars(FILE *stream, const ShvPlotBars *bars, bool within);
 
 /* A text within XML or HTML: escaped, its control characters made spaces. */
 void shv_html_text(FILE *stream, const char *text);
