@@ -86,17 +86,25 @@ static void add_motion(ShvOutcome *outcome, const ShvFrameView *frame)
     shv_outcome_add(outcome, "frame.finite", SHV_CLOCK_FRAME, isfinite(scale + all) ? 1.0 : 0.0);
 }
 
+/* Room for what is asked of elements, once. */
+static ShvStatus reserve(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const size_t count = (size_t)shv_simulation_mesh(simulation).element_count;
+    if (sampler->damage) return SHV_OK;
+    sampler->corners = shv_pool_take(&sampler->pool, 12 * count, sizeof *sampler->corners);
+    sampler->fragments = shv_pool_take(&sampler->pool, count, sizeof *sampler->fragments);
+    sampler->damage = shv_pool_take(&sampler->pool, 4 * count, sizeof *sampler->damage);
+    return sampler->pool.failed ? shv_fail_memory(error, "corners", 132 * count) : SHV_OK;
+}
+
 /* How far corners of tets reach: least and largest z; the largest distance from their fragment's centre. */
-static ShvStatus add_corners(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+static void add_corners(ShvSampler *sampler, const ShvSimulation *simulation)
 {
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     const int64_t count = shv_simulation_mesh(simulation).element_count;
     double lowest = HUGE_VAL, highest = -HUGE_VAL, radius = 0.0;
-    if (!sampler->corners) sampler->corners = shv_pool_take(&sampler->pool, 12 * (size_t)count, sizeof(double));
-    if (!sampler->fragments) sampler->fragments = shv_pool_take(&sampler->pool, (size_t)count, sizeof(int32_t));
-    if (!sampler->corners || !sampler->fragments) return shv_fail_memory(error, "corners", 100 * (size_t)count);
     shv_simulation_corner_positions(simulation, sampler->corners);
-    shv_simulation_element_state(simulation, sampler->fragments, NULL);
+    shv_simulation_element_state(simulation, sampler->fragments, sampler->damage);
     for (int64_t i = 0; i < 4 * count; i++) {
         const ShvVec3 x = shv_load3(sampler->corners + 3 * i);
         const ShvVec3 centre = shv_load3(frame->fragments[sampler->fragments[i / 4]].position);
@@ -108,7 +116,6 @@ static ShvStatus add_corners(ShvSampler *sampler, const ShvSimulation *simulatio
     shv_outcome_add(sampler->outcome, "frame.lowest", SHV_CLOCK_FRAME, lowest);
     shv_outcome_add(sampler->outcome, "frame.highest", SHV_CLOCK_FRAME, highest);
     shv_outcome_add(sampler->outcome, "frame.radius", SHV_CLOCK_FRAME, radius);
-    return SHV_OK;
 }
 
 /* ---- the tip of a crack ---- */
@@ -124,37 +131,23 @@ static ShvVec3 face_centre(const ShvMeshView *mesh, int64_t element, int corner)
     return shv_scale(sum, 1.0 / 3.0);
 }
 
-static ShvStatus find_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvVec3 *tip, double *length,
-                          ShvError *error)
-{
-    const ShvMeshView mesh = shv_simulation_mesh(simulation);
-    const size_t count = 4 * (size_t)mesh.element_count;
-    ShvCrackView crack;
-    SHV_TRY(shv_simulation_crack(simulation, &crack, error));
-    if (!sampler->damage) sampler->damage = shv_pool_take(&sampler->pool, count, sizeof(double));
-    if (!sampler->damage) return shv_fail_memory(error, "damage of facets", count * sizeof(double));
-    shv_simulation_element_state(simulation, NULL, sampler->damage);
-    const ShvVec3 origin = shv_load3(crack.origin);
-    for (int64_t i = 0; i < (int64_t)count; i++) {
-        if (sampler->damage[i] < opened) continue;
-        const ShvVec3 centre = face_centre(&mesh, i / 4, (int)(i % 4));
-        const double distance = shv_norm(shv_sub(centre, origin));
-        if (distance <= *length) continue;
-        *length = distance;
-        *tip = centre;
-    }
-    return SHV_OK;
-}
-
 /* The tip of the first crack: of the facets that are half opened the one that is farthest from where it began. */
 static ShvStatus add_tip(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
-    const ShvFrameView *frame = shv_simulation_frame(simulation);
-    ShvVec3 tip = shv_vec3((double)NAN, (double)NAN, (double)NAN);
-    double length = 0.0, place[3];
-    if (frame->inserted > 0) SHV_TRY(find_tip(sampler, simulation, &tip, &length, error));
-    shv_store3(place, tip);
-    shv_outcome_add_vector(sampler->outcome, "crack.tip", SHV_CLOCK_FRAME, place);
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    const bool cracked = shv_simulation_frame(simulation)->inserted > 0;
+    ShvCrackView crack;
+    double length = 0.0, tip[3] = {(double)NAN, (double)NAN, (double)NAN};
+    if (cracked) SHV_TRY(shv_simulation_crack(simulation, &crack, error));
+    for (int64_t i = 0; cracked && i < 4 * (int64_t)mesh.element_count; i++) {
+        if (sampler->damage[i] < opened) continue;
+        const ShvVec3 centre = face_centre(&mesh, i / 4, (int)(i % 4));
+        const double distance = shv_norm(shv_sub(centre, shv_load3(crack.origin)));
+        if (distance <= length) continue;
+        length = distance;
+        shv_store3(tip, centre);
+    }
+    shv_outcome_add_vector(sampler->outcome, "crack.tip", SHV_CLOCK_FRAME, tip);
     shv_outcome_add(sampler->outcome, "crack.length", SHV_CLOCK_FRAME, length);
     return SHV_OK;
 }
@@ -192,7 +185,8 @@ ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation,
     add_numbers(outcome, frame);
     add_motion(outcome, frame);
     add_ledger(outcome, &frame->ledger);
-    SHV_TRY(add_corners(sampler, simulation, error));
+    SHV_TRY(reserve(sampler, simulation, error));
+    add_corners(sampler, simulation);
     SHV_TRY(add_tip(sampler, simulation, error));
     add_probes(outcome, frame);
     count_events(outcome, frame);

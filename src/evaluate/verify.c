@@ -403,9 +403,10 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
                          ShvDiagnostics **diagnostics, ShvError *error)
 {
     const ShvVerifyOptions defaults = shv_verify_default();
-    ShvDiagnostics *list = NULL;
+    ShvDiagnostics *own = NULL;
     *verification = NULL;
-    if (diagnostics) *diagnostics = NULL;
+    if (!diagnostics) diagnostics = &own;
+    *diagnostics = NULL;
     if (!options) options = &defaults;
     if (options->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_verify_default()");
@@ -414,15 +415,12 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
     made->memory = made->texts.memory = options->memory;
     Verifier verifier = {.made = made, .options = options, .work = {.memory = options->memory}};
     verifier.series.memory = options->memory;
-    const ShvStatus status = verify(&verifier, path, &list, error);
+    const ShvStatus status = verify(&verifier, path, diagnostics, error);
     for (int32_t i = 0; i < verifier.run_count; i++) shv_outcome_release(&verifier.runs[i].outcome);
     shv_pool_release(&verifier.series);
     shv_pool_release(&verifier.work);
     shv_release(verifier.folder);
-    if (diagnostics)
-        *diagnostics = list;
-    else
-        shv_diagnostics_destroy(list);
+    shv_diagnostics_destroy(own);
     if (status == SHV_OK && made->view.name)
         *verification = made;
     else
