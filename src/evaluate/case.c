@@ -21,15 +21,8 @@ static const ShvKey run_keys[] = {
     {"let", SHV_KEY_TEXT, .offset = RUN(let)},
     {"full", SHV_KEY_BOOLEAN, .offset = RUN(full)},
 };
-static void start_run(void *item)
-{
-    *(ShvCaseRun *)item = (ShvCaseRun){.full = false};
-}
-static const ShvTable run_table = {.name = "runs.<name>",
-                                   .keys = run_keys,
-                                   .key_count = LENGTH_OF(run_keys),
-                                   .size = sizeof(ShvCaseRun),
-                                   .start = start_run};
+static const ShvTable run_table = {
+    .name = "runs.<name>", .keys = run_keys, .key_count = LENGTH_OF(run_keys), .size = sizeof(ShvCaseRun)};
 
 #define QUANTITY(member) offsetof(ShvCaseQuantity, member)
 static const ShvChoice compare_choices[] = {{"near", SHV_VERIFY_NEAR},
@@ -80,15 +73,8 @@ static const ShvKey case_keys[] = {
     {"runs", SHV_KEY_NAMED, .table = &run_table, .offset = CASE(runs)},
     {"quantities", SHV_KEY_LIST, .table = &quantity_table, .offset = CASE(quantities)},
 };
-static void start_case(void *item)
-{
-    *(ShvCaseItem *)item = (ShvCaseItem){.version = 0};
-}
-static const ShvTable case_table = {.name = "the verification case",
-                                    .keys = case_keys,
-                                    .key_count = LENGTH_OF(case_keys),
-                                    .size = sizeof(ShvCaseItem),
-                                    .start = start_case};
+static const ShvTable case_table = {
+    .name = "the verification case", .keys = case_keys, .key_count = LENGTH_OF(case_keys), .size = sizeof(ShvCaseItem)};
 
 /* What a table cannot say. */
 static void check_quantity(const ShvCaseQuantity *quantity, ShvDiagnostics *diagnostics)

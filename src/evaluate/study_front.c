@@ -5,19 +5,16 @@ bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
     return row->status == SHV_OK && !row->is_reference && isfinite(row->errors[measure]) && isfinite(row->seconds);
 }
 
-/* The cheapest row that counts, is dearer than `after` (index breaks ties), and whose error is below `limit`; −1: none. */
-static int32_t next_row(const ShvStudy *study, int32_t measure, int32_t after, double limit)
+/* The cheapest row that counts and whose error is below `limit`, of equally cheap ones the best; −1: none. */
+static int32_t cheapest_below(const ShvStudy *study, int32_t measure, double limit)
 {
     int32_t best = -1;
-    const double least = after < 0 ? -HUGE_VAL : study->rows[after].seconds;
     for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->rows[i];
-        if (!shv_study_counts(row, measure) || !(row->errors[measure] < limit) || row->seconds < least || i == after)
-            continue;
-        const bool first = best < 0 || row->seconds < study->rows[best].seconds;
-        const bool better = best >= 0 && row->seconds == study->rows[best].seconds &&
-                            row->errors[measure] < study->rows[best].errors[measure];
-        if (first || better) best = i;
+        const ShvStudyRow *row = &study->rows[i], *other = best < 0 ? NULL : &study->rows[best];
+        if (!shv_study_counts(row, measure) || !(row->errors[measure] < limit)) continue;
+        if (!other || row->seconds < other->seconds ||
+            (row->seconds == other->seconds && row->errors[measure] < other->errors[measure]))
+            best = i;
     }
     return best;
 }
@@ -28,7 +25,7 @@ void shv_study_mark_front(ShvStudy *study, int32_t measure)
 {
     const double scatter = isnan(study->view.scatter[measure]) ? 0.0 : study->view.scatter[measure];
     double limit = HUGE_VAL;
-    for (int32_t i = -1; (i = next_row(study, measure, i, limit)) >= 0;) {
+    for (int32_t i; (i = cheapest_below(study, measure, limit)) >= 0;) {
         study->rows[i].on_front[measure] = true;
         limit = study->rows[i].errors[measure] - scatter;
     }

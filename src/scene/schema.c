@@ -283,16 +283,11 @@ static const ShvKey corner_keys[] = {{"radius", SHV_KEY_NUMBER, SHV_DIMENSION_LE
                                       .offset = offsetof(ShvCornerItem, radius), .sentence = "Distance from the axis."},
                                      {"height", SHV_KEY_NUMBER, SHV_DIMENSION_LENGTH, SHV_KEY_REQUIRED,
                                       .offset = offsetof(ShvCornerItem, height), .sentence = "Place along the axis."}};
-static void start_corner(void *item)
-{
-    *(ShvCornerItem *)item = (ShvCornerItem){0};
-}
 static const ShvTable corner_table = {.name = "objects.<name>.mesh.turned.profile.<index>",
                                       .sentence = "A corner of a profile.",
                                       .keys = corner_keys,
                                       .key_count = LENGTH_OF(corner_keys),
-                                      .size = sizeof(ShvCornerItem),
-                                      .start = start_corner};
+                                      .size = sizeof(ShvCornerItem)};
 /* The list lies in the object, behind its mesh. */
 static const ShvKey turned_keys[] = {
     {"profile", SHV_KEY_LIST, .flags = SHV_KEY_REQUIRED, .table = &corner_table,
@@ -410,10 +405,6 @@ static const ShvKey group_keys[] = {
     {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = offsetof(ShvGroupItem, definition.material),
      .sentence = "Name of its material."},
 };
-static void start_group(void *item)
-{
-    *(ShvGroupItem *)item = (ShvGroupItem){0};
-}
 static const ShvTable group_table = {
     .name = "objects.<name>.groups.<index>",
     .sentence =
@@ -423,8 +414,7 @@ static const ShvTable group_table = {
         "one. When the object wakes and rests is judged by `material` of the object.",
     .keys = group_keys,
     .key_count = LENGTH_OF(group_keys),
-    .size = sizeof(ShvGroupItem),
-    .start = start_group};
+    .size = sizeof(ShvGroupItem)};
 
 static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
 static const ShvKey object_keys[] = {

@@ -66,7 +66,7 @@ struct ShvTable {
     const ShvKey *keys;
     int key_count;             /* at most 64 */
     size_t size;               /* of an item; 0: part of the struct of the table above */
-    void (*start)(void *item); /* fills an item with defaults */
+    void (*start)(void *item); /* fills an item with defaults; NULL: zeros */
     bool variants;             /* exactly one of the keys marked as variants must be there */
     size_t variant_offset;
 };
