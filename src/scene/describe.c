@@ -15,6 +15,12 @@ const ShvKey *shv_table_find(const ShvTable *table, const char *name)
     return NULL;
 }
 
+void shv_table_start(const ShvTable *table, void *item)
+{
+    memset(item, 0, table->size);
+    if (table->start) table->start(item);
+}
+
 const char *shv_choice_name(const ShvChoice *choices, int value)
 {
     for (; choices->name; choices++)

@@ -242,18 +242,12 @@ static void read_mapping(ShvReader *reader, const ShvTable *table, const ShvNode
     }
 }
 
-static void start_item(const ShvTable *table, void *item)
-{
-    memset(item, 0, table->size);
-    if (table->start) table->start(item);
-}
-
 static void read_item(ShvReader *reader, const ShvKey *key, const ShvEntry *entry, char *item)
 {
     const int32_t errors = shv_diagnostics_errors(reader->diagnostics);
     const ShvNode *node = entry->value;
     ShvItemHead *head = (ShvItemHead *)(void *)item;
-    start_item(key->table, item);
+    shv_table_start(key->table, item);
     const char *outer = reader->item;
     if (entry->key) reader->item = entry->key->text;
     head->node = node;
@@ -341,7 +335,7 @@ void shv_read_document(ShvReader *reader, const ShvTable *table, const ShvNode *
 {
     const int32_t errors = shv_diagnostics_errors(reader->diagnostics);
     ShvItemHead *head = item;
-    start_item(table, item);
+    shv_table_start(table, item);
     *head = (ShvItemHead){NULL, root, root, false};
     if (root->kind == SHV_NODE_MAPPING)
         read_mapping(reader, table, root, item);

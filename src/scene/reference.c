@@ -236,7 +236,7 @@ static void put_table(Page *page, const ShvTable *table, const char *base, ShvPo
         if (key->table->size > 0) {
             char *item = shv_pool_take(pool, 1, key->table->size);
             if (!item) return;
-            key->table->start(item);
+            shv_table_start(key->table, item);
             below = item;
         }
         put_table(page, key->table, below, pool);
@@ -259,7 +259,7 @@ ShvStatus shv_scene_reference(ShvMemory *memory, char **text, ShvError *error)
     char *scene = shv_pool_take(&pool, 1, shv_scene_table.size);
     *text = NULL;
     if (scene) {
-        shv_scene_table.start(scene);
+        shv_table_start(&shv_scene_table, scene);
         put(&page, "%s", introduction);
         put_units(&page);
         put_table(&page, &shv_scene_table, scene, &pool);

@@ -155,6 +155,8 @@ typedef struct ShvSceneItem {
 /* The top level; its size is that of ShvSceneItem. */
 extern const ShvTable shv_scene_table;
 
+/* Fills an item of a table with its defaults. */
+void shv_table_start(const ShvTable *table, void *item);
 const ShvKey *shv_table_find(const ShvTable *table, const char *name);
 /* "unknown key 'word' in …", with the nearest key or all of them; `item` as of shv_table_label. */
 void shv_table_report_unknown(const ShvTable *table, const char *item, ShvDiagnostics *diagnostics, ShvPlace place,
