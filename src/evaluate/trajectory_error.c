@@ -133,15 +133,21 @@ static void add_frame(Extremes *most, const Sums *sums, bool first)
     raise(&most->momentum, shv_norm(sums->exact_momentum));
 }
 
+static int32_t first_chosen(const ShvBodies *bodies)
+{
+    int32_t i = 0;
+    while (!bodies->items[i].chosen) i++;
+    return i;
+}
+
 /* `reference` NULL, or shorter: the closed form, or the run itself. */
 static void follow_frame(ShvTrajectoryError *trajectory, const ShvOutcomeList *track, const ShvOutcomeList *reference,
                          double time, Extremes *most)
 {
     const int32_t count = trajectory->bodies.count, frame = trajectory->track.count;
-    ShvTrackRow *row = &trajectory->track.rows[trajectory->track.count++];
+    const int32_t first = first_chosen(&trajectory->bodies);
     Sums sums = {.energy = 0.0};
-    bool any = false;
-    for (int32_t i = 0; i < count; i++) {
+    for (int32_t i = first; i < count; i++) {
         const ShvBody *body = &trajectory->bodies.items[i];
         if (!body->chosen) continue;
         const ShvBodyState state = state_at(track, count, frame, i);
@@ -151,20 +157,14 @@ static void follow_frame(ShvTrajectoryError *trajectory, const ShvOutcomeList *t
         else if ((int64_t)(frame + 1) * count * SHV_BODY_NUMBERS <= reference->count)
             exact = state_at(reference, count, frame, i);
         add_body(&sums, most, body, &state, &exact, shv_load3(trajectory->scene->gravity));
-        if (!any) *row = (ShvTrackRow){time, state, exact};
-        any = true;
+        if (i == first) trajectory->track.rows[frame] = (ShvTrackRow){time, state};
+        if (i == first) trajectory->exact.rows[frame] = (ShvTrackRow){time, exact};
     }
+    trajectory->exact.count = ++trajectory->track.count;
     add_frame(most, &sums, frame == 0);
 }
 
 /* ---- figures ---- */
-
-static int32_t first_chosen(const ShvBodies *bodies)
-{
-    int32_t i = 0;
-    while (!bodies->items[i].chosen) i++;
-    return i;
-}
 
 /* What energies are measured by: the largest kinetic energy of the reference or change of its potential energy; of what stays
    at rest, the weight times the radius. */
@@ -197,25 +197,24 @@ static double largest_apart(const double *found, int count, const double *exact,
 static void find_event_times(const ShvTrajectoryError *trajectory, double errors[SHV_TRAJECTORY_MEASURES])
 {
     double found[MOST_MOMENTS], exact[MOST_MOMENTS];
-    const ShvTrack *track = &trajectory->track;
+    const ShvTrack *track = &trajectory->track, *exact_track = &trajectory->exact;
     const int32_t body = first_chosen(&trajectory->bodies);
     const ShvClosedForm *form = &trajectory->forms[body];
     const ShvMat3 *inertia = &trajectory->bodies.items[body].inertia;
     const bool bounce = form->law == SHV_REFERENCE_BOUNCE;
-    int count[2];
+    const ShvVec3 up = form->direction, g = form->gravity;
     if (!bounce && form->law != SHV_REFERENCE_FLIGHT) return;
-    for (int k = 0; k < 2; k++) {
-        double *times = k ? exact : found;
-        count[k] = bounce ? shv_track_impacts(track, k, form->direction, form->gravity, times, MOST_MOMENTS)
-                          : shv_track_flips(track, k, inertia, times, MOST_MOMENTS);
-    }
-    errors[SHV_TRAJECTORY_EVENT_TIME] = largest_apart(found, count[0], exact, count[1], false);
-    if (count[1] > 0) errors[SHV_TRAJECTORY_EVENT_COUNT] = abs(count[0] - count[1]);
-    if (!bounce || count[0] != count[1]) return;
-    const int heights = shv_track_apices(track, false, form->direction, form->gravity, found, MOST_MOMENTS);
-    const int wanted = shv_track_apices(track, true, form->direction, form->gravity, exact, MOST_MOMENTS);
-    errors[SHV_TRAJECTORY_APEX] =
-        largest_apart(found, heights < wanted ? heights : wanted, exact, heights < wanted ? heights : wanted, true);
+    const int count = bounce ? shv_track_impacts(track, up, g, found, MOST_MOMENTS)
+                             : shv_track_flips(track, inertia, found, MOST_MOMENTS);
+    const int wanted = bounce ? shv_track_impacts(exact_track, up, g, exact, MOST_MOMENTS)
+                              : shv_track_flips(exact_track, inertia, exact, MOST_MOMENTS);
+    errors[SHV_TRAJECTORY_EVENT_TIME] = largest_apart(found, count, exact, wanted, false);
+    if (wanted > 0) errors[SHV_TRAJECTORY_EVENT_COUNT] = abs(count - wanted);
+    if (!bounce || count != wanted) return;
+    const int heights = shv_track_apices(track, up, g, found, MOST_MOMENTS);
+    const int known = shv_track_apices(exact_track, up, g, exact, MOST_MOMENTS),
+              least = heights < known ? heights : known;
+    errors[SHV_TRAJECTORY_APEX] = largest_apart(found, least, exact, least, true);
 }
 
 /* ---- all ---- */
@@ -247,8 +246,9 @@ ShvStatus shv_trajectory_error_measure(ShvTrajectoryError *trajectory, const Shv
     SHV_TRY(check_frames(trajectory, run, reference, error));
     for (int32_t i = 0; trajectory->forms && i < trajectory->bodies.count; i++)
         trajectory->forms[i].top.time = trajectory->forms[i].top.turned = 0.0; /* closed forms start anew */
-    SHV_RESIZE(trajectory->memory, SHV_PART_RECORD, trajectory->track.rows, (size_t)times->count, "a run to compare", 0,
-               error);
+    SHV_RESIZE(trajectory->memory, SHV_PART_RECORD, trajectory->track.rows, 2 * (size_t)times->count,
+               "a run to compare", 0, error);
+    trajectory->exact.rows = trajectory->track.rows + times->count;
     Extremes most = {.lowest = 0.0};
     while (trajectory->track.count < times->count)
         follow_frame(trajectory, track, beside, times->values[trajectory->track.count], &most);

@@ -29,7 +29,8 @@ typedef struct ShvTrajectoryError {
     ShvMemory *memory;
     ShvBodies bodies;
     ShvClosedForm *forms; /* one a body that is chosen; NULL without a closed form */
-    ShvTrack track;       /* of the last run that was followed */
+    ShvTrack track,
+        exact; /* of the first chosen body in the last run that was followed, and of what that was compared with */
 } ShvTrajectoryError;
 
 /* Looks at the scene's start. With `closed`, SHV_BAD_INPUT where the scene is not one of the law's. The caller closes the way
