@@ -136,47 +136,31 @@ static ShvStatus find_line(ShvClosedForm *form, const Setting *setting, ShvVec3 
     return SHV_OK;
 }
 
-static ShvStatus start_slide(ShvClosedForm *form, const Setting *setting, ShvError *error)
-{
-    SHV_TRY(must_touch(form, setting, error));
-    if (shv_norm(form->start.angular_velocity) > 0.0)
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' slides without turning: remove its angular_velocity",
-                        setting->body->name);
-    /* Against an object the plane's own friction holds, between obstacles the geometric mean. */
-    const double own = setting->body->obstacle >= 0 ? setting->scene->obstacles[setting->body->obstacle].friction
-                                                    : setting->plane->friction;
-    form->friction = -shv_dot(form->gravity, setting->normal) * sqrt(own * setting->plane->friction);
-    return find_line(form, setting, shv_vec3(0.0, 0.0, 0.0), error);
-}
-
-static ShvStatus start_roll(ShvClosedForm *form, const Setting *setting, ShvError *error)
+/* Sliding, and the rolling of a sphere. */
+static ShvStatus start_along(ShvClosedForm *form, const Setting *setting, ShvError *error)
 {
     const ShvBody *body = setting->body;
-    const ShvVec3 n = setting->normal;
-    if (body->obstacle < 0 || setting->scene->obstacles[body->obstacle].shape != SHV_OBSTACLE_SPHERE)
+    const ShvObstacleDefinition *plane = setting->plane;
+    const ShvObstacleDefinition *own = body->obstacle >= 0 ? &setting->scene->obstacles[body->obstacle] : NULL;
+    const ShvVec3 n = setting->normal, spin = form->start.angular_velocity;
+    const bool rolls = form->law == SHV_REFERENCE_ROLL;
+    if (rolls && (!own || own->shape != SHV_OBSTACLE_SPHERE))
         return shv_fail(error, SHV_BAD_INPUT, "'%s' is not round enough to roll: give a sphere with mass", body->name);
-    const ShvObstacleDefinition *sphere = &setting->scene->obstacles[body->obstacle];
     SHV_TRY(must_touch(form, setting, error));
-    form->radius = sphere->radius;
-    form->shape = body->inertia.m[0][0] / (body->mass * form->radius * form->radius);
-    form->friction = -shv_dot(form->gravity, n) * sqrt(sphere->friction * setting->plane->friction);
+    if (!rolls && shv_norm(spin) > 0.0)
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' slides without turning: remove its angular_velocity", body->name);
+    /* Against an object the plane's own friction holds, between obstacles the geometric mean. */
+    form->friction = -shv_dot(form->gravity, n) * sqrt((own ? own->friction : plane->friction) * plane->friction);
+    form->radius = rolls ? own->radius : 0.0;
     /* Velocity of the rim at the top, against the centre: ω × r n. */
-    const ShvVec3 rim = shv_scale(shv_cross(form->start.angular_velocity, n), form->radius);
+    const ShvVec3 rim = shv_scale(shv_cross(spin, n), form->radius);
     SHV_TRY(find_line(form, setting, rim, error));
+    if (!rolls) return SHV_OK;
+    form->shape = body->inertia.m[0][0] / (body->mass * form->radius * form->radius);
     form->axis = shv_cross(n, form->direction);
     form->rim_speed = shv_dot(rim, form->direction);
-    if (fabs(shv_dot(n, form->start.angular_velocity)) > nearly * shv_norm(form->start.angular_velocity))
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' must not spin about the normal of '%s'", body->name,
-                        setting->plane->name);
-    return SHV_OK;
-}
-
-static ShvStatus check_settings(const ShvSceneDefinition *scene, ShvError *error)
-{
-    if (scene->event_count > 0 || scene->condition_count > 0)
-        return shv_fail(
-            error, SHV_BAD_INPUT,
-            "the closed forms of `reference` know no events, supports or loads; remove them or `reference`");
+    if (fabs(shv_dot(n, spin)) > nearly * shv_norm(spin))
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' must not spin about the normal of '%s'", body->name, plane->name);
     return SHV_OK;
 }
 
@@ -185,14 +169,16 @@ ShvStatus shv_closed_form(ShvClosedForm *form, const ShvSceneDefinition *scene, 
 {
     Setting setting = {.scene = scene, .mesh = mesh, .body = body};
     *form = (ShvClosedForm){.law = scene->reference.law, .start = *start, .gravity = shv_load3(scene->gravity)};
-    SHV_TRY(check_settings(scene, error));
+    if (scene->event_count > 0 || scene->condition_count > 0)
+        return shv_fail(
+            error, SHV_BAD_INPUT,
+            "the closed forms of `reference` know no events, supports or loads; remove them or `reference`");
     const bool meets = form->law != SHV_REFERENCE_FLIGHT && form->law != SHV_REFERENCE_REST;
     if (meets) SHV_TRY(find_plane(&setting, error));
     if (form->law == SHV_REFERENCE_FLIGHT)
         form->top = shv_free_top(&body->inertia, start->orientation, start->angular_velocity);
     if (form->law == SHV_REFERENCE_BOUNCE) return start_bounce(form, &setting, error);
-    if (form->law == SHV_REFERENCE_SLIDE) return start_slide(form, &setting, error);
-    if (form->law == SHV_REFERENCE_ROLL) return start_roll(form, &setting, error);
+    if (form->law == SHV_REFERENCE_SLIDE || form->law == SHV_REFERENCE_ROLL) return start_along(form, &setting, error);
     if (form->law == SHV_REFERENCE_REST && shv_norm(start->velocity) + shv_norm(start->angular_velocity) > 0.0)
         return shv_fail(error, SHV_BAD_INPUT, "'%s' is to stay at rest, but it has a velocity at the start",
                         body->name);
