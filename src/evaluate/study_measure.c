@@ -225,24 +225,20 @@ static ShvStatus find_scatter(Judge *judge, ShvError *error)
     return SHV_OK;
 }
 
-static void name_closed_form(char *text, size_t size, const ShvReferenceDefinition *reference)
-{
-    static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
-    shv_format(text, size, "closed form (%s of %.60s%s%.60s)", laws[reference->law],
-               reference->body ? reference->body : "every body", reference->on ? " on " : "",
-               reference->on ? reference->on : "");
-}
-
 static void name_reference(ShvStudy *study)
 {
+    static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
+    char *text = study->view.reference;
+    const size_t size = sizeof study->view.reference;
     ShvScene *scene = NULL;
     ShvError ignored;
     if (study->reference >= 0) {
         const ShvStudySetting *setting = shv_study_setting(study, study->reference);
-        shv_format(study->view.reference, sizeof study->view.reference, "run of %.160s%s%.60s", setting->series,
-                   setting->label[0] ? ", " : "", setting->label);
+        shv_format(text, size, "run of %.160s%s%.60s", setting->series, setting->label[0] ? ", " : "", setting->label);
     } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
-        name_closed_form(study->view.reference, sizeof study->view.reference, &shv_scene_definition(scene)->reference);
+        const ShvReferenceDefinition *form = &shv_scene_definition(scene)->reference;
+        shv_format(text, size, "closed form (%s of %.60s%s%.60s)", laws[form->law],
+                   form->body ? form->body : "every body", form->on ? " on " : "", form->on ? form->on : "");
     }
     shv_scene_destroy(scene);
 }

@@ -72,41 +72,30 @@ static void add_front(const ShvStudy *study, int32_t measure, Figure *figure)
     }
 }
 
-static void fill_figure(const ShvStudy *study, int32_t measure, Figure *figure)
-{
-    int32_t used = 0;
-    figure->least = least_error(study, measure);
-    for (int32_t i = 0; i < study->setting_count; i++)
-        if (is_first_of_series(study, i)) add_line(study, measure, i, figure, &used);
-    add_front(study, measure, figure);
-}
-
-static void draw(const ShvStudy *study, int32_t measure, const Figure *figure, FILE *stream, bool within)
+void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
 {
     const ShvMeasure *kind = &study->plan.measures[measure];
+    Figure figure = {.room = study->figure, .least = least_error(study, measure)};
     char title[200], label[96];
+    int32_t used = 0;
+    for (int32_t i = 0; i < study->setting_count; i++)
+        if (is_first_of_series(study, i)) add_line(study, measure, i, &figure, &used);
+    add_front(study, measure, &figure);
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
-    const ShvPlotLine front = {"Pareto front", figure->room.front, figure->front_count, SHV_PLOT_MARKED_LINE};
+    const ShvPlotLine front = {"Pareto front", figure.room.front, figure.front_count, SHV_PLOT_MARKED_LINE};
     const ShvPlot plot = {.title = title,
                           .x_label = study->view.timings_valid ? "run time, s"
                                                                : "run time, s (invalid: runs shared the machine)",
                           .y_label = label,
                           .log_x = true,
                           .log_y = true,
-                          .lines = figure->room.lines,
-                          .line_count = figure->line_count,
+                          .lines = figure.room.lines,
+                          .line_count = figure.line_count,
                           .front = &front,
-                          .spans = figure->room.spans,
-                          .span_count = figure->span_count};
+                          .spans = figure.room.spans,
+                          .span_count = figure.span_count};
     shv_plot_write(stream, &plot, within);
-}
-
-void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
-{
-    Figure figure = {.room = study->figure};
-    fill_figure(study, measure, &figure);
-    draw(study, measure, &figure, stream, within);
 }
 
 /* ---- run time by part ---- */
