@@ -1,6 +1,4 @@
 /* The files of a measurement. */
-#include <string.h>
-
 #include "base/publish.h"
 #include "base/text.h"
 #include "export/output.h"
@@ -63,33 +61,39 @@ static void put_limits(FILE *stream, Drawing *drawing)
     put_plot(stream, drawing, "sweeps of bars a step", "largest stable step, computed stable steps");
 }
 
-/* `member`: the number of a point that is drawn, by its place there. */
-static void add_line(Drawing *drawing, const ShvStabilityRow *row, size_t member)
+static void add_line(Drawing *drawing, const ShvStabilityRow *row, double (*value)(const ShvStabilityPoint *point))
 {
     const int32_t i = drawing->count;
     begin_line(drawing);
-    for (int32_t k = 0; k < row->point_count; k++) {
-        double value;
-        memcpy(&value, (const char *)&row->points[k] + member, sizeof value);
-        add_point(drawing, row->points[k].multiple, value);
-    }
+    for (int32_t k = 0; k < row->point_count; k++) add_point(drawing, row->points[k].multiple, value(&row->points[k]));
     if (row->iterations > 0)
         shv_format(drawing->names[i], sizeof drawing->names[i], "k %g, n %d", row->stiffness, (int)row->iterations);
 }
 
 /* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the
    last. More could not be told apart; the table has them all. */
-static void put_against_step(FILE *stream, Drawing *drawing, const char *label, size_t member)
+static void put_against_step(FILE *stream, Drawing *drawing, const char *label,
+                             double (*value)(const ShvStabilityPoint *point))
 {
     enum { MOST_K = 4 };
     const ShvStabilityOptions *options = &drawing->stability->options;
     const ShvStabilityRow *rows = drawing->stability->rows;
     const int32_t n = options->iterations.count, middle = n / 2;
-    add_line(drawing, &rows[0], member);
+    add_line(drawing, &rows[0], value);
     for (int32_t k = 0; n > 0 && k < options->stiffness.count && k < MOST_K; k++)
-        add_line(drawing, &rows[1 + k * n + middle], member);
-    if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &rows[n], member);
+        add_line(drawing, &rows[1 + k * n + middle], value);
+    if (options->stiffness.count > 0 && middle < n - 1) add_line(drawing, &rows[n], value);
     put_plot(stream, drawing, "step, computed stable steps", label);
+}
+
+static double stiffness_of(const ShvStabilityPoint *point)
+{
+    return point->stiffness;
+}
+
+static double error_of(const ShvStabilityPoint *point)
+{
+    return point->displacement;
 }
 
 static void put_picture(FILE *stream, Drawing *drawing, int which)
@@ -98,11 +102,9 @@ static void put_picture(FILE *stream, Drawing *drawing, int which)
     if (which == 0)
         put_limits(stream, drawing);
     else if (which == 1)
-        put_against_step(stream, drawing, "static stiffness over that without bars",
-                         offsetof(ShvStabilityPoint, stiffness));
+        put_against_step(stream, drawing, "static stiffness over that without bars", stiffness_of);
     else
-        put_against_step(stream, drawing, "largest error of displacement over its largest",
-                         offsetof(ShvStabilityPoint, displacement));
+        put_against_step(stream, drawing, "largest error of displacement over its largest", error_of);
 }
 
 /* ---- files ---- */
