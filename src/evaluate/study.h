@@ -4,9 +4,9 @@
 
 #include "base/timer.h"
 #include "evaluate/outcome.h"
-#include "export/plot.h"
 #include "evaluate/study_plan.h"
 #include "evaluate/trajectory_error.h"
+#include "export/plot.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
 

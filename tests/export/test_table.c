@@ -1,0 +1,69 @@
+/* One table in three forms: heads above their figures, each form's own escapes. Members of JSON. */
+#include "check.h"
+
+#include "cli/json.h"
+#include "export/output.h"
+#include "export/table.h"
+
+static char text[1 << 12];
+
+static void read_back(FILE *stream)
+{
+    rewind(stream);
+    text[fread(text, 1, sizeof text - 1, stream)] = '\0';
+    fclose(stream);
+}
+
+static void check_form(ShvTableForm form, const char *wanted)
+{
+    static const char *const names[] = {"", "a|b", "", "c, \"d\" <e>"};
+    FILE *stream = tmpfile();
+    assert_non_null(stream);
+    ShvTable table = shv_table_begin(stream, form);
+    for (int i = 0; i < 4; i++) {
+        shv_table_text(&table, "run & name", NULL, names[i]);
+        shv_table_put(&table, "error", i == 1 ? "number best" : "number", "%.2f", 0.5 * i);
+        shv_table_end_row(&table);
+    }
+    shv_table_end(&table);
+    read_back(stream);
+    assert_string_equal(text, wanted);
+}
+
+static void test_forms(void **state)
+{
+    (void)state;
+    check_form(SHV_TABLE_MARKDOWN, "| run & name | error |\n|---|--:|\n| a\\|b | **0.50** |\n|  | 1.00 |\n"
+                                   "| c, \"d\" <e> | 1.50 |\n");
+    check_form(SHV_TABLE_CSV, "run & name,error\na|b,0.50\n,1.00\n\"c, \"\"d\"\" <e>\",1.50\n");
+    check_form(
+        SHV_TABLE_HTML,
+        "<div class=\"wide\"><table>\n<thead><tr><th>run &amp; name</th>\n<th>error</th>\n</tr></thead>\n<tbody>\n"
+        "<tr><td>a|b</td><td class=\"number best\">0.50</td></tr>\n"
+        "<tr><td></td><td class=\"number\">1.00</td></tr>\n"
+        "<tr><td>c, &quot;d&quot; &lt;e&gt;</td><td class=\"number\">1.50</td></tr>\n</tbody>\n</table></div>\n");
+}
+
+static void test_members(void **state)
+{
+    (void)state;
+    FILE *stream = tmpfile();
+    assert_non_null(stream);
+    ShvMembers members = {.stream = stream};
+    fputs("{", stream);
+    shv_member_text(&members, "a \"b\"", "c\n");
+    shv_member_number(&members, "tenth", 0.1);
+    shv_member_number(&members, "none", (double)NAN);
+    shv_member_flag(&members, "so", true);
+    shv_member_key(&members, "list");
+    fputs("[]}", stream);
+    read_back(stream);
+    assert_true(json_valid(text));
+    assert_non_null(strstr(text, ", \"tenth\": 0.1, \"none\": null, \"so\": true, \"list\": []}"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forms), cmocka_unit_test(test_members)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
