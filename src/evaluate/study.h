@@ -12,8 +12,8 @@
 
 /* Room for one figure, taken with the results, so that drawing cannot fail. */
 typedef struct ShvStudyFigure {
-    ShvPlotPoint *points, *front;
-    ShvPlotLine *lines;
+    ShvPlotDraft draft;
+    ShvPlotPoint *front;
     ShvPlotSpan *spans;
 } ShvStudyFigure;
 

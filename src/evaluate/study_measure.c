@@ -266,9 +266,9 @@ static ShvStatus reserve(Judge *judge, ShvError *error)
     ShvPool *pool = &study->pool;
     const size_t settings = (size_t)study->setting_count;
     study->rows = shv_pool_take(pool, settings, sizeof *study->rows);
-    study->figure.points = shv_pool_take(pool, settings, sizeof *study->figure.points);
+    study->figure.draft.points = shv_pool_take(pool, settings, sizeof *study->figure.draft.points);
     study->figure.front = shv_pool_take(pool, settings, sizeof *study->figure.front);
-    study->figure.lines = shv_pool_take(pool, settings, sizeof *study->figure.lines);
+    study->figure.draft.lines = shv_pool_take(pool, settings, sizeof *study->figure.draft.lines);
     study->figure.spans = shv_pool_take(pool, settings, sizeof *study->figure.spans);
     judge->samples = shv_pool_take(pool, (size_t)(2 * study->plan.measure_count + 1) * (size_t)study->plan.members,
                                    sizeof *judge->samples);

@@ -9,7 +9,7 @@
 /* Room for a figure, filled. */
 typedef struct Figure {
     ShvStudyFigure room;
-    int32_t line_count, front_count, span_count;
+    int32_t front_count, span_count;
     double least; /* an error of zero has a place here, below all others */
 } Figure;
 
@@ -32,22 +32,20 @@ static ShvPlotPoint point_of(const ShvStudyRow *row, int32_t measure, double lea
     return point;
 }
 
-/* Rows of one series, in their order, behind the points that are there. */
-static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figure *figure, int32_t *used)
+/* Rows of one series, in their order. */
+static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figure *figure)
 {
+    ShvPlotDraft *draft = &figure->room.draft;
     const char *name = study->rows[first].series;
-    ShvPlotPoint *points = figure->room.points + *used;
-    int32_t count = 0;
+    shv_plot_line(draft, name, SHV_PLOT_MARKED_LINE);
     for (int32_t i = first; i < study->setting_count; i++) {
         const ShvStudyRow *row = &study->rows[i];
+        const double low = fmax(row->errors_low[measure], figure->least), high = row->errors_high[measure];
         if (row->is_reference || strcmp(row->series, name) != 0) continue;
-        points[count++] = point_of(row, measure, figure->least);
-        if (study->plan.members == 1 || !shv_study_counts(row, measure)) continue;
-        figure->room.spans[figure->span_count++] = (ShvPlotSpan){
-            row->seconds, fmax(row->errors_low[measure], figure->least), row->errors_high[measure], figure->line_count};
+        shv_plot_point(draft, point_of(row, measure, figure->least));
+        if (study->plan.members > 1 && shv_study_counts(row, measure))
+            figure->room.spans[figure->span_count++] = (ShvPlotSpan){row->seconds, low, high, draft->line_count - 1};
     }
-    figure->room.lines[figure->line_count++] = (ShvPlotLine){name, points, count, SHV_PLOT_MARKED_LINE};
-    *used += count;
 }
 
 static bool is_first_of_series(const ShvStudy *study, int32_t index)
@@ -77,9 +75,8 @@ void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stre
     const ShvMeasure *kind = &study->plan.measures[measure];
     Figure figure = {.room = study->figure, .least = least_error(study, measure)};
     char title[200], label[96];
-    int32_t used = 0;
     for (int32_t i = 0; i < study->setting_count; i++)
-        if (is_first_of_series(study, i)) add_line(study, measure, i, &figure, &used);
+        if (is_first_of_series(study, i)) add_line(study, measure, i, &figure);
     add_front(study, measure, &figure);
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
@@ -90,8 +87,8 @@ void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stre
                           .y_label = label,
                           .log_x = true,
                           .log_y = true,
-                          .lines = figure.room.lines,
-                          .line_count = figure.line_count,
+                          .lines = figure.room.draft.lines,
+                          .line_count = figure.room.draft.line_count,
                           .front = &front,
                           .spans = figure.room.spans,
                           .span_count = figure.span_count};

@@ -17,6 +17,17 @@ typedef struct Page {
     ShvPlotAxis x, y;
 } Page;
 
+void shv_plot_line(ShvPlotDraft *draft, const char *name, ShvPlotStyle style)
+{
+    draft->lines[draft->line_count++] = (ShvPlotLine){name, draft->points + draft->point_count, 0, style};
+}
+
+void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point)
+{
+    draft->points[draft->point_count++] = point;
+    draft->lines[draft->line_count - 1].count++;
+}
+
 /* ---- axes ---- */
 
 /* 1, 2 or 5 times a power of ten, at least `least`. */

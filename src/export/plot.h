@@ -20,6 +20,15 @@ typedef struct ShvPlotLine {
     ShvPlotStyle style;
 } ShvPlotLine;
 
+/* Lines that are being put together: each point joins the last line. The caller has the room. */
+typedef struct ShvPlotDraft {
+    ShvPlotPoint *points;
+    ShvPlotLine *lines;
+    int32_t point_count, line_count;
+} ShvPlotDraft;
+void shv_plot_line(ShvPlotDraft *draft, const char *name, ShvPlotStyle style);
+void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point);
+
 /* From `low` to `high` at x, in the colour of a line: what lies around a point. */
 typedef struct ShvPlotSpan {
     double x, low, high;

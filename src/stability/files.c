@@ -14,24 +14,19 @@ static const char *const pictures[PICTURES] = {"_limit.svg", "_stiffness.svg", "
 /* Room for one plot. */
 typedef struct Drawing {
     const ShvStability *stability;
-    ShvPlotPoint points[MOST_LINES][SHV_MOST_STABILITY_VALUES];
-    char names[MOST_LINES][24];
+    ShvPlotPoint points[MOST_LINES * SHV_MOST_STABILITY_VALUES];
     ShvPlotLine lines[MOST_LINES];
-    int32_t count;
+    char names[MOST_LINES][24];
+    ShvPlotDraft draft;
 } Drawing;
 
-/* Begins a line; its points come next. */
-static void begin_line(Drawing *drawing)
+/* Begins a line; its points come next. Returns the room of its name, for another than "no bars". */
+static char *begin_line(Drawing *drawing)
 {
-    const int32_t i = drawing->count++;
-    drawing->lines[i] = (ShvPlotLine){drawing->names[i], drawing->points[i], 0, SHV_PLOT_MARKED_LINE};
-    shv_format(drawing->names[i], sizeof drawing->names[i], "no bars");
-}
-
-static void add_point(Drawing *drawing, double x, double y)
-{
-    const int32_t i = drawing->count - 1;
-    drawing->points[i][drawing->lines[i].count++] = (ShvPlotPoint){.x = x, .y = y};
+    char *name = drawing->names[drawing->draft.line_count];
+    shv_format(name, sizeof drawing->names[0], "no bars");
+    shv_plot_line(&drawing->draft, name, SHV_PLOT_MARKED_LINE);
+    return name;
 }
 
 static void put_plot(FILE *stream, const Drawing *drawing, const char *x, const char *y)
@@ -41,8 +36,8 @@ static void put_plot(FILE *stream, const Drawing *drawing, const char *x, const 
                           .y_label = y,
                           .log_x = true,
                           .log_y = true,
-                          .lines = drawing->lines,
-                          .line_count = drawing->count};
+                          .lines = drawing->draft.lines,
+                          .line_count = drawing->draft.line_count};
     shv_plot_write(stream, &plot, false);
 }
 
@@ -51,23 +46,24 @@ static void put_limits(FILE *stream, Drawing *drawing)
     const ShvStability *stability = drawing->stability;
     const ShvStabilityValues *stiffness = &stability->options.stiffness, *iterations = &stability->options.iterations;
     for (int32_t k = 0; k <= stiffness->count; k++) {
-        begin_line(drawing);
-        if (k < stiffness->count)
-            shv_format(drawing->names[k], sizeof drawing->names[k], "k = %g", stiffness->values[k]);
+        const bool bars = k < stiffness->count;
+        char *name = begin_line(drawing);
+        if (bars) shv_format(name, sizeof drawing->names[0], "k = %g", stiffness->values[k]);
         for (int32_t n = 0; n < iterations->count; n++)
-            add_point(drawing, iterations->values[n],
-                      stability->rows[k < stiffness->count ? 1 + k * iterations->count + n : 0].limit);
+            shv_plot_point(&drawing->draft,
+                           (ShvPlotPoint){.x = iterations->values[n],
+                                          .y = stability->rows[bars ? 1 + k * iterations->count + n : 0].limit});
     }
     put_plot(stream, drawing, "sweeps of bars a step", "largest stable step, computed stable steps");
 }
 
 static void add_line(Drawing *drawing, const ShvStabilityRow *row, double (*value)(const ShvStabilityPoint *point))
 {
-    const int32_t i = drawing->count;
-    begin_line(drawing);
-    for (int32_t k = 0; k < row->point_count; k++) add_point(drawing, row->points[k].multiple, value(&row->points[k]));
+    char *name = begin_line(drawing);
+    for (int32_t k = 0; k < row->point_count; k++)
+        shv_plot_point(&drawing->draft, (ShvPlotPoint){.x = row->points[k].multiple, .y = value(&row->points[k])});
     if (row->iterations > 0)
-        shv_format(drawing->names[i], sizeof drawing->names[i], "k %g, n %d", row->stiffness, (int)row->iterations);
+        shv_format(name, sizeof drawing->names[0], "k %g, n %d", row->stiffness, (int)row->iterations);
 }
 
 /* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the
@@ -98,7 +94,7 @@ static double error_of(const ShvStabilityPoint *point)
 
 static void put_picture(FILE *stream, Drawing *drawing, int which)
 {
-    drawing->count = 0;
+    drawing->draft = (ShvPlotDraft){.points = drawing->points, .lines = drawing->lines};
     if (which == 0)
         put_limits(stream, drawing);
     else if (which == 1)

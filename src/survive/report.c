@@ -13,41 +13,6 @@ enum { CURVE_POINTS = 61, LINES = 4 };
 
 /* ---- figures ---- */
 
-typedef struct Figure {
-    ShvPlotPoint *points;
-    int32_t count;
-    ShvPlotLine lines[LINES];
-    int32_t line_count;
-} Figure;
-
-static void begin_line(Figure *figure, const char *name, ShvPlotStyle style)
-{
-    figure->lines[figure->line_count++] =
-        (ShvPlotLine){.name = name, .points = figure->points + figure->count, .style = style};
-}
-
-static void add_point(Figure *figure, double x, double y)
-{
-    figure->points[figure->count++] = (ShvPlotPoint){.x = x, .y = y};
-    figure->lines[figure->line_count - 1].count++;
-}
-
-static void add_law(Figure *figure, ShvFragilityLaw law, const ShvFragilityView *view, double low, double high)
-{
-    const ShvFragilityFit fit = {.location = view->location, .scale = view->scale};
-    begin_line(figure, shv_fragility_law_name(law), SHV_PLOT_PLAIN_LINE);
-    for (int i = 0; i < CURVE_POINTS; i++) {
-        const double height = low * pow(high / low, (double)i / (CURVE_POINTS - 1));
-        add_point(figure, height, 1.0 - shv_fragility_share(law, &fit, height));
-    }
-}
-
-static void add_isotonic(Figure *figure, const ShvSurviveView *view, const int32_t *order, const double *shares)
-{
-    begin_line(figure, "without a law", SHV_PLOT_MARKED_LINE);
-    for (int32_t i = 0; i < view->shot_count; i++) add_point(figure, view->shots[order[i]].height, 1.0 - shares[i]);
-}
-
 /* Room for the points of one figure, the shots by height, the pictures. */
 typedef struct Room {
     ShvPlotPoint *points;
@@ -56,6 +21,23 @@ typedef struct Room {
     ShvSurvivePictures *pictures;
 } Room;
 
+static void add_law(ShvPlotDraft *draft, ShvFragilityLaw law, const ShvFragilityView *view, double low, double high)
+{
+    const ShvFragilityFit fit = {.location = view->location, .scale = view->scale};
+    shv_plot_line(draft, shv_fragility_law_name(law), SHV_PLOT_PLAIN_LINE);
+    for (int i = 0; i < CURVE_POINTS; i++) {
+        const double height = low * pow(high / low, (double)i / (CURVE_POINTS - 1));
+        shv_plot_point(draft, (ShvPlotPoint){.x = height, .y = 1.0 - shv_fragility_share(law, &fit, height)});
+    }
+}
+
+static void add_isotonic(ShvPlotDraft *draft, const ShvSurviveView *view, const int32_t *order, const double *shares)
+{
+    shv_plot_line(draft, "without a law", SHV_PLOT_MARKED_LINE);
+    for (int32_t i = 0; i < view->shot_count; i++)
+        shv_plot_point(draft, (ShvPlotPoint){.x = view->shots[order[i]].height, .y = 1.0 - shares[i]});
+}
+
 /* A logarithmic axis of whole decades would leave most of a figure empty. */
 static bool is_wide(const ShvSurviveView *view, const int32_t *order)
 {
@@ -63,15 +45,15 @@ static bool is_wide(const ShvSurviveView *view, const int32_t *order)
     return view->shots[order[view->shot_count - 1]].height > most_on_a_scale * view->shots[order[0]].height;
 }
 
-static void put_plot(FILE *stream, const Figure *figure, const char *title, const char *x, const char *y, bool log_x,
-                     bool within)
+static void put_plot(FILE *stream, const ShvPlotDraft *draft, const char *title, const char *x, const char *y,
+                     bool log_x, bool within)
 {
     const ShvPlot plot = {.title = title,
                           .x_label = x,
                           .y_label = y,
                           .log_x = log_x,
-                          .lines = figure->lines,
-                          .line_count = figure->line_count};
+                          .lines = draft->lines,
+                          .line_count = draft->line_count};
     if (within)
         shv_html_plot(stream, &plot);
     else
@@ -80,31 +62,33 @@ static void put_plot(FILE *stream, const Figure *figure, const char *title, cons
 
 static void put_curve(const ShvSurviveView *view, const Room *room, FILE *stream, bool within)
 {
-    Figure figure = {.points = room->points};
+    ShvPlotLine lines[LINES];
+    ShvPlotDraft draft = {.points = room->points, .lines = lines};
     double low = HUGE_VAL, high = 0.0;
     for (int32_t i = 0; i < view->shot_count; i++) {
         low = fmin(low, view->shots[i].height);
         high = fmax(high, view->shots[i].height);
     }
     if (isfinite(view->laws[0].h50) && low < high)
-        for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) add_law(&figure, law, &view->laws[law], low, high);
-    add_isotonic(&figure, view, room->order, room->shares);
-    put_plot(stream, &figure, "Share that survives", "height, m", "share that survives", is_wide(view, room->order),
+        for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) add_law(&draft, law, &view->laws[law], low, high);
+    add_isotonic(&draft, view, room->order, room->shares);
+    put_plot(stream, &draft, "Share that survives", "height, m", "share that survives", is_wide(view, room->order),
              within);
 }
 
 static void put_pieces(const ShvSurviveView *view, const Room *room, FILE *stream)
 {
     static const char *const names[] = {"largest piece", "second", "third"};
-    Figure figure = {.points = room->points};
+    ShvPlotLine lines[LINES];
+    ShvPlotDraft draft = {.points = room->points, .lines = lines};
     for (int k = 0; k < 3; k++) {
-        begin_line(&figure, names[k], SHV_PLOT_MARKERS);
+        shv_plot_line(&draft, names[k], SHV_PLOT_MARKERS);
         for (int32_t i = 0; i < view->shot_count; i++) {
             const ShvShot *shot = &view->shots[room->order[i]];
-            if (shot->shares[k] > 0.0) add_point(&figure, shot->height, shot->shares[k]);
+            if (shot->shares[k] > 0.0) shv_plot_point(&draft, (ShvPlotPoint){.x = shot->height, .y = shot->shares[k]});
         }
     }
-    put_plot(stream, &figure, "Masses of the pieces", "height, m", "share of the mass", is_wide(view, room->order),
+    put_plot(stream, &draft, "Masses of the pieces", "height, m", "share of the mass", is_wide(view, room->order),
              true);
 }
 
@@ -112,13 +96,15 @@ static void put_pieces(const ShvSurviveView *view, const Room *room, FILE *strea
 static void put_origins(const ShvSurviveView *view, const Room *room, int x, int y, const char *title, FILE *stream)
 {
     static const char *const axes[] = {"x, m", "y, m", "z, m"};
-    Figure figure = {.points = room->points};
-    begin_line(&figure, "first crack", SHV_PLOT_MARKERS);
+    ShvPlotLine lines[LINES];
+    ShvPlotDraft draft = {.points = room->points, .lines = lines};
+    shv_plot_line(&draft, "first crack", SHV_PLOT_MARKERS);
     for (int32_t i = 0; i < view->shot_count; i++) {
         const ShvShot *shot = &view->shots[i];
-        if (shot->broken && isfinite(shot->origin[0])) add_point(&figure, shot->origin[x], shot->origin[y]);
+        if (shot->broken && isfinite(shot->origin[0]))
+            shv_plot_point(&draft, (ShvPlotPoint){.x = shot->origin[x], .y = shot->origin[y]});
     }
-    if (figure.count > 0) put_plot(stream, &figure, title, axes[x], axes[y], false, true);
+    if (draft.point_count > 0) put_plot(stream, &draft, title, axes[x], axes[y], false, true);
 }
 
 /* ---- words ---- */
