@@ -1,6 +1,5 @@
 /* What is expected of a run, a line each: "finishes", "told", "refused TEXT", "stops TEXT", or two formulas with < <= > >= or =
    between them, the last one with "within SHARE" or "within X absolute". */
-#include <math.h>
 #include <string.h>
 
 #include "base/text.h"

@@ -1,7 +1,6 @@
 /* Runs of a study: one file each, named by a hash of all that the run follows from, so that what is there is never stale. */
 #include "evaluate/study.h"
 
-#include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -9,9 +8,8 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
-#include "scene/inputs.h"
-
 #include "record/checkpoint.h"
+#include "scene/inputs.h"
 #include "scene/source.h"
 #include "shiver/version.h"
 

@@ -1,6 +1,4 @@
 /* The files of a study. */
-#include <string.h>
-
 #include "base/text.h"
 #include "evaluate/study.h"
 #include "export/html.h"

@@ -1,6 +1,4 @@
 /* How far off a step is where it is stable: the first body stretched along its longest axis. */
-#include <string.h>
-
 #include "stability/stability.h"
 
 static const double rate_scale = 1e-6; /* strain rates in bar speeds a length: what is seen is linear */

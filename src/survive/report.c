@@ -1,6 +1,5 @@
 /* The page, the tables and the curve of a search. */
 #include <math.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/text.h"
