@@ -34,13 +34,15 @@ static void put_keys(ShvTable *table, const ShvStudy *study, int32_t index)
         shv_table_text(table, study->plan.keys[i], NULL, shv_study_setting(study, index)->values[i]);
 }
 
-/* All rows; `put` gives the cells of one. */
-static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form,
-                      void (*put)(ShvTable *table, const ShvStudy *study, int32_t index))
+typedef void (*PutCells)(ShvTable *table, const ShvStudy *study, int32_t index);
+
+/* All rows, and that of the scatter of an ensemble where there is one. */
+static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form, PutCells put, PutCells put_scatter)
 {
     ShvTable table = shv_table_begin(stream, form);
-    for (int32_t i = -1; i < study->setting_count; i++) {
-        put(&table, study, i < 0 ? 0 : i);
+    const int32_t count = study->setting_count, more = put_scatter && study->plan.members > 1 ? 1 : 0;
+    for (int32_t i = -1; i < count + more; i++) {
+        (i < count ? put : put_scatter)(&table, study, i < 0 ? 0 : i);
         shv_table_end_row(&table);
     }
     shv_table_end(&table);
@@ -74,7 +76,7 @@ static void put_result(ShvTable *table, const ShvStudy *study, int32_t index)
 
 void shv_study_put_results(const ShvStudy *study, FILE *stream)
 {
-    put_table(study, stream, SHV_TABLE_CSV, put_result);
+    put_table(study, stream, SHV_TABLE_CSV, put_result, NULL);
 }
 
 static void put_timing(ShvTable *table, const ShvStudy *study, int32_t index)
@@ -95,7 +97,7 @@ static void put_timing(ShvTable *table, const ShvStudy *study, int32_t index)
 
 void shv_study_put_timings(const ShvStudy *study, FILE *stream)
 {
-    put_table(study, stream, SHV_TABLE_CSV, put_timing);
+    put_table(study, stream, SHV_TABLE_CSV, put_timing, NULL);
 }
 
 /* ---- Markdown ---- */
@@ -145,16 +147,18 @@ static void put_line(ShvTable *table, const ShvStudy *study, int32_t index)
     if (failed && !table->heads) shv_table_put(table, "", NULL, "failed: %s", row->message);
 }
 
+static void put_line_scatter(ShvTable *table, const ShvStudy *study, int32_t index)
+{
+    (void)index;
+    shv_table_text(table, "", NULL, "scatter");
+    for (int i = 0; i < (has_courant(study) ? 2 : 1); i++) shv_table_text(table, "", NULL, "");
+    for (int32_t i = 0; i < study->plan.measure_count; i++)
+        if (has_error(study, i)) put_number(table, "", "", NULL, study->view.scatter[i]);
+}
+
 void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
 {
-    put_table(study, stream, SHV_TABLE_MARKDOWN, put_line);
-    if (study->plan.members == 1) return;
-    ShvTable table = {.stream = stream, .form = SHV_TABLE_MARKDOWN};
-    shv_table_text(&table, "", NULL, "scatter");
-    for (int i = 0; i < (has_courant(study) ? 2 : 1); i++) shv_table_text(&table, "", NULL, "");
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (has_error(study, i)) put_number(&table, "", "", NULL, study->view.scatter[i]);
-    shv_table_end_row(&table);
+    put_table(study, stream, SHV_TABLE_MARKDOWN, put_line, put_line_scatter);
 }
 
 /* ---- HTML ---- */
@@ -185,26 +189,20 @@ static void put_run(ShvTable *table, const ShvStudy *study, int32_t index)
     }
 }
 
-static void put_scatter(ShvTable *table, const ShvStudy *study)
+static void put_run_scatter(ShvTable *table, const ShvStudy *study, int32_t index)
 {
+    (void)index;
     for (int32_t i = 0; i < study->plan.key_count + 4; i++)
         shv_table_text(table, "", NULL, i == 0 && study->plan.key_count > 0 ? "scatter" : "");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         if (study->plan.measures[i].unit) shv_table_text(table, "", NULL, "");
         put_number(table, "", "", "number", study->view.scatter[i]);
     }
-    shv_table_end_row(table);
 }
 
 void shv_study_put_runs(const ShvStudy *study, FILE *stream)
 {
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int32_t i = -1; i < study->setting_count; i++) {
-        put_run(&table, study, i < 0 ? 0 : i);
-        shv_table_end_row(&table);
-    }
-    if (study->plan.members > 1) put_scatter(&table, study);
-    shv_table_end(&table);
+    put_table(study, stream, SHV_TABLE_HTML, put_run, put_run_scatter);
 }
 
 /* Messages are long: below the table, not in it. */
