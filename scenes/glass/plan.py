@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Plan of a cracked pane: facets by damage (grey above 0.02, orange above 0.5, black above 0.99), seen along z.
+"""Plan of a cracked pane, the first object of its scene, before it moved: facets by damage (grey above 0.02, orange above 0.5, black above
+0.99), seen across its thinnest direction.
 
 usage: plan.py RUN.h5 PICTURE TIME,TIME,…   (a run with `output: {nodes: true}`; takes python3-h5py, python3-matplotlib)
        plan.py arms RUN.h5 TIME RADIUS,RADIUS,… [GAP]     arms of the star, mm: directions in which facets with a damage of more than a half
@@ -19,11 +20,11 @@ CORNERS_OF_FACET = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 COLOURS = ((0.02, 0.5, "0.7"), (0.5, 0.99, "tab:orange"), (0.99, np.inf, "black"))
 
 
-def edges_between(low, high, corners, damage):
+def edges_between(low, high, corners, damage, axes=(0, 1)):
     edges = []
     for facet, nodes in enumerate(CORNERS_OF_FACET):
         chosen = (damage[:, facet] > low) & (damage[:, facet] <= high)
-        plan = corners[chosen][:, nodes, :2]
+        plan = corners[chosen][:, nodes][..., axes]
         edges += [np.stack([plan[:, a], plan[:, b]], 1) for a, b in ((0, 1), (1, 2), (2, 0))]
     return np.concatenate(edges)
 
@@ -31,14 +32,17 @@ def edges_between(low, high, corners, damage):
 def main(run, picture, times):
     with h5py.File(run) as file:
         of_frame = file["trajectory/time"][()]
+        pane = slice(*file["mesh/object_ranges"][0][:2])
+        corners = file["mesh/positions"][()][file["mesh/elements"][pane]]
+        low_end, high_end = corners.min((0, 1)), corners.max((0, 1))
+        axes = tuple(sorted(np.argsort(high_end - low_end)[1:]))
         frames = [int(np.argmin(abs(of_frame - time))) for time in times]
-        figure, panels = pyplot.subplots(1, len(frames), figsize=(10, 3.5), squeeze=False)
+        figure, panels = pyplot.subplots(1, len(frames), figsize=(10, 10 / len(frames) + 0.2), squeeze=False)
         for panel, frame in zip(panels[0], frames):
-            corners = file["nodes/corners"][frame].reshape(-1, 4, 3)
-            damage = file["nodes/damage"][frame]
+            damage = file["nodes/damage"][frame][pane]
             for low, high, colour in COLOURS:
-                panel.add_collection(LineCollection(edges_between(low, high, corners, damage), colors=colour, linewidths=0.5))
-            panel.set(xlim=(corners[..., 0].min(), corners[..., 0].max()), ylim=(corners[..., 1].min(), corners[..., 1].max()))
+                panel.add_collection(LineCollection(edges_between(low, high, corners, damage, axes), colors=colour, linewidths=0.5))
+            panel.set(xlim=(low_end[axes[0]], high_end[axes[0]]), ylim=(low_end[axes[1]], high_end[axes[1]]))
             panel.set_aspect("equal")
             panel.set_title(f"{of_frame[frame] * 1e3:g} ms")
             panel.tick_params(labelsize=6)

@@ -32,6 +32,20 @@ static void warn_sliver(const ShvPreflight *p)
            p->smallest_altitude, p->smallest_altitude / p->mean_edge, 0.5 * p->mean_edge / p->smallest_altitude);
 }
 
+/* Where most of a body is wall. On edges as long as it is thick it is 2.3 times too stiff. */
+static void warn_wall(const ShvPreflight *p)
+{
+    const double noted = 1.5, too_stiff = 2.5;
+    if (!p->breakable || !(p->wall_share > 0.5 && p->wall_stiffness > noted)) return;
+    printf("  %s: its walls, %.2g m thick on edges of %.2g m, are about %.1f times too stiff in bending",
+           p->wall_stiffness > too_stiff ? "warning" : "note", p->wall_thickness, p->wall_edge, p->wall_stiffness);
+    if (p->wall_stiffness > too_stiff)
+        printf(": they break late under a\n           blow, and into too many pieces; take edges of %.2g m at most "
+               "(docs/glass.md)",
+               p->wall_thickness);
+    printf("\n");
+}
+
 /* Of shear strength, tip_strength warns by itself. */
 static void warn_order(const ShvPreflight *p)
 {
@@ -136,6 +150,7 @@ static void print_object(const ShvPreflight *p)
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
     warn_sliver(p);
+    warn_wall(p);
     warn_order(p);
     warn_bonds(p);
     warn_step(p);
@@ -170,6 +185,9 @@ static void print_object_json(const ShvPreflight *p)
                    {"clearance", p->clearance},
                    {"impact_speed", p->impact_speed},
                    {"overshoot_each_step", p->overshoot_each_step},
+                   {"wall_thickness", p->wall_thickness},
+                   {"wall_edge", p->wall_edge},
+                   {"wall_stiffness", p->wall_stiffness},
                    {"bar_transit", p->bar_transit},
                    {"bending_period", p->bending_period}};
     printf("{\"object\": ");

@@ -1,4 +1,5 @@
 #include "contact/box.h"
+#include "mesh/wall.h"
 #include "sim/internal.h"
 
 int32_t shv_simulation_object_count(const ShvSimulation *simulation)
@@ -58,6 +59,18 @@ static void measure_step(ShvPreflight *preflight, const ShvHybrid *hybrid, const
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     preflight->step = isnan(fracture->time_step) ? fracture->safety * hybrid->steps.stable : fracture->time_step;
     preflight->courant = preflight->step / preflight->stable_step;
+}
+
+/* Who touches whom is known only where something can break. */
+static void measure_wall(ShvPreflight *preflight, const ShvModel *model, const ShvObject *object)
+{
+    ShvWall wall = {0};
+    if (model->can_break)
+        wall = shv_mesh_wall(&model->mesh, &model->adjacency, object->element_begin, object->element_end);
+    preflight->wall_share = wall.share;
+    preflight->wall_thickness = wall.thickness;
+    preflight->wall_edge = wall.edge;
+    preflight->wall_stiffness = shv_wall_stiffness(&wall);
 }
 
 /* `can_break`: fracture is on in this scene. */
@@ -129,6 +142,7 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
                                 .material = body->materials ? body->materials : material->name,
                                 .cohesion = shv_simulation_material(simulation, body->material)};
     measure_mesh(preflight, &hybrid->model, body);
+    measure_wall(preflight, &hybrid->model, body);
     const ShvMeshDefinition *mesh = &hybrid->scene->objects[object].mesh;
     preflight->ordered = mesh->kind == SHV_MESH_BOX && mesh->pattern != SHV_PATTERN_UNSTRUCTURED;
     for (int32_t e = body->element_begin; e < body->element_end; e++) preflight->mass += hybrid->state.element_mass[e];
