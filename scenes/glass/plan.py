@@ -47,7 +47,7 @@ def main(run, picture, times):
             panel.set_title(f"{of_frame[frame] * 1e3:g} ms")
             panel.tick_params(labelsize=6)
     figure.tight_layout()
-    figure.savefig(picture)
+    figure.savefig(picture, dpi=110)
 
 
 def arms(run, time, radii, gap=4.0):
