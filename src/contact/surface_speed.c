@@ -2,7 +2,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 64 };
+enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 256 };
 
 /* ---- motion ---- */
 
