@@ -61,7 +61,7 @@ typedef struct ShvSurfaceCandidate {
     int32_t fragments[2]; /* of the node, of the facet */
     int32_t slot;         /* of the node in ShvSurfaceList */
     int32_t facet;        /* place in ShvSurfaceList, −1: an obstacle */
-    int32_t mate;         /* node of the facet's tet with the same origin, −1: none */
+    int32_t copy_corner;  /* of the facet's tet: a copy of the same node of the mesh; −1: none */
     int32_t
         half_edge; /* + 1, of an edge that may meet an edge of the facet (surface_edge.h): `node` is its start; 0: none */
     int32_t edge; /* then: that edge of the facet */

@@ -26,12 +26,67 @@ void shv_narrow_phase_release(ShvNarrowPhase *narrow)
     shv_release(narrow->keys);
 }
 
-/* Left to the crack between the two copies, which has not parted. */
-static bool held_by_crack(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
+/* ---- neighbours ---- */
+
+/* How far copies of one node of the mesh may still part until they are out of place, m; 0: they are. */
+static double parting(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const int32_t nodes[2],
+                      const int32_t fragments[2])
 {
-    if (candidate->mate < 0 || !contact->list.nodes[candidate->slot].held) return false;
-    const int32_t mate = contact->list.slot[candidate->mate];
-    return mate >= 0 && contact->list.nodes[mate].held;
+    const ShvVec3 own = shv_bodies_position(bodies, nodes[0], fragments[0]);
+    const double apart = shv_norm(shv_sub(own, shv_bodies_position(bodies, nodes[1], fragments[1])));
+    return fmax(0.5 * contact->skin[0] - apart, 0.0);
+}
+
+static double parting_of_edges(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                               const ShvSurfaceCandidate *candidate)
+{
+    const ShvSurfaceList *list = &contact->list;
+    const int32_t half_edges[2] = {candidate->half_edge - 1, 3 * candidate->facet + candidate->edge};
+    double largest = 0.0;
+    for (int k = 0; k < 4; k++) {
+        int32_t nodes[2];
+        for (int side = 0; side < 2; side++) {
+            const int32_t *slots = list->facets[half_edges[side] / 3].slots;
+            nodes[side] = list->nodes[slots[(half_edges[side] + (k >> side & 1)) % 3]].node;
+        }
+        if (bodies->state->origin[nodes[0]] == bodies->state->origin[nodes[1]])
+            largest = fmax(largest, parting(contact, bodies, nodes, candidate->fragments));
+    }
+    return largest;
+}
+
+/* Whether a node belongs to the tet on the other side of the facet: these two meet across it from the start. */
+static bool is_across(const ShvModel *model, const ShvState *state, const ShvSurfaceCandidate *candidate)
+{
+    const ShvAdjacency *adjacency = &model->adjacency;
+    const int64_t facet = adjacency->element_facets[4 * (int64_t)candidate->element + candidate->face];
+    if (facet >= adjacency->interior_count) return false;
+    const int32_t *elements = adjacency->facet_elements + 2 * facet;
+    return shv_state_has_node(state, elements[elements[0] == candidate->element], candidate->node);
+}
+
+/* Whether neighbours have nothing to do with each other: as long as a crack between the two copies sees to them, and until they
+   are out of place. *way: how far that is off, m. */
+static bool is_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                    const ShvSurfaceCandidate *candidate, double *way)
+{
+    const ShvState *state = bodies->state;
+    *way = 0.0;
+    if (candidate->element < 0) return false;
+    if (candidate->half_edge > 0) {
+        *way = parting_of_edges(contact, bodies, candidate);
+        return *way > 0.0;
+    }
+    if (candidate->copy_corner < 0) return false;
+    const int32_t copy = shv_state_node(state, candidate->element, candidate->copy_corner);
+    const int32_t slot = contact->list.slot[copy];
+    if (contact->list.nodes[candidate->slot].held && slot >= 0 && contact->list.nodes[slot].held) {
+        *way = (double)INFINITY;
+        return true;
+    }
+    if (!is_across(contact->model, state, candidate))
+        *way = parting(contact, bodies, (int32_t[]){candidate->node, copy}, candidate->fragments);
+    return *way > 0.0;
 }
 
 /* Cosine of the angle between the normals of a node and a facet above which both look the same way; barycentric weight at which a
@@ -60,13 +115,28 @@ static void find_horizon(const ShvSurfaceContact *contact, double step, Horizon 
         }
 }
 
-static ShvStatus collect(ShvSurfaceContact *contact, int kind, const Horizon *horizon, ShvError *error)
+/* What a crack kept apart is due at once where it no longer does. */
+static void release_held(ShvSurfaceContact *contact)
+{
+    for (int kind = 0; kind < 2 && contact->list.released; kind++)
+        for (int32_t k = 0; k < contact->candidates[kind].count; k++)
+            if (isinf(contact->candidates[kind].due[k])) contact->candidates[kind].due[k] = 0.0;
+    contact->list.released = false;
+}
+
+static ShvStatus collect(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, const Horizon *horizon,
+                         ShvError *error)
 {
     ShvNarrowPhase *narrow = &contact->narrow;
-    const ShvSurfaceCandidates *list = &contact->candidates[kind];
+    ShvSurfaceCandidates *list = &contact->candidates[kind];
     for (int32_t k = 0; k < list->count; k++) {
         if (list->due[k] > horizon->path[list->movers[k]] + horizon->reach[list->movers[k]]) continue;
-        if (held_by_crack(contact, &list->items[k])) continue;
+        double way;
+        const bool left = is_left(contact, bodies, &list->items[k], &way);
+        if (left) {
+            list->due[k] = fmax(list->due[k], horizon->path[list->movers[k]] + way);
+            continue;
+        }
         void *block = narrow->due;
         SHV_TRY(shv_candidates_grow(contact->memory, &block, &narrow->due_capacity, narrow->due_count,
                                     sizeof(ShvDueCandidate), error));
@@ -237,7 +307,7 @@ static ShvStatus find_pairs_of_kind(ShvSurfaceContact *contact, const ShvSurface
     Horizon horizon;
     narrow->due_count = 0;
     find_horizon(contact, step, &horizon);
-    SHV_TRY(collect(contact, kind, &horizon, error));
+    SHV_TRY(collect(contact, bodies, kind, &horizon, error));
     SHV_TRY(measure_distances(contact, bodies, &horizon, error));
     const int32_t first = narrow->count;
     narrow->due_count += first;
@@ -272,6 +342,7 @@ ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     ShvNarrowPhase *narrow = &contact->narrow;
     narrow->count = narrow->key_count = 0;
     shv_surface_candidates_advance(contact, bodies);
+    release_held(contact);
     SHV_TRY(find_pairs_of_kind(contact, bodies, 0, step, error));
     if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs_of_kind(contact, bodies, 1, contact->detection_interval * step, error));

@@ -30,11 +30,6 @@ bool shv_surface_in_region(const ShvSurfaceContact *contact, const ShvSurfaceFac
 ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error);
 double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int speed_class);
 double shv_surface_cube(const ShvSurfaceFacet *facet, double reach);
-/* Whether two copies of one node of the mesh are where they belong, so far apart, m. */
-static inline bool shv_surface_in_place(const ShvSurfaceContact *contact, ShvVec3 apart)
-{
-    return shv_dot(apart, apart) < 0.25 * contact->skin[0] * contact->skin[0];
-}
 /* surface_pair.c: candidates of a facet, as all are chosen anew; of one that is new, or moved, since; of a node that is new, with
    the first so many facets, but for those that leave their skin just now; of an obstacle. */
 ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,

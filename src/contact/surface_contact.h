@@ -110,7 +110,6 @@ struct ShvSurfaceContact {
     double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];    /* m: how far the fastest has gone since */
     int32_t rest;                       /* steps until the speeds of all nodes are read again */
-    int32_t age;                        /* steps since candidates were chosen */
     double seen_time;                   /* s: time up to which motion has been counted */
     ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,

@@ -20,21 +20,6 @@ static ShvVec3 place_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies
                                                       : shv_bodies_position(bodies, node->node, node->fragment);
 }
 
-/* Whether two edges have anything to do with each other: neighbours that touch at a node only do not until they are out of
-   place, nor do edges with a node in common. */
-static bool concern(const ShvSurfaceContact *contact, const ShvState *state, int32_t slots[2][2], ShvVec3 places[2][2])
-{
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2; k++) {
-            if (slots[0][i] == slots[1][k]) return false;
-            const int32_t own = contact->list.nodes[slots[0][i]].node, other = contact->list.nodes[slots[1][k]].node;
-            if (state->origin[own] == state->origin[other] &&
-                shv_surface_in_place(contact, shv_sub(places[0][i], places[1][k])))
-                return false;
-        }
-    return true;
-}
-
 /* Half-edges of facets, the first of the seeker's. What overlaps is due at once, however deep: all are looked at once. */
 static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const int32_t half_edges[2],
                            double reach, ShvError *error)
@@ -49,7 +34,8 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
             places[side][k] = place_of(contact, bodies, slots[side][k]);
         }
     }
-    if (!concern(contact, bodies->state, slots, places)) return SHV_OK;
+    for (int k = 0; k < 4; k++)
+        if (slots[0][k / 2] == slots[1][k % 2]) return SHV_OK;
     const ShvSegmentPoints at = shv_segments_closest(places[0][0], shv_sub(places[0][1], places[0][0]), places[1][0],
                                                      shv_sub(places[1][1], places[1][0]));
     if (shv_norm(at.between) > reach) return SHV_OK;
@@ -59,7 +45,7 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                            .fragments = {facets[0]->fragment, facets[1]->fragment},
                                            .slot = slots[0][0],
                                            .facet = half_edges[1] / 3,
-                                           .mate = -1,
+                                           .copy_corner = -1,
                                            .half_edge = half_edges[0] + 1,
                                            .edge = half_edges[1] % 3};
     return shv_surface_candidate_add(contact, bodies, &candidate, facets[0]->speed_class, facets[1]->speed_class, 0.0,

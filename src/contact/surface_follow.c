@@ -107,57 +107,9 @@ static ShvStatus wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     return SHV_OK;
 }
 
-/* ---- nodes that were split ---- */
+/* ---- insertions ---- */
 
-static bool in_tet(const ShvState *state, int32_t element, int32_t node)
-{
-    bool in = false;
-    for (int k = 0; k < 4; k++) in = in || shv_state_node(state, element, k) == node;
-    return in;
-}
-
-static void name_anew(const ShvSurfaceContact *contact, const ShvState *state, ShvSurfaceCandidate *candidate)
-{
-    const int32_t half_edge = candidate->half_edge - 1;
-    if (half_edge >= 0) {
-        candidate->slot = contact->list.facets[half_edge / 3].slots[half_edge % 3];
-        candidate->node = contact->list.nodes[candidate->slot].node;
-    }
-    candidate->fragments[0] = contact->list.nodes[candidate->slot].fragment;
-    if (candidate->element < 0) return;
-    const ShvSurfaceFacet *facet = &contact->list.facets[candidate->facet];
-    candidate->fragments[1] = facet->fragment;
-    for (int k = 0; k < 4 && candidate->mate >= 0; k++) {
-        const int32_t corner = shv_state_node(state, candidate->element, k);
-        if (state->origin[corner] == state->origin[candidate->node]) candidate->mate = corner;
-    }
-}
-
-/* Copies may meet what their original may, but for the tets they are corners of. */
-static ShvStatus copy_candidates(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
-{
-    ShvSurfaceCandidates *list = &contact->candidates[0];
-    const int32_t count = list->count;
-    for (int32_t k = 0; k < count; k++) {
-        const int32_t slot = list->items[k].slot, facet = list->items[k].facet;
-        if (list->items[k].half_edge > 0) continue;
-        if (!contact->list.parted[slot] && !(facet >= 0 && contact->list.touch[facet])) continue;
-        const ShvSurfaceCandidate candidate = list->items[k];
-        if (candidate.element >= 0 && contact->list.facets[candidate.facet].changed)
-            SHV_TRY(shv_surface_candidate_watch(contact, bodies, &candidate, error));
-        for (int32_t twin = contact->list.nodes[candidate.slot].twins; twin >= 0;
-             twin = contact->list.nodes[twin].twin) {
-            ShvSurfaceCandidate copy = candidate;
-            copy.node = contact->list.nodes[twin].node;
-            copy.slot = twin;
-            if (candidate.element >= 0 && in_tet(bodies->state, candidate.element, copy.node)) continue;
-            SHV_TRY(shv_surface_candidate_append(contact, list, &copy, list->due[k], list->movers[k], error));
-            SHV_TRY(shv_surface_candidate_watch(contact, bodies, &copy, error));
-        }
-    }
-    return SHV_OK;
-}
-
+/* What was split looks for all that it may meet anew. */
 static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     const ShvSurfaceKnown known = {contact->known_nodes, contact->known_cohesive, contact->known_fragments};
@@ -166,14 +118,12 @@ static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceB
     for (int32_t i = contact->known_fragments; i < bodies->fragment_count; i++)
         contact->fragments[i] = (ShvSurfaceFragment){.cracked = true};
     SHV_TRY(shv_surface_list_follow(&contact->list, bodies, known, error));
-    if (contact->list.copies_end > contact->list.copies_begin) SHV_TRY(copy_candidates(contact, bodies, error));
+    contact->anew |= known.nodes != bodies->state->node_count;
     for (int kind = 0; kind < 2; kind++)
-        for (int32_t k = 0; k < contact->candidates[kind].count; k++) {
+        for (int32_t k = 0; k < contact->candidates[kind].count && renamed; k++) {
             ShvSurfaceCandidate *candidate = &contact->candidates[kind].items[k];
-            const bool edge = candidate->half_edge > 0;
-            if (renamed || edge || (candidate->facet >= 0 && contact->list.touch[candidate->facet]))
-                name_anew(contact, bodies->state, candidate);
-            if (edge) SHV_TRY(shv_surface_candidate_watch(contact, bodies, candidate, error));
+            candidate->fragments[0] = contact->list.nodes[candidate->slot].fragment;
+            if (candidate->facet >= 0) candidate->fragments[1] = contact->list.facets[candidate->facet].fragment;
         }
     return SHV_OK;
 }

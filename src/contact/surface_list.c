@@ -1,7 +1,5 @@
 #include "contact/surface_list.h"
 
-#include <stdlib.h>
-
 #include "contact/candidates.h"
 #include "contact/surface_edge.h"
 #include "mesh/facets.h"
@@ -14,9 +12,6 @@ void shv_surface_list_release(ShvSurfaceList *list)
     shv_release(list->slot);
     shv_release(list->cracks);
     shv_release(list->place);
-    shv_release(list->touched);
-    shv_release(list->touch);
-    shv_release(list->parted);
     *list = (ShvSurfaceList){0};
 }
 
@@ -48,22 +43,6 @@ static ShvStatus reserve_places(ShvSurfaceList *list, ShvError *error)
     return SHV_OK;
 }
 
-/* Marks are zero between searches. */
-static ShvStatus reserve_marks(ShvSurfaceList *list, ShvError *error)
-{
-    if (list->touch_capacity < list->facet_capacity) {
-        const size_t wanted = (size_t)list->facet_capacity;
-        SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->touch, wanted, "contact of surfaces", wanted, error);
-        list->touch_capacity = list->facet_capacity;
-    }
-    if (list->parted_capacity < list->node_capacity) {
-        const size_t wanted = (size_t)list->node_capacity;
-        SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->parted, wanted, "contact of surfaces", wanted, error);
-        list->parted_capacity = list->node_capacity;
-    }
-    return SHV_OK;
-}
-
 /* Where the model keeps no adjacency, its boundary is found once. */
 static ShvStatus find_boundary(ShvSurfaceList *list, ShvError *error)
 {
@@ -83,7 +62,7 @@ static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, 
     list->nodes = block;
     list->slot[node] = list->node_count;
     list->nodes[list->node_count++] =
-        (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1, .twins = -1, .twin = -1};
+        (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
     return SHV_OK;
 }
 
@@ -217,7 +196,10 @@ static bool is_held(const ShvCohesive *cohesive, const ShvState *state, const Sh
 static void hold_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node)
 {
     const int32_t slot = list->slot[node];
-    if (slot >= 0) list->nodes[slot].held = is_held(bodies->cohesive, bodies->state, &list->model->adjacency, node);
+    if (slot < 0) return;
+    const bool held = is_held(bodies->cohesive, bodies->state, &list->model->adjacency, node);
+    list->released |= list->nodes[slot].held && !held;
+    list->nodes[slot].held = held;
 }
 
 static void hold_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index)
@@ -259,37 +241,6 @@ ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bo
 
 /* ---- insertions ---- */
 
-/* A copy of a node that a facet has got in place of the one at `slot`. */
-static ShvStatus add_copy(ShvSurfaceList *list, int32_t slot, int32_t node, ShvError *error)
-{
-    const int32_t own = list->node_count;
-    SHV_TRY(add_node(list, node, list->nodes[slot].fragment, error));
-    ShvSurfaceNode *copy = &list->nodes[own], *original = &list->nodes[slot];
-    copy->speed_class = original->speed_class;
-    copy->from = original->from;
-    copy->original = original->node;
-    copy->anew = original->anew;
-    copy->twin = original->twins;
-    original->twins = own;
-    return SHV_OK;
-}
-
-/* Marks of the last search for insertions. */
-static void forget(ShvSurfaceList *list)
-{
-    for (int32_t k = 0; k < list->touched_count; k++) {
-        const int32_t place = list->touched[k];
-        list->touch[place] = 0;
-        list->facets[place].changed = false;
-    }
-    for (int32_t k = list->copies_begin; k < list->copies_end; k++) {
-        const int32_t original = list->slot[list->nodes[k].original];
-        list->nodes[k].twin = list->nodes[k].twins = list->nodes[original].twins = -1;
-        list->parted[original] = 0;
-    }
-    list->touched_count = list->copies_begin = list->copies_end = 0;
-}
-
 static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet,
                               ShvError *error)
 {
@@ -297,40 +248,23 @@ static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
     for (int k = 0; k < 3; k++) {
         if (list->nodes[facet->slots[k]].node == nodes[k]) continue;
-        if (list->slot[nodes[k]] < 0) SHV_TRY(add_copy(list, facet->slots[k], nodes[k], error));
+        SHV_TRY(add_node(list, nodes[k], list->nodes[facet->slots[k]].fragment, error));
         facet->slots[k] = list->slot[nodes[k]];
-        facet->changed = true;
     }
     return SHV_OK;
 }
 
-static ShvStatus touch(ShvSurfaceList *list, int32_t place, ShvError *error)
+/* The facets of all tets at a node that has come since. */
+static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
-    if (place < 0 || list->touch[place]) return SHV_OK;
-    void *block = list->touched;
-    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->touched_capacity, list->touched_count, sizeof(int32_t),
-                                error));
-    list->touched = block;
-    list->touch[place] = 1;
-    list->touched[list->touched_count++] = place;
-    return SHV_OK;
-}
-
-static int by_number(const void *a, const void *b)
-{
-    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* The facets of all tets at the nodes that have come since. */
-static ShvStatus touch_facets(ShvSurfaceList *list, const ShvState *state, int32_t first, ShvError *error)
-{
-    for (int32_t node = first; node < state->node_count; node++)
-        for (int32_t i = 0; i < state->corner_count[node]; i++) {
-            const int32_t element = state->corners[state->corner_start[node] + i] / 4;
-            for (int face = 0; face < 4; face++) SHV_TRY(touch(list, list->place[4 * (int64_t)element + face], error));
+    const ShvState *state = bodies->state;
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+        for (int face = 0; face < 4; face++) {
+            const int32_t place = list->place[4 * (int64_t)element + face];
+            if (place >= 0) SHV_TRY(follow_facet(list, bodies, &list->facets[place], error));
         }
-    if (list->touched_count > 0) qsort(list->touched, (size_t)list->touched_count, sizeof(int32_t), by_number);
+    }
     return SHV_OK;
 }
 
@@ -362,15 +296,14 @@ static void sum_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int
     }
 }
 
-/* Of nodes that were split, and of their copies: each has fewer facets now. */
-static void part_normals(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
+/* A node that was split, or a copy: it has fewer facets now, and neighbours that it may meet. */
+static void part_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node)
 {
-    for (int32_t k = list->copies_begin; k < list->copies_end; k++) {
-        const int32_t original = list->slot[list->nodes[k].original];
-        sum_normal(list, bodies, k);
-        if (list->nodes[original].twins == k) sum_normal(list, bodies, original); /* once */
-        list->parted[original] = 1;
-    }
+    const int32_t slot = list->slot[node];
+    if (slot < 0) return;
+    sum_normal(list, bodies, slot);
+    list->nodes[slot].anew = list->released = true;
+    hold_node(list, bodies, node);
 }
 
 static void name_fragments(ShvSurfaceList *list, const ShvState *state)
@@ -387,21 +320,13 @@ ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *
                                   ShvError *error)
 {
     const ShvState *state = bodies->state;
-    forget(list);
     SHV_TRY(reserve_slots(list, state, error));
-    SHV_TRY(reserve_marks(list, error));
-    SHV_TRY(touch_facets(list, state, known.nodes, error));
-    list->copies_begin = list->copies_end = list->node_count;
-    for (int32_t k = 0; k < list->touched_count; k++)
-        SHV_TRY(follow_facet(list, bodies, &list->facets[list->touched[k]], error));
-    SHV_TRY(reserve_marks(list, error));
-    list->copies_end = list->node_count;
+    for (int32_t node = known.nodes; node < state->node_count; node++) SHV_TRY(follow_node(list, bodies, node, error));
     if (known.fragments != bodies->fragment_count) name_fragments(list, state);
-    part_normals(list, bodies);
     for (int32_t i = known.cohesive; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
     for (int32_t node = known.nodes; node < state->node_count; node++) {
-        hold_node(list, bodies, node);
-        hold_node(list, bodies, shv_state_split_from(state, node));
+        part_node(list, bodies, node);
+        part_node(list, bodies, shv_state_split_from(state, node));
     }
     return SHV_OK;
 }
@@ -420,7 +345,6 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 
 ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
-    forget(list);
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
     if (bodies->cohesive) SHV_TRY(reserve_places(list, error));
     list->node_count = list->facet_count = list->crack_count = 0;

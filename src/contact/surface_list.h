@@ -30,7 +30,6 @@ typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
     int32_t slots[3];    /* of its nodes */
     bool crack;          /* face of a crack that has parted */
-    bool changed;        /* nodes of it were split in the last search for insertions */
     bool out_of_skin;    /* of a node that has left its skin */
     bool leaves_skin;    /* of one that does just now */
     int64_t seen;        /* pass of the last search that met it */
@@ -43,9 +42,6 @@ typedef struct ShvSurfaceFacet {
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
     int32_t watch;    /* place among the nodes of candidates, −1: of none */
-    int32_t twins;    /* the last of the nodes that were split from it in the last search for insertions, −1: none */
-    int32_t twin;     /* the one before this of the same node, −1: none */
-    int32_t original; /* of a copy: the node that it was split from in the list */
     uint8_t speed_class;
     bool out_of_skin; /* it has left the way that its place in the grid of all nodes allows for */
     bool leaves_skin; /* it does just now */
@@ -77,13 +73,7 @@ typedef struct ShvSurfaceList {
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
     int32_t *place; /* per element × 4 + face: its place in `facets`, −1: none */
-    /* of the last search for insertions */
-    int32_t *touched; /* places in `facets`, increasing: of tets that have got a copy in place of a node */
-    int32_t touched_count, touched_capacity;
-    uint8_t *touch;  /* per place in `facets`: it is one of these */
-    uint8_t *parted; /* per place in `nodes`: it has twins */
-    int32_t touch_capacity, parted_capacity;
-    int32_t copies_begin, copies_end; /* in `nodes` */
+    bool released;  /* cracks may no longer hold some of the nodes that they held when candidates were last looked at */
 } ShvSurfaceList;
 
 static inline ShvCoupledBody *shv_bodies_coupled_body(const ShvSurfaceBodies *bodies, int32_t fragment)
@@ -125,8 +115,8 @@ typedef struct ShvSurfaceKnown {
     int32_t nodes, cohesive, fragments;
 } ShvSurfaceKnown;
 
-/* Goes on after insertions: copies of nodes are appended, with where their originals came from and the speed class; fragments are
-   named anew where there are new ones, and new cohesive facets are followed. */
+/* Goes on after insertions: copies of nodes are appended, and what was split is marked, since it may meet its neighbours now;
+   fragments are named anew where there are new ones, and new cohesive facets are followed. */
 ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
                                   ShvError *error);
 /* Appends the nodes of cracks that have failed since and the faces of those that have parted. */

@@ -86,23 +86,8 @@ static ShvStatus add_candidate(ShvSurfaceContact *contact, const ShvSurfaceBodie
 typedef struct Seeker {
     const ShvSurfaceFacet *facet;
     ShvFacetPlane plane;
-    ShvVec3 places[4];
-    int32_t nodes[4], origins[4]; /* of its tet */
-    int32_t across[4];            /* nodes of the tet on the other side of the facet, −1: none */
-    bool alone;                   /* it cannot meet its own fragment */
+    bool alone; /* it cannot meet its own fragment */
 } Seeker;
-
-static void list_opposite(const ShvSurfaceContact *contact, const ShvState *state, Seeker *seeker)
-{
-    const ShvAdjacency *adjacency = &contact->model->adjacency;
-    for (int k = 0; k < 4; k++) seeker->across[k] = -1;
-    if (!contact->model->can_break) return;
-    const int64_t facet = adjacency->element_facets[4 * (int64_t)seeker->facet->element + seeker->facet->face];
-    if (facet >= adjacency->interior_count) return;
-    const int32_t *elements = adjacency->facet_elements + 2 * facet;
-    const int32_t other = elements[elements[0] == seeker->facet->element];
-    for (int k = 0; k < 4; k++) seeker->across[k] = shv_state_node(state, other, k);
-}
 
 /* False for one without area, which meets nothing. */
 static bool make_seeker(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet,
@@ -111,32 +96,16 @@ static bool make_seeker(const ShvSurfaceContact *contact, const ShvSurfaceBodies
     ShvVec3 corners[3];
     seeker->facet = facet;
     seeker->alone = !contact->fragments[facet->fragment].cracked || contact->fragments[facet->fragment].rigid;
-    for (int k = 0; k < 4; k++) {
-        seeker->nodes[k] = shv_state_node(bodies->state, facet->element, k);
-        seeker->origins[k] = bodies->state->origin[seeker->nodes[k]];
-        seeker->places[k] = shv_bodies_position(bodies, seeker->nodes[k], facet->fragment);
-    }
-    for (int k = 0; k < 3; k++) corners[k] = seeker->places[shv_face_corners[facet->face][k]];
-    list_opposite(contact, bodies->state, seeker);
+    for (int k = 0; k < 3; k++)
+        corners[k] = shv_bodies_position(bodies, contact->list.nodes[facet->slots[k]].node, facet->fragment);
     return shv_facet_plane_make(corners, &seeker->plane);
 }
 
-/* Whether a node has anything to do with a facet's tet; `mate`: a corner that is another copy of the same node of the mesh.
-   Neighbours meet across the facet between them. Those that touch at a node only have nothing to do with each other
-   until they are out of place. */
-static bool concerns(const ShvSurfaceContact *contact, const ShvState *state, const Seeker *seeker, int32_t node,
-                     ShvVec3 x, int32_t *mate)
+static int32_t corner_of_copy(const ShvState *state, int32_t element, int32_t node)
 {
-    *mate = -1;
-    for (int k = 0; k < 4; k++) {
-        if (seeker->nodes[k] == node) return false;
-        if (seeker->origins[k] != state->origin[node]) continue;
-        bool in_place = shv_surface_in_place(contact, shv_sub(x, seeker->places[k]));
-        for (int i = 0; i < 4; i++) in_place = in_place && seeker->across[i] != node;
-        if (in_place) return false;
-        *mate = seeker->nodes[k];
-    }
-    return true;
+    for (int32_t k = 0; k < 4; k++)
+        if (state->origin[shv_state_node(state, element, k)] == state->origin[node]) return k;
+    return -1;
 }
 
 static ShvStatus pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const Seeker *seeker,
@@ -145,11 +114,10 @@ static ShvStatus pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     const ShvSurfaceFacet *facet = seeker->facet;
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
     if (seeker->alone && node->fragment == facet->fragment) return SHV_OK;
+    if (shv_state_has_node(bodies->state, facet->element, node->node)) return SHV_OK;
     const ShvVec3 x = contact->built_time == bodies->state->time
                           ? node->from
                           : shv_bodies_position(bodies, node->node, node->fragment);
-    int32_t mate;
-    if (!concerns(contact, bodies->state, seeker, node->node, x, &mate)) return SHV_OK;
     const double distance = shv_facet_plane_distance(&seeker->plane, x);
     if (distance > reach) return SHV_OK;
     const ShvSurfaceCandidate candidate = {.node = node->node,
@@ -158,7 +126,7 @@ static ShvStatus pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                            .fragments = {node->fragment, facet->fragment},
                                            .slot = slot,
                                            .facet = (int32_t)(facet - contact->list.facets),
-                                           .mate = mate};
+                                           .copy_corner = corner_of_copy(bodies->state, facet->element, node->node)};
     return add_candidate(contact, bodies, &candidate, facet->speed_class, distance, error);
 }
 
@@ -268,7 +236,7 @@ static ShvStatus pair_coupled_body_node(ShvSurfaceContact *contact, const ShvSur
                                            .fragments = {node->fragment, -1 - obstacle},
                                            .slot = slot,
                                            .facet = -1,
-                                           .mate = -1};
+                                           .copy_corner = -1};
     return add_candidate(contact, bodies, &candidate, SHV_SURFACE_OBSTACLES, fmax(at.gap, 0.0), error);
 }
 
@@ -288,7 +256,7 @@ static ShvStatus pair_coupled_body_facet(ShvSurfaceContact *contact, const ShvSu
                                      .fragments = {facet->fragment, -1 - obstacle},
                                      .slot = facet->slots[0],
                                      .facet = -1,
-                                     .mate = -1};
+                                     .copy_corner = -1};
     for (int32_t k = range.first; k < range.end; k++) {
         candidate.feature = k + 1;
         if (shv_feature_is_near(other, &other->features[k], range.centre, range.reach))

@@ -99,7 +99,8 @@ ShvStatus shv_surface_renew_out_of_skin(ShvSurfaceContact *contact, const ShvSur
 {
     const double last = bodies->state->last_step > 0.0 ? bodies->state->last_step : step;
     const int32_t count = mark_nodes(contact, bodies, last, gravity), all = contact->list.node_count;
-    *many = count > most_at_once * all || count + contact->nodes_out_of_skin.count > most_in_all * all;
+    const int32_t out = contact->nodes_out_of_skin.count + all - contact->grid_nodes;
+    *many = count > most_at_once * all || count + out > most_in_all * all;
     if (*many) return SHV_OK;
     SHV_TRY(move_nodes(contact, bodies, last, error));
     SHV_TRY(move_facets(contact, bodies, error));

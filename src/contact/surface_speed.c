@@ -2,7 +2,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 64 };
+enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 256 };
 
 /* ---- motion ---- */
 
@@ -110,7 +110,6 @@ static int32_t beats_for(const ShvSurfaceContact *contact, double step)
     return steps >= SHV_SURFACE_DETECTION_INTERVAL ? SHV_SURFACE_DETECTION_INTERVAL : steps >= 1.0 ? (int32_t)steps : 1;
 }
 
-/* Neighbours that were in place are no candidates of each other: where there are cracks, candidates last a limited time. */
 bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity)
 {
     const ShvState *state = bodies->state;
@@ -125,7 +124,6 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
         contact->steps_since_detection = 0;
         contact->detection_interval = beats_for(contact, state->last_step);
     }
-    if (++contact->age >= STEPS_TO_LAST && contact->list.crack_count > 0) return true;
     if (--contact->rest > 0) return false;
     contact->rest = steps_of_nodes(contact, bodies, state->last_step, gravity);
     return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step, gravity) ||
@@ -198,7 +196,6 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
     choose_frame(contact, bodies);
     contact->built_time = bodies->state->time;
     contact->rest = 1;
-    contact->age = 0;
     contact->size = mean_size(contact);
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);

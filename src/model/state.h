@@ -54,6 +54,12 @@ static inline int32_t shv_state_node(const ShvState *state, int32_t element, int
 {
     return state->connectivity[shv_corner_slot(element, corner)];
 }
+static inline bool shv_state_has_node(const ShvState *state, int32_t element, int32_t node)
+{
+    for (int corner = 0; corner < 4; corner++)
+        if (shv_state_node(state, element, corner) == node) return true;
+    return false;
+}
 /* The node that a copy was split from, or another copy of it: whose corners stand before the copy's own. Until one of them is
    split again these lead from copy to copy to the original. */
 static inline int32_t shv_state_split_from(const ShvState *state, int32_t copy)

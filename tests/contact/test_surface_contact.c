@@ -484,6 +484,18 @@ static bool are_neighbours(const ShvState *state, int32_t element, int32_t node)
     return shared;
 }
 
+static bool in_place(const Surfaces *s, const ShvFacetPair *pair)
+{
+    const ShvVec3 x = shv_bodies_position(&s->bodies, pair->node, pair->fragments[0]);
+    for (int k = 0; k < 4; k++) {
+        const int32_t corner = shv_state_node(&s->state, pair->element, k);
+        const ShvVec3 apart = shv_sub(x, shv_bodies_position(&s->bodies, corner, pair->fragments[1]));
+        if (s->state.origin[corner] == s->state.origin[pair->node] && shv_norm(apart) < 0.5 * s->contact.skin[0])
+            return true;
+    }
+    return false;
+}
+
 /* Pairs, by all nodes against all facets, that would be struck in a step. */
 static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, int32_t room)
 {
@@ -728,8 +740,8 @@ static void wake_coupled_body(Surfaces *s, int32_t index)
 }
 
 /* A block comes to pieces one by one while it runs into two coupled bodies, which run into each other too, and one of which wakes:
-   candidates go on without new lists, and nothing is missed. Neighbours in place are left out: they are no candidates by
-   intention; so are coupled bodies among themselves, which are looked at now and then. */
+   candidates go on without new lists unless too many nodes are split at once, and nothing is missed. Neighbours in place are left
+   out: they have nothing to do with each other by intention; so are coupled bodies among themselves, which are looked at now and then. */
 static void test_lists_go_on(void **state)
 {
     (void)state;
@@ -750,8 +762,8 @@ static void test_lists_go_on(void **state)
     for (int32_t e = 0; e < s.state.element_count; e++)
         piece[e] = e < s.model.objects[0].element_end ? 1 + e * 7 % PIECES : 0;
     const double step = surfaces_stable_step(&s);
-    int64_t crossed = 0, found = 0, kept = 0, copies = 0, built = 0;
-    int32_t nodes = 0; /* when lists were last made */
+    int64_t crossed = 0, found = 0, kept = 0, copies = 0;
+    const int32_t nodes = s.state.node_count; /* later ones are copies */
     for (int k = 0; k < PAUSE * (PIECES + 4); k++) {
         const bool changed = k % PAUSE == 0 && k > 0 && k / PAUSE <= PIECES;
         if (changed) cut_off(&s, piece, k / PAUSE);
@@ -760,15 +772,13 @@ static void test_lists_go_on(void **state)
         surfaces_forces(&s);
         check_ok(shv_surface_contact_begin(&s.contact, &s.bodies, step, s.gravity, &s.error), s.error);
         kept += (changed || k == PAUSE * 3 + 1) && rebuilds == s.contact.rebuilds;
-        if (built != s.contact.rebuilds) nodes = s.state.node_count;
-        built = s.contact.rebuilds;
         shv_motion_kick(&s.state, s.nodes, s.node_count, 0.5 * (s.state.last_step + step), s.gravity, 1);
         const int32_t count = brute_force(&s, step, expected, ROOM);
         find_edges(&s, step, &edges);
         check_ok(shv_surface_contact_apply(&s.contact, &s.bodies, step, &s.error), s.error);
         for (int32_t i = 0; i < count; i++)
-            assert_true(are_neighbours(&s.state, expected[i].element, expected[i].node) ||
-                        both_rigid(&s, expected[i].fragments) || is_listed(&s.contact, &expected[i]));
+            assert_true(in_place(&s, &expected[i]) || both_rigid(&s, expected[i].fragments) ||
+                        is_listed(&s.contact, &expected[i]));
         for (int32_t i = 0; i < count; i++)
             copies += expected[i].node >= nodes && !are_neighbours(&s.state, expected[i].element, expected[i].node);
         found += count;
@@ -776,7 +786,7 @@ static void test_lists_go_on(void **state)
         surfaces_drift(&s, step);
     }
     assert_true(copies > 10);
-    assert_true(kept > PIECES / 2);
+    assert_true(kept > PIECES / 3);
     assert_true(found > 100);
     assert_true(crossed > 50);
     shv_release(piece);
