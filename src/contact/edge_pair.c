@@ -10,15 +10,15 @@ static const double just_met = 1e-3, deepest = 0.1;
 static const double rim = 1e-2, clear_of_node = 10.0;
 /* Sine of the angle by which a normal may be out of a normal cone, and a way out of a wedge: where an edge lies on a facet up to the
    facet's rim, as of a box on a box, it is on the rim of both, and facets bend under load. */
-static const double beside_cone = 0.087; /* 5 degrees */
+static const double normal_cone = 0.087; /* 5 degrees */
 
 /* An edge with the wedge of its two facets. */
 typedef struct Wedge {
-    ShvVec3 start, way; /* m */
-    ShvVec3 beside[2];  /* m: from the edge to the facets' other nodes */
-    ShvVec3 normals[2]; /* of the facets, outward */
-    double heights[2];  /* m: of the facets over the edge */
-    double length;      /* m */
+    ShvVec3 start, way;  /* m */
+    ShvVec3 opposite[2]; /* m: from the edge to the facets' other nodes */
+    ShvVec3 normals[2];  /* of the facets, outward */
+    double heights[2];   /* m: of the facets over the edge */
+    double length;       /* m */
 } Wedge;
 
 static Wedge wedge_of(const ShvEdge *edge)
@@ -26,10 +26,10 @@ static Wedge wedge_of(const ShvEdge *edge)
     Wedge wedge = {.start = edge->places[edge->edge]};
     wedge.way = shv_sub(edge->places[(edge->edge + 1) % 3], wedge.start);
     wedge.length = shv_norm(wedge.way);
-    wedge.beside[0] = shv_sub(edge->places[(edge->edge + 2) % 3], wedge.start);
-    wedge.beside[1] = shv_sub(edge->beside, wedge.start);
+    wedge.opposite[0] = shv_sub(edge->places[(edge->edge + 2) % 3], wedge.start);
+    wedge.opposite[1] = shv_sub(edge->opposite, wedge.start);
     for (int k = 0; k < 2; k++) {
-        const ShvVec3 area = k == 0 ? shv_cross(wedge.way, wedge.beside[0]) : shv_cross(wedge.beside[1], wedge.way);
+        const ShvVec3 area = k == 0 ? shv_cross(wedge.way, wedge.opposite[0]) : shv_cross(wedge.opposite[1], wedge.way);
         const double size = shv_norm(area);
         wedge.normals[k] = shv_scale(area, 1.0 / size);
         wedge.heights[k] = size / wedge.length;
@@ -41,14 +41,14 @@ static Wedge wedge_of(const ShvEdge *edge)
 static bool in_cone(const Wedge *wedge, ShvVec3 normal)
 {
     for (int k = 0; k < 2; k++)
-        if (!(shv_dot(normal, wedge->beside[k]) <= beside_cone * wedge->heights[k])) return false;
+        if (!(shv_dot(normal, wedge->opposite[k]) <= normal_cone * wedge->heights[k])) return false;
     return true;
 }
 
 /* Whether a way from the edge goes in behind both facets, or along them. */
-static bool goes_in(const Wedge *wedge, ShvVec3 way)
+static bool points_inward(const Wedge *wedge, ShvVec3 way)
 {
-    return shv_dot(way, wedge->normals[0]) < beside_cone && shv_dot(way, wedge->normals[1]) < beside_cone;
+    return shv_dot(way, wedge->normals[0]) < normal_cone && shv_dot(way, wedge->normals[1]) < normal_cone;
 }
 
 /* Whether both cross clear of their nodes. */
@@ -73,7 +73,8 @@ static bool meet(const Wedge wedges[2], const ShvSegmentPoints *at, double *gap,
     if (!in_cone(&wedges[1], *normal) || !in_cone(&wedges[0], shv_scale(*normal, -1.0))) return false;
     if (!cross(wedges, at, -*gap)) return false;
     if (*gap >= -just_met * size) return true;
-    return *gap >= -deepest * size && goes_in(&wedges[1], shv_scale(*normal, -1.0)) && goes_in(&wedges[0], *normal);
+    return *gap >= -deepest * size && points_inward(&wedges[1], shv_scale(*normal, -1.0)) &&
+           points_inward(&wedges[0], *normal);
 }
 
 bool shv_edge_pair_detect(const ShvSurfaceBodies *bodies, const ShvEdge *own, const ShvEdge *other, double step,

@@ -13,8 +13,8 @@
 typedef struct ShvEdge {
     int32_t element, face, fragment; /* of the first facet */
     int32_t edge;
-    int32_t corners[3];        /* its nodes */
-    ShvVec3 places[3], beside; /* m: of these; of the node of the second facet that is not on the edge */
+    int32_t corners[3];          /* its nodes */
+    ShvVec3 places[3], opposite; /* m: of these; of the node of the second facet that is not on the edge */
 } ShvEdge;
 
 /* Whether the two may meet in a step, or overlap. Fills `pair` but for its slots. Otherwise *distance receives how far they

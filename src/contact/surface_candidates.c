@@ -55,9 +55,9 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         contact->list.nodes[k].watch = -1;
-        contact->list.nodes[k].out_of_skin = contact->list.nodes[k].anew = false;
+        contact->list.nodes[k].out_of_skin = contact->list.nodes[k].incomplete = false;
     }
-    contact->anew = false;
+    contact->incomplete = false;
     if (changed)
         SHV_TRY(shv_surface_list_build(&contact->list, bodies, error));
     else {
@@ -106,7 +106,7 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     const bool outdated = !lost && shv_surface_speed_count(contact, bodies, gravity);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     SHV_TRY(add_late(contact, bodies, step, error));
-    if (contact->rest > 0 && !contact->anew) return SHV_OK;
+    if (contact->rest > 0 && !contact->incomplete) return SHV_OK;
     bool many;
     SHV_TRY(shv_surface_renew_out_of_skin(contact, bodies, step, gravity, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;

@@ -85,10 +85,10 @@ struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
-    bool stale; /* the lists must be made anew */
-    bool woken; /* coupled bodies woke */
-    bool idle;  /* nothing can meet */
-    bool anew;  /* nodes are */
+    bool stale;      /* the lists must be made anew */
+    bool woken;      /* coupled bodies woke */
+    bool idle;       /* nothing can meet */
+    bool incomplete; /* candidates of some nodes are */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;

@@ -83,8 +83,8 @@ bool shv_surface_edge(const ShvSurfaceList *list, const ShvSurfaceBodies *bodies
         edge->places[k] = shv_bodies_position(bodies, edge->corners[k], facet->fragment);
     }
     const ShvSurfaceFacet *second = &list->facets[across / 3];
-    const int32_t beside = list->nodes[second->slots[(across + 2) % 3]].node;
-    edge->beside = shv_bodies_position(bodies, beside, second->fragment);
+    const int32_t opposite = list->nodes[second->slots[(across + 2) % 3]].node;
+    edge->opposite = shv_bodies_position(bodies, opposite, second->fragment);
     return true;
 }
 
@@ -92,10 +92,10 @@ static bool is_sharp(const ShvEdge *edge)
 {
     const double least = 0.9961946980917455; /* cosine of SHV_SHARP_EDGE */
     const ShvVec3 start = edge->places[edge->edge];
-    const ShvVec3 way = shv_sub(edge->places[(edge->edge + 1) % 3], start), beside = shv_sub(edge->beside, start);
+    const ShvVec3 way = shv_sub(edge->places[(edge->edge + 1) % 3], start), opposite = shv_sub(edge->opposite, start);
     const ShvVec3 own = shv_cross(way, shv_sub(edge->places[(edge->edge + 2) % 3], start));
-    const ShvVec3 other = shv_cross(beside, way);
-    return shv_dot(own, beside) < 0.0 && shv_dot(own, other) < least * shv_norm(own) * shv_norm(other);
+    const ShvVec3 other = shv_cross(opposite, way);
+    return shv_dot(own, opposite) < 0.0 && shv_dot(own, other) < least * shv_norm(own) * shv_norm(other);
 }
 
 void shv_surface_edges_mark(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t place)

@@ -9,8 +9,9 @@ typedef struct Seeker {
     int32_t place;
     const ShvSurfaceFacet *facet;
     bool alone; /* it cannot meet its own fragment */
-    bool anew;  /* all lists are: what deforms looks for what is rigid, and for what has a lower place */
-    bool woken; /* it was rigid until now, and looks for what it was left to then */
+    bool
+        all_lists; /* all lists are chosen anew: what deforms looks for what is rigid, and for what has a lower place */
+    bool woken;    /* it was rigid until now, and looks for what it was left to then */
 } Seeker;
 
 static ShvVec3 place_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot)
@@ -57,7 +58,7 @@ static bool is_for(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 {
     const bool rigid = contact->fragments[other->fragment].rigid, below = place < seeker->place;
     if (seeker->woken) return rigid && (below || shv_bodies_coupled_body(bodies, other->fragment));
-    if (seeker->anew) return rigid || below;
+    if (seeker->all_lists) return rigid || below;
     if (rigid && contact->fragments[seeker->facet->fragment].rigid) return false;
     return !(other->leaves_skin && below); /* it has found this one */
 }
@@ -111,7 +112,7 @@ ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBod
     if (!make_seeker(contact, place, &seeker) || contact->fragments[seeker.facet->fragment].rigid ||
         !shv_surface_in_region(contact, seeker.facet))
         return SHV_OK;
-    seeker.anew = true;
+    seeker.all_lists = true;
     return pair_grid(contact, bodies, &seeker, contact->grid_facets, 1.0, error);
 }
 

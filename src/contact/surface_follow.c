@@ -33,12 +33,12 @@ static void open_bodies(ShvSurfaceContact *contact)
     bool any = false;
     for (int32_t i = 0; i < contact->known_fragments; i++) any |= contact->fragments[i].opened;
     for (int32_t k = 0; k < contact->list.node_count && any; k++)
-        contact->list.nodes[k].anew |= contact->fragments[contact->list.nodes[k].fragment].opened;
+        contact->list.nodes[k].incomplete |= contact->fragments[contact->list.nodes[k].fragment].opened;
     for (int32_t i = 0; i < contact->known_fragments && any; i++) {
         contact->fragments[i].cracked |= contact->fragments[i].opened;
         contact->fragments[i].opened = false;
     }
-    contact->anew |= any;
+    contact->incomplete |= any;
 }
 
 /* ---- coupled bodies that woke ---- */
@@ -118,7 +118,7 @@ static ShvStatus follow_insertions(ShvSurfaceContact *contact, const ShvSurfaceB
     for (int32_t i = contact->known_fragments; i < bodies->fragment_count; i++)
         contact->fragments[i] = (ShvSurfaceFragment){.cracked = true};
     SHV_TRY(shv_surface_list_follow(&contact->list, bodies, known, error));
-    contact->anew |= known.nodes != bodies->state->node_count;
+    contact->incomplete |= known.nodes != bodies->state->node_count;
     for (int kind = 0; kind < 2; kind++)
         for (int32_t k = 0; k < contact->candidates[kind].count && renamed; k++) {
             ShvSurfaceCandidate *candidate = &contact->candidates[kind].items[k];

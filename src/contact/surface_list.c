@@ -61,8 +61,7 @@ static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, 
                                 error));
     list->nodes = block;
     list->slot[node] = list->node_count;
-    list->nodes[list->node_count++] =
-        (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
+    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
     return SHV_OK;
 }
 
@@ -302,7 +301,7 @@ static void part_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int3
     const int32_t slot = list->slot[node];
     if (slot < 0) return;
     sum_normal(list, bodies, slot);
-    list->nodes[slot].anew = list->released = true;
+    list->nodes[slot].incomplete = list->released = true;
     hold_node(list, bodies, node);
 }
 

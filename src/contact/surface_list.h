@@ -41,11 +41,11 @@ typedef struct ShvSurfaceFacet {
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
-    int32_t watch;    /* place among the nodes of candidates, −1: of none */
+    int32_t watch; /* place among the nodes of candidates, −1: of none */
     uint8_t speed_class;
     bool out_of_skin; /* it has left the way that its place in the grid of all nodes allows for */
     bool leaves_skin; /* it does just now */
-    bool anew;        /* its candidates are no longer all, wherever it is */
+    bool incomplete;  /* its candidates are no longer all, wherever it is */
     bool held;        /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
     ShvVec3 from;     /* where it was when its speed class was chosen, m */
     ShvVec3 at;       /* where it was when last looked at, m */

@@ -12,12 +12,12 @@ static int32_t mark_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *bo
     int32_t count = 0;
     for (int32_t k = 0; k < contact->list.node_count; k++) {
         ShvSurfaceNode *node = &contact->list.nodes[k];
-        node->leaves_skin = node->anew || (!shv_bodies_coupled_body(bodies, node->fragment) &&
-                                           shv_surface_speed_steps(contact, bodies, node, step, gravity, 1) == 0);
-        node->anew = false;
+        node->leaves_skin = node->incomplete || (!shv_bodies_coupled_body(bodies, node->fragment) &&
+                                                 shv_surface_speed_steps(contact, bodies, node, step, gravity, 1) == 0);
+        node->incomplete = false;
         count += node->leaves_skin;
     }
-    contact->anew = false;
+    contact->incomplete = false;
     return count;
 }
 
