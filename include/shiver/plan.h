@@ -24,16 +24,17 @@ typedef struct ShvPreflight {
     int32_t tets, nodes;
     double mass, volume; /* lumped mass, kg; m³ */
     double shortest_edge, mean_edge, longest_edge, smallest_altitude;
-    double worst_aspect;                  /* 3 × inradius / circumradius */
-    double smallest_dihedral;             /* degrees */
-    double wall_share, wall_thickness, wall_edge; /* of its surface, that is of walls thinner than three edges; their means, m */
-    double wall_stiffness; /* of such a wall in bending on this mesh, over what it should be; 1 without one */
-    bool ordered;                         /* a box whose nodes stand in rank and file, and could stand without */
-    double stable_step;                   /* s, smallest exact element step */
-    int32_t stable_element;               /* of the joint mesh: the tet that sets it */
-    double stable_centroid[3];            /* m, world at the start */
-    double step;                          /* s: the step that will be used while nothing is cracking */
-    double courant;                       /* step / stable_step of this object */
+    double worst_aspect;      /* 3 × inradius / circumradius */
+    double smallest_dihedral; /* degrees */
+    double wall_share, wall_thickness,
+        wall_edge;             /* of its surface, that is of walls thinner than three edges; their means, m */
+    double wall_stiffness;     /* of such a wall in bending on this mesh, over what it should be; 1 without one */
+    bool ordered;              /* a box whose nodes stand in rank and file, and could stand without */
+    double stable_step;        /* s, smallest exact element step */
+    int32_t stable_element;    /* of the joint mesh: the tet that sets it */
+    double stable_centroid[3]; /* m, world at the start */
+    double step;               /* s: the step that will be used while nothing is cracking */
+    double courant;            /* step / stable_step of this object */
     double bar_speed, dilatational_speed; /* m/s */
     bool breakable;
     double cohesive_zone; /* m: (π/8) E/(1−ν²) G/σ²; 5-10 elements resolve it */

@@ -78,8 +78,8 @@ static double thickness_at(const ShvMesh *mesh, const ShvAdjacency *adjacency, i
         ray.start = shv_madd(ray.start, start_share[i], corner_position(mesh, element, corners[i]));
     const int32_t exit = follow(&ray, element, most_edges * edge, &thickness);
     if (exit < 0) return 0.0;
-    const ShvVec3 other = face_normal(mesh, adjacency->facet_elements[2 * (int64_t)exit],
-                                      adjacency->facet_faces[2 * (int64_t)exit]);
+    const ShvVec3 other =
+        face_normal(mesh, adjacency->facet_elements[2 * (int64_t)exit], adjacency->facet_faces[2 * (int64_t)exit]);
     return shv_dot(other, ray.direction) > parallel * shv_norm(other) ? thickness : 0.0;
 }
 
