@@ -147,8 +147,9 @@ static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     contact->drift = count > 0 ? shv_scale(sum, 1.0 / count) : sum;
 }
 
-/* Of the mean edge of facets: the skin beyond which every node would have dozens of candidates. */
-static const double largest_skin = 0.25;
+/* Of the mean edge of facets: the skin beyond which lasting longer is not worth it, since in a cloud of splinters every node would
+   have dozens of candidates. */
+static const double largest_skin = 0.06;
 /* Times the motion between two checks: no node may leave its skin unseen. */
 static const double skin_margin = 4.0;
 
