@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "mesh/tet.h"
+
 /* A wall is thinner than so many edges: with more it is too stiff by less than a sixth. */
 static const double most_edges = 3.0;
 /* Cosine between its two surfaces: they are parallel but for 30°. */
@@ -20,31 +22,22 @@ typedef struct Ray {
     ShvVec3 start, direction; /* of unit length */
 } Ray;
 
-static ShvVec3 corner_position(const ShvMesh *mesh, int32_t element, int corner)
+static ShvTet tet_of(const ShvMesh *mesh, int32_t element)
 {
-    return shv_mesh_position(mesh, mesh->elements[4 * (int64_t)element + corner]);
-}
-
-/* Outward, twice the face's area long. */
-static ShvVec3 face_normal(const ShvMesh *mesh, int32_t element, int face)
-{
-    const uint8_t *corners = shv_face_corners[face];
-    const ShvVec3 first = corner_position(mesh, element, corners[0]);
-    return shv_cross(shv_sub(corner_position(mesh, element, corners[1]), first),
-                     shv_sub(corner_position(mesh, element, corners[2]), first));
+    return shv_tet_of_nodes(mesh, mesh->elements + 4 * (int64_t)element);
 }
 
 /* The face by which it leaves a tet, and how far from its start. */
 static int leave(const Ray *ray, int32_t element, double *distance)
 {
+    const ShvTet tet = tet_of(ray->mesh, element);
     int through = 0;
     *distance = (double)INFINITY;
     for (int face = 0; face < 4; face++) {
-        const ShvVec3 normal = face_normal(ray->mesh, element, face);
-        const double along = shv_dot(normal, ray->direction);
+        const double along = shv_dot(tet.normals[face], ray->direction);
         if (!(along > 0.0)) continue;
-        const ShvVec3 on_face = corner_position(ray->mesh, element, shv_face_corners[face][0]);
-        const double here = shv_dot(normal, shv_sub(on_face, ray->start)) / along;
+        const ShvVec3 on_face = tet.corners[shv_face_corners[face][0]];
+        const double here = shv_dot(tet.normals[face], shv_sub(on_face, ray->start)) / along;
         if (here >= *distance) continue;
         *distance = here;
         through = face;
@@ -66,21 +59,20 @@ static int32_t follow(const Ray *ray, int32_t element, double farthest, double *
     return -1;
 }
 
-/* Thickness below a facet of the surface; 0 where no wall is. */
-static double thickness_at(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_t facet, double edge)
+/* Thickness below a facet of the surface, a face of a tet; 0 where no wall is. */
+static double thickness_at(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_t facet, const ShvTet *tet,
+                           double edge)
 {
-    const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
-    const uint8_t *corners = shv_face_corners[adjacency->facet_faces[2 * (int64_t)facet]];
-    Ray ray = {mesh, adjacency, shv_vec3(0.0, 0.0, 0.0),
-               shv_scale(shv_unit(face_normal(mesh, element, adjacency->facet_faces[2 * (int64_t)facet])), -1.0)};
+    const int face = adjacency->facet_faces[2 * (int64_t)facet];
+    Ray ray = {mesh, adjacency, shv_vec3(0.0, 0.0, 0.0), shv_scale(tet->normals[face], -1.0 / tet->areas[face])};
     double thickness;
     for (int i = 0; i < 3; i++)
-        ray.start = shv_madd(ray.start, start_share[i], corner_position(mesh, element, corners[i]));
-    const int32_t exit = follow(&ray, element, most_edges * edge, &thickness);
+        ray.start = shv_madd(ray.start, start_share[i], tet->corners[shv_face_corners[face][i]]);
+    const int32_t exit = follow(&ray, adjacency->facet_elements[2 * (int64_t)facet], most_edges * edge, &thickness);
     if (exit < 0) return 0.0;
-    const ShvVec3 other =
-        face_normal(mesh, adjacency->facet_elements[2 * (int64_t)exit], adjacency->facet_faces[2 * (int64_t)exit]);
-    return shv_dot(other, ray.direction) > parallel * shv_norm(other) ? thickness : 0.0;
+    const ShvTet far = tet_of(mesh, adjacency->facet_elements[2 * (int64_t)exit]);
+    const int other = adjacency->facet_faces[2 * (int64_t)exit];
+    return shv_dot(far.normals[other], ray.direction) > parallel * far.areas[other] ? thickness : 0.0;
 }
 
 ShvWall shv_mesh_wall(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_t begin, int32_t end)
@@ -89,8 +81,9 @@ ShvWall shv_mesh_wall(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_
     for (int32_t facet = adjacency->interior_count; facet < adjacency->facet_count; facet++) {
         const int32_t element = adjacency->facet_elements[2 * (int64_t)facet];
         if (element < begin || element >= end) continue;
-        const double area = 0.5 * shv_norm(face_normal(mesh, element, adjacency->facet_faces[2 * (int64_t)facet]));
-        const double edge = sqrt(4.0 / sqrt(3.0) * area), here = thickness_at(mesh, adjacency, facet, edge);
+        const ShvTet tet = tet_of(mesh, element);
+        const double area = tet.areas[adjacency->facet_faces[2 * (int64_t)facet]];
+        const double edge = sqrt(4.0 / sqrt(3.0) * area), here = thickness_at(mesh, adjacency, facet, &tet, edge);
         surface += area;
         if (!(here > 0.0)) continue;
         walls += area;
