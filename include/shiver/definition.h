@@ -143,10 +143,16 @@ typedef struct ShvGroupDefinition {
     const char *material;
 } ShvGroupDefinition;
 
+typedef enum ShvElements {
+    SHV_ELEMENTS_LINEAR,  /* tets of one strain each */
+    SHV_ELEMENTS_SMOOTHED /* strain is averaged over the tets round each edge: for walls about as thin as their edges */
+} ShvElements;
+
 typedef struct ShvObjectDefinition {
     uint32_t cookie;
     const char *name;
     ShvMeshDefinition mesh;
+    ShvElements elements;
     const char *material; /* of all that is in none of `groups`; when the object wakes and rests follows from it */
     const ShvGroupDefinition *groups;
     int32_t group_count;

@@ -132,8 +132,8 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-/* Internal forces of split nodes are shared among their copies. */
-static ShvStatus share_forces(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
+/* The solid learns of the split nodes, and internal forces that stand are shared among their copies. */
+static ShvStatus follow_split(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
 {
     ShvState *state = &hybrid->state;
     const size_t most = 2 * (size_t)(state->node_count - first_copy);
@@ -144,9 +144,11 @@ static ShvStatus share_forces(ShvHybrid *hybrid, int32_t first_copy, ShvError *e
         if (from < first_copy) nodes[count++] = from;
         nodes[count++] = copy;
     }
-    shv_solid_put_internal_force(&hybrid->solid, state, nodes, count);
+    ShvStatus status = shv_solid_split(&hybrid->solid, state, nodes, count, error);
+    if (status == SHV_OK && hybrid->check.forces_begun)
+        status = shv_solid_put_internal_force(&hybrid->solid, state, nodes, count, error);
     shv_release(nodes);
-    return SHV_OK;
+    return status;
 }
 
 static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
@@ -158,7 +160,7 @@ static ShvStatus insert(ShvHybrid *hybrid, int32_t count, ShvError *error)
     hybrid->cohesive.worst_overshoot = fmax(hybrid->cohesive.worst_overshoot, hybrid->check.overstress[0]);
     SHV_TRY(note_insertions(hybrid, count, error));
     const int32_t first_copy = hybrid->state.node_count - duplicated;
-    if (duplicated > 0 && hybrid->check.forces_begun) SHV_TRY(share_forces(hybrid, first_copy, error));
+    if (duplicated > 0) SHV_TRY(follow_split(hybrid, first_copy, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_INSERT, start);
     if (duplicated > 0) SHV_TRY(relabel_cracked(hybrid, first_copy, error));
     shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);
@@ -212,6 +214,8 @@ static ShvStatus check_facets(ShvHybrid *hybrid, double *largest, int32_t *count
     ShvCohesive *cohesive = &hybrid->cohesive;
     const ShvStressSource source = {fill_stress, hybrid};
     double start = shv_now();
+    shv_solid_smooth(&hybrid->solid, state);
+    start = shv_costs_add(&hybrid->costs, SHV_COST_FORCE, start);
     const double floor = shv_cohesive_floor(cohesive, state, hybrid->check.stress, source);
     start = shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
     shv_motion_clear_force(state, hybrid->awake.nodes, hybrid->awake.node_count, hybrid->model.threads);

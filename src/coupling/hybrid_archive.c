@@ -16,8 +16,24 @@ bool shv_hybrid_has_checkpoints(const ShvHybrid *hybrid)
 /* The rest of a solid follows from the scene. */
 static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
 {
+    static const ShvField smoothing[] = {
+        SHV_FIELD_OF(ShvSmoothing, blocks, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSmoothing, batch_block, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSmoothing, edge_domain, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, gradient, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSmoothing, members, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, first_member, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, member_count, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, inverse_volume, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, stress, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSmoothing, start, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, started, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, material, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothing, split, SHV_FIELD_ROOM),
+    };
     return shv_archive_block(archive, (void **)&solid->batch_active) &&
-           shv_archive_block(archive, (void **)&solid->batch_exact);
+           shv_archive_block(archive, (void **)&solid->batch_exact) &&
+           SHV_ARCHIVE_STRUCT(archive, &solid->smoothing, smoothing);
 }
 
 static bool archive_probes(ShvProbes *probes, ShvArchive *archive)

@@ -417,9 +417,16 @@ static const ShvTable group_table = {
     .size = sizeof(ShvGroupItem)};
 
 static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
+static const ShvChoice element_choices[] = {
+    {"linear", SHV_ELEMENTS_LINEAR}, {"smoothed", SHV_ELEMENTS_SMOOTHED}, {NULL, 0}};
 static const ShvKey object_keys[] = {
     {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
      .sentence = "Its tetrahedra."},
+    {"elements", SHV_KEY_CHOICE, .choices = element_choices, .offset = OBJECT(elements),
+     .sentence =
+         "How strain is found: `linear`, one of each tetrahedron; `smoothed`, averaged over those round each edge, "
+         "for walls about as thin as their edges, which linear ones make far too stiff in bending "
+         "(docs/walls.md). Takes some four times as long for the elastic forces."},
     {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
      .sentence = "Name of its material; where there are `groups`, of all that is in none of them."},
     {"groups", SHV_KEY_LIST, .table = &group_table, .offset = offsetof(ShvObjectItem, groups),

@@ -1,3 +1,4 @@
+#include "solid/domain.h"
 #include "solid/kernel.h"
 
 /* Partial sums are cut by the number of batches alone, so that their order never depends on the threads. */
@@ -19,6 +20,7 @@ double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state)
 {
     double partial[ENERGY_BLOCKS];
     const int64_t batches = solid->batch_count;
+    shv_smoothing_find_energy(solid, state);
 #pragma omp parallel for schedule(static) num_threads(solid->model->threads) if (solid->model->threads > 1)
     for (int block = 0; block < ENERGY_BLOCKS; block++)
         partial[block] = block_energy(solid, state, (int32_t)(batches * block / ENERGY_BLOCKS),
@@ -31,6 +33,7 @@ double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state)
 double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element)
 {
     _Alignas(64) double lanes[SHV_LANES];
+    shv_smoothing_find_batch(solid, state, element / SHV_LANES);
     shv_wide_store(lanes, shv_batch_energy(solid, state, element / SHV_LANES));
     return lanes[element % SHV_LANES];
 }

@@ -1,3 +1,4 @@
+#include "solid/domain.h"
 #include "solid/kernel.h"
 
 static int32_t chunk_end(const ShvSolid *solid, int32_t chunk)
@@ -16,6 +17,7 @@ static void add_chunk(const ShvSolid *solid, ShvState *state, int32_t chunk)
 
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state)
 {
+    shv_solid_smooth(solid, state);
 #pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1)
     for (int32_t colour = 0; colour < solid->colour_count; colour++) {
         /* The end of this loop waits for all threads: colours run one after another. */
@@ -88,23 +90,45 @@ static ShvVec3 corner_force(const ShvSolid *solid, const ShvState *state, int32_
     _Alignas(64) double force[4][3][SHV_LANES];
     ShvWide h[3][3], p[3][3];
     const int32_t element = corner / 4, batch = element / SHV_LANES, lane = element % SHV_LANES;
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
     shv_batch_displacement_gradient(solid, state, batch, h);
-    shv_batch_piola(&elasticity, h, p);
+    shv_batch_stress(solid, batch, h, p);
     shv_batch_corner_forces(solid, batch, p, force);
     return shv_vec3(force[corner % 4][0][lane], force[corner % 4][1][lane], force[corner % 4][2][lane]);
 }
 
-void shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count)
+static void put_force(const ShvSolid *solid, ShvState *state, int32_t node)
 {
-#pragma omp parallel for schedule(static) num_threads(solid->model->threads) if (solid->model->threads > 1)
-    for (int32_t k = 0; k < count; k++) {
-        const int32_t *corners = state->corners + state->corner_start[nodes[k]],
-                      corner_count = state->corner_count[nodes[k]];
-        ShvVec3 sum = {0.0, 0.0, 0.0};
-        for (int32_t corner = next_corner(solid, corners, corner_count, -1); corner >= 0;
-             corner = next_corner(solid, corners, corner_count, corner))
-            sum = shv_add(sum, corner_force(solid, state, corner));
-        shv_store3(state->force + 3 * (int64_t)nodes[k], sum);
+    const int32_t *corners = state->corners + state->corner_start[node], count = state->corner_count[node];
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    for (int32_t corner = next_corner(solid, corners, count, -1); corner >= 0;
+         corner = next_corner(solid, corners, count, corner))
+        sum = shv_add(sum, corner_force(solid, state, corner));
+    shv_store3(state->force + 3 * (int64_t)node, sum);
+}
+
+/* Nodes of the tets in domains that have been split. */
+static void mark_near_splits(const ShvSmoothing *smoothing, const ShvState *state, uint8_t *marks)
+{
+    for (int32_t i = 0; i < smoothing->split_count; i++) {
+        const int32_t domain = smoothing->split[i], *members = smoothing->members + smoothing->first_member[domain];
+        for (int32_t m = 0; m < smoothing->member_count[domain]; m++)
+            for (int corner = 0; corner < 4; corner++)
+                marks[shv_state_node(state, shv_edge_element(smoothing, members[m]), corner)] = 1;
     }
+}
+
+ShvStatus shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count,
+                                       ShvError *error)
+{
+    const int32_t all = state->node_count, threads = solid->model->threads;
+    uint8_t *marks = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)all, 1);
+    if (!marks) return shv_fail_memory(error, "the nodes of an insertion", (size_t)all);
+    for (int32_t i = 0; i < count; i++) marks[nodes[i]] = 1;
+    shv_smoothing_find_split(solid);
+    mark_near_splits(&solid->smoothing, state, marks);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(threads) if (threads > 1)
+    for (int32_t node = 0; node < all; node++)
+        if (marks[node]) put_force(solid, state, node);
+    shv_release(marks);
+    return SHV_OK;
 }

@@ -168,20 +168,64 @@ static inline void shv_batch_piola(const ShvElasticity *elasticity, ShvWide h[3]
         for (int j = 0; j < 3; j++) p[i][j] = shv_wide_select(elasticity->green, p[i][j], other[i][j]);
 }
 
-/* Strain energy of every lane, J; zero in padding lanes. */
+/* Strain energy of a volume, J/m³. */
+static inline ShvWide shv_wide_energy_density(const ShvElasticity *elasticity, ShvWide h[3][3])
+{
+    if (elasticity->kind == SHV_BATCH_COROTATIONAL) return shv_corotational_energy(elasticity, h);
+    const ShvWide density = shv_green_energy(elasticity, h);
+    if (elasticity->kind == SHV_BATCH_GREEN) return density;
+    return shv_wide_select(elasticity->green, density, shv_corotational_energy(elasticity, h));
+}
+
+/* Number among the blocks of smoothed elements; −1: it has none. */
+static inline int32_t shv_batch_block(const ShvSolid *solid, int32_t batch)
+{
+    return solid->smoothing.batch_block ? solid->smoothing.batch_block[batch] : -1;
+}
+
+/* Of every lane the mean over its six edges of the first `count` numbers that they have. */
+static inline void shv_block_mean(const ShvSmoothing *smoothing, int32_t block, int count,
+                                  double mean[SHV_SMOOTHED_STRIDE][SHV_LANES])
+{
+    for (int lane = 0; lane < SHV_LANES; lane++) {
+        const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + lane);
+        double sum[SHV_SMOOTHED_STRIDE] = {0.0};
+        for (int k = 0; k < SHV_TET_EDGES; k++) {
+            const double *own = smoothing->stress + SHV_SMOOTHED_STRIDE * (int64_t)domain[k];
+            for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) sum[c] += own[c];
+        }
+        for (int c = 0; c < count; c++) mean[c][lane] = sum[c] * (1.0 / SHV_TET_EDGES);
+    }
+}
+
+/* Strain energy of every lane, J; zero in padding lanes. With smoothed elements the domains' energies are to be there. */
 static inline ShvWide shv_batch_energy(const ShvSolid *solid, const ShvState *state, int32_t batch)
 {
-    ShvWide h[3][3], density;
+    const ShvWide volume = shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES);
+    const int32_t block = shv_batch_block(solid, batch);
+    if (block >= 0) {
+        _Alignas(64) double mean[SHV_SMOOTHED_STRIDE][SHV_LANES];
+        shv_block_mean(&solid->smoothing, block, SHV_SMOOTHED_ENERGY + 1, mean);
+        return shv_wide_mul(volume, shv_wide_load(mean[SHV_SMOOTHED_ENERGY]));
+    }
+    ShvWide h[3][3];
     const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
     shv_batch_displacement_gradient(solid, state, batch, h);
-    if (elasticity.kind == SHV_BATCH_COROTATIONAL) {
-        density = shv_corotational_energy(&elasticity, h);
-    } else {
-        density = shv_green_energy(&elasticity, h);
-        if (elasticity.kind == SHV_BATCH_BOTH)
-            density = shv_wide_select(elasticity.green, density, shv_corotational_energy(&elasticity, h));
+    return shv_wide_mul(volume, shv_wide_energy_density(&elasticity, h));
+}
+
+/* First Piola-Kirchhoff stress of every lane with the displacement gradient `h`, or that which its edges have. */
+static inline void shv_batch_stress(const ShvSolid *solid, int32_t batch, ShvWide h[3][3], ShvWide p[3][3])
+{
+    const int32_t block = shv_batch_block(solid, batch);
+    if (block >= 0) {
+        _Alignas(64) double mean[SHV_SMOOTHED_STRIDE][SHV_LANES];
+        shv_block_mean(&solid->smoothing, block, 9, mean);
+        for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_load(mean[c]);
+        return;
     }
-    return shv_wide_mul(shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES), density);
+    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    shv_batch_piola(&elasticity, h, p);
 }
 
 /* Determinant of F = I + H: current over reference volume. */
@@ -230,9 +274,8 @@ static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int
 static inline void shv_batch_add_force(const ShvSolid *solid, ShvState *state, int32_t batch)
 {
     ShvWide h[3][3], p[3][3];
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
-    shv_batch_displacement_gradient(solid, state, batch, h);
-    shv_batch_piola(&elasticity, h, p);
+    if (shv_batch_block(solid, batch) < 0) shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
 }
 
@@ -241,9 +284,8 @@ static inline void shv_batch_cauchy(const ShvSolid *solid, const ShvState *state
 {
     static const int rows[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
     ShvWide h[3][3], p[3][3];
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
     shv_batch_displacement_gradient(solid, state, batch, h);
-    shv_batch_piola(&elasticity, h, p);
+    shv_batch_stress(solid, batch, h, p);
     const ShvWide ratio = shv_wide_max(shv_wide_set1(SHV_SMALLEST_VOLUME_RATIO), shv_wide_volume_ratio(h));
     const ShvWide scale = shv_wide_div(shv_wide_set1(1.0), ratio);
     for (int c = 0; c < 6; c++) {
@@ -312,9 +354,8 @@ static inline bool shv_batch_add_force_and_find_faces(const ShvSolid *solid, Shv
 {
     ShvWide h[3][3], p[3][3];
     bool inverted;
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
     shv_batch_displacement_gradient(solid, state, batch, h);
-    shv_batch_piola(&elasticity, h, p);
+    shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
     faces[batch] = shv_batch_faces(solid, batch, h, p, weight, floor, &inverted);
     return inverted;

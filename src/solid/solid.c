@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "solid/colour.h"
+#include "solid/domain.h"
 
 /* Gradients of N1, N2, N3: the rows of D_m⁻¹, which are the opposite faces' area vectors over three volumes. */
 static ShvStatus shape_gradients(const ShvMesh *mesh, int32_t element, ShvVec3 gradients[3], double *volume,
@@ -87,6 +88,7 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     SHV_TRY(fill_gradients(solid, error));
     fill_batches(solid);
     fill_steps(solid);
+    SHV_TRY(shv_smoothing_create(solid, state, error));
     return shv_solid_colour(solid, state, error);
 }
 
@@ -109,5 +111,6 @@ void shv_solid_release(ShvSolid *solid)
     shv_release(solid->colour_start);
     shv_release(solid->chunk_order);
     shv_release(solid->chunk_colour);
+    shv_smoothing_release(&solid->smoothing);
     *solid = (ShvSolid){0};
 }

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "model/state.h"
+#include "solid/smoothing.h"
 
 /* Constants of the reference elements, and the order in which batches are worked through. Chunks of consecutive batches
    are coloured so that two chunks of a colour share no node: colours run one after another, the chunks of a colour in
@@ -25,22 +26,29 @@ typedef struct ShvSolid {
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
+    ShvSmoothing smoothing;
 } ShvSolid;
 
 ShvStatus shv_solid_create(ShvSolid *solid, const ShvModel *model, const ShvState *state, ShvError *error);
 void shv_solid_release(ShvSolid *solid);
+
+/* Finds the stress of smoothed edges at the present displacements: before anything below that asks for it. */
+void shv_solid_smooth(const ShvSolid *solid, const ShvState *state);
+/* Tells of nodes that were split, their copies among them, at the displacements of the last shv_solid_smooth. */
+ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 
 /* Adds −(internal force) of all active batches to state->force. */
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
 /* The same, and for each active batch the faces that may count `floor` or more: bit SHV_LANES × face + lane, a face as numbered by
    the corner opposite. What counts is the length of (⟨tension⟩, shear) of the element's Cauchy stress on the face × the face's
    weight, 1/Pa: weight[(e/8)*32 + face*8 + e%8]. Other batches keep their bits. Returns whether an element's volume is
-   not positive. */
+   not positive. Needs shv_solid_smooth. */
 bool shv_solid_add_internal_force_and_find_faces(const ShvSolid *solid, ShvState *state, const double *weight,
                                                  double floor, uint32_t *faces);
 /* The internal force of some nodes after they were split, put into state->force: the bits that shv_solid_add_internal_force
-   would add to zero. Needs state->corners. */
-void shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count);
+   would add to zero. With smoothed elements the forces of nodes near them are others as well. Needs state->corners. */
+ShvStatus shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count,
+                                       ShvError *error);
 /* Strain energy of the active batches, J; summed in batch order within fixed blocks, whatever the threads. */
 double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state);
 /* Strain energy of one element, awake or not, J. */
@@ -52,7 +60,7 @@ double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, in
    SHV_SMALLEST_VOLUME_RATIO of its volume, or inverted, gets P Fᵀ over that ratio, so that its stress stays finite.
    Stress of element e, component c: stress[(e/8)*48 + c*8 + e%8]. */
 void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress);
-/* Of some batches, each once; the others keep theirs. */
+/* Of some batches, each once; the others keep theirs. Needs shv_solid_smooth. */
 void shv_solid_stress_of(const ShvSolid *solid, const ShvState *state, const int32_t *batches, int32_t count,
                          double *stress);
 /* The same of one batch, awake or not: stress[6 × SHV_LANES], aligned to 64 bytes. */

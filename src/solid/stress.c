@@ -1,7 +1,9 @@
+#include "solid/domain.h"
 #include "solid/kernel.h"
 
 void shv_solid_stress(const ShvSolid *solid, const ShvState *state, double *stress)
 {
+    shv_solid_smooth(solid, state);
 #pragma omp parallel for schedule(static) num_threads(solid->model->threads) if (solid->model->threads > 1)
     for (int32_t batch = 0; batch < solid->batch_count; batch++)
         if (solid->batch_active[batch])
@@ -18,6 +20,7 @@ void shv_solid_stress_of(const ShvSolid *solid, const ShvState *state, const int
 
 void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress)
 {
+    shv_smoothing_find_batch(solid, state, batch);
     shv_batch_cauchy(solid, state, batch, stress);
 }
 

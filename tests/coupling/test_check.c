@@ -12,13 +12,14 @@ typedef struct Body {
     ShvHybrid hybrid;
 } Body;
 
-static void begin(Body *body, ShvKinematics kinematics, int32_t threads)
+static void begin(Body *body, ShvKinematics kinematics, ShvElements elements, int32_t threads)
 {
     ShvError error = {0};
     const double size[3] = {0.2, 0.15, 0.05};
     stage_make(&body->stage);
     ShvObjectDefinition *object = stage_box(&body->stage, "bar", size, 0.02, 1.0);
     object->mesh.jitter = 0.2;
+    object->elements = elements;
     object->placement.stretch_rate[0] = 1e-3; /* awake from the start */
     body->stage.material.kinematics = kinematics;
     body->stage.material.weibull_modulus = 7.0;
@@ -90,6 +91,7 @@ static void check_hot(ShvHybrid *hybrid, Found *found, int32_t *looked_at)
     ShvCohesive *cohesive = &hybrid->cohesive;
     const size_t slots = (size_t)hybrid->state.batch_count * 6 * SHV_LANES;
     for (size_t i = 0; i < slots; i++) hybrid->check.stress[i] = nan("");
+    shv_solid_smooth(&hybrid->solid, &hybrid->state);
     const double floor = shv_cohesive_floor(cohesive, &hybrid->state, hybrid->check.stress, source);
     shv_motion_clear_force(&hybrid->state, NULL, 0, 1);
     shv_solid_add_internal_force_and_find_faces(&hybrid->solid, &hybrid->state, cohesive->face_weight, floor,
@@ -99,10 +101,10 @@ static void check_hot(ShvHybrid *hybrid, Found *found, int32_t *looked_at)
     *looked_at = cohesive->watched_count;
 }
 
-static void same_candidates(ShvKinematics kinematics)
+static void same_candidates(ShvKinematics kinematics, ShvElements elements)
 {
     Body body;
-    begin(&body, kinematics, 1);
+    begin(&body, kinematics, elements, 1);
     Found all = room_for(&body.hybrid), hot = room_for(&body.hybrid);
     int32_t with = 0, without = 0, saved = 0;
     for (int trial = 0; trial < 60; trial++) {
@@ -131,8 +133,9 @@ static void same_candidates(ShvKinematics kinematics)
 static void candidates_are_those_of_the_whole_stress(void **unused)
 {
     (void)unused;
-    same_candidates(SHV_GREEN_STRAIN);
-    same_candidates(SHV_COROTATIONAL);
+    same_candidates(SHV_GREEN_STRAIN, SHV_ELEMENTS_LINEAR);
+    same_candidates(SHV_COROTATIONAL, SHV_ELEMENTS_LINEAR);
+    same_candidates(SHV_COROTATIONAL, SHV_ELEMENTS_SMOOTHED);
 }
 
 static double *copy_forces(const ShvState *state)
@@ -142,41 +145,118 @@ static double *copy_forces(const ShvState *state)
     return copy;
 }
 
-/* With the search for faces, without it, and put node by node: the same bits, for one and two threads. */
+/* With the search for faces, without it, and put node by node after a split: the same bits, for one and two threads. */
+static void same_forces(ShvElements elements, int32_t threads)
+{
+    Body body;
+    begin(&body, SHV_GREEN_STRAIN, elements, threads);
+    ShvHybrid *hybrid = &body.hybrid;
+    ShvState *state = &hybrid->state;
+    Found hot = room_for(hybrid);
+    int32_t looked_at, duplicated = 0;
+    ShvError error = {0};
+    deform(&body, 2e-3, 0.3, 5);
+    check_hot(hybrid, &hot, &looked_at);
+    assert_true(hot.count > 10);
+    double *with = copy_forces(state);
+    shv_motion_clear_force(state, NULL, 0, 1);
+    shv_solid_add_internal_force(&hybrid->solid, state);
+    assert_memory_equal(with, state->force, 3 * (size_t)state->node_count * sizeof *with);
+    free(with);
+
+    const int32_t first_copy = state->node_count;
+    check_ok(
+        shv_cohesive_insert(&hybrid->cohesive, state, hybrid->check.stress, hot.facets, hot.count, &duplicated, &error),
+        error);
+    assert_true(duplicated > 0);
+    int32_t *nodes = malloc(2 * (size_t)duplicated * sizeof *nodes);
+    for (int32_t i = 0; i < duplicated; i++) {
+        nodes[2 * i] = shv_state_split_from(state, first_copy + i);
+        nodes[2 * i + 1] = first_copy + i;
+    }
+    check_ok(shv_solid_split(&hybrid->solid, state, nodes, 2 * duplicated, &error), error);
+    check_ok(shv_solid_put_internal_force(&hybrid->solid, state, nodes, 2 * duplicated, &error), error);
+    double *put = copy_forces(state);
+    shv_motion_clear_force(state, NULL, 0, 1);
+    shv_solid_add_internal_force(&hybrid->solid, state);
+    for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i++) assert_true(put[i] == state->force[i]);
+    free(put);
+    free(nodes);
+    release(&hot);
+    end(&body);
+}
+
 static void forces_have_the_same_bits(void **unused)
 {
     (void)unused;
     for (int32_t threads = 1; threads <= 2; threads++) {
+        same_forces(SHV_ELEMENTS_LINEAR, threads);
+        same_forces(SHV_ELEMENTS_SMOOTHED, threads);
+    }
+}
+
+/* ---- smoothed edges that a crack divides ---- */
+
+typedef struct Sums {
+    double energy, largest;
+    ShvVec3 force, couple;
+} Sums;
+
+static Sums sums_of(const ShvHybrid *hybrid)
+{
+    Sums sums = {.energy = shv_solid_strain_energy(&hybrid->solid, &hybrid->state)};
+    for (int32_t node = 0; node < hybrid->state.node_count; node++) {
+        const ShvVec3 force = shv_load3(hybrid->state.force + 3 * (int64_t)node);
+        sums.largest = fmax(sums.largest, shv_norm(force));
+        sums.force = shv_add(sums.force, force);
+        sums.couple = shv_add(sums.couple, shv_cross(shv_state_position(&hybrid->state, node), force));
+    }
+    return sums;
+}
+
+/* Energy and stress go on through a split, and forces stay its slope: what its motion gives is what it takes. */
+static void splits_make_no_energy(void **unused)
+{
+    (void)unused;
+    for (int kinematics = 0; kinematics < 2; kinematics++) {
         Body body;
-        begin(&body, SHV_GREEN_STRAIN, threads);
+        begin(&body, kinematics ? SHV_GREEN_STRAIN : SHV_COROTATIONAL, SHV_ELEMENTS_SMOOTHED, 1);
         ShvHybrid *hybrid = &body.hybrid;
         ShvState *state = &hybrid->state;
-        Found hot = room_for(hybrid);
-        int32_t looked_at, duplicated = 0;
+        Found all = room_for(hybrid);
+        int32_t duplicated = 0;
         ShvError error = {0};
         deform(&body, 2e-3, 0.3, 5);
-        check_hot(hybrid, &hot, &looked_at);
-        assert_true(hot.count > 10);
-        double *with = copy_forces(state);
-        shv_motion_clear_force(state, NULL, 0, 1);
-        shv_solid_add_internal_force(&hybrid->solid, state);
-        assert_memory_equal(with, state->force, 3 * (size_t)state->node_count * sizeof *with);
-        free(with);
-
-        check_ok(shv_cohesive_insert(&hybrid->cohesive, state, hybrid->check.stress, hot.facets, hot.count, &duplicated,
+        check_all(hybrid, &all);
+        const double before = shv_solid_strain_energy(&hybrid->solid, state);
+        check_ok(shv_cohesive_insert(&hybrid->cohesive, state, hybrid->check.stress, all.facets, all.count, &duplicated,
                                      &error),
                  error);
-        assert_true(duplicated > 0);
+        assert_true(duplicated > 10);
         int32_t *nodes = malloc((size_t)state->node_count * sizeof *nodes);
         for (int32_t i = 0; i < state->node_count; i++) nodes[i] = i;
-        shv_solid_put_internal_force(&hybrid->solid, state, nodes, state->node_count);
-        double *put = copy_forces(state);
+        const int32_t domains = hybrid->solid.smoothing.domain_count;
+        check_ok(shv_solid_split(&hybrid->solid, state, nodes, state->node_count, &error), error);
+        assert_true(hybrid->solid.smoothing.domain_count > domains + duplicated);
+        check_near(shv_solid_strain_energy(&hybrid->solid, state) / before, 1.0, 1e-12);
+        for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i++)
+            state->displacement[i] += 1e-7 * shv_random_uniform(3, (uint64_t)i);
         shv_motion_clear_force(state, NULL, 0, 1);
         shv_solid_add_internal_force(&hybrid->solid, state);
-        for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i++) assert_true(put[i] == state->force[i]);
-        free(put);
+        const Sums sums = sums_of(hybrid);
+        check_near(shv_norm(sums.force) / sums.largest, 0.0, 1e-12);
+        check_near(shv_norm(sums.couple) / (0.2 * sums.largest), 0.0, 1e-12);
+        for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i += 37) {
+            const double u = state->displacement[i], step = 2e-8;
+            state->displacement[i] = u + step;
+            const double above = shv_solid_strain_energy(&hybrid->solid, state);
+            state->displacement[i] = u - step;
+            const double below = shv_solid_strain_energy(&hybrid->solid, state);
+            state->displacement[i] = u;
+            check_near(state->force[i] / sums.largest, -(above - below) / (2.0 * step) / sums.largest, 1e-6);
+        }
         free(nodes);
-        release(&hot);
+        release(&all);
         end(&body);
     }
 }
@@ -186,7 +266,7 @@ static void inversion_is_told(void **unused)
 {
     (void)unused;
     Body body;
-    begin(&body, SHV_GREEN_STRAIN, 1);
+    begin(&body, SHV_GREEN_STRAIN, SHV_ELEMENTS_LINEAR, 1);
     ShvHybrid *hybrid = &body.hybrid;
     deform(&body, 0.0, 0.2, 1);
     assert_false(shv_solid_add_internal_force_and_find_faces(
@@ -203,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(candidates_are_those_of_the_whole_stress),
         cmocka_unit_test(forces_have_the_same_bits),
+        cmocka_unit_test(splits_make_no_energy),
         cmocka_unit_test(inversion_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

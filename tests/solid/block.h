@@ -19,6 +19,7 @@ typedef struct BlockShape {
     double poissons_ratio, youngs_modulus, density;
     int32_t materials; /* 2: every third element is of a second material, twice as stiff and of the other kinematics */
     int shuffled;      /* elements in random order: no locality at all */
+    bool smoothed;     /* strain over edges */
 } BlockShape;
 
 typedef struct Block {
@@ -123,7 +124,7 @@ static inline void block_materials(Block *block, const BlockShape *shape)
 }
 
 /* State and solid of a model whose mesh and materials are there. */
-static inline void block_finish(Block *block, int32_t threads)
+static inline void block_finish(Block *block, int32_t threads, bool smoothed)
 {
     ShvModel *model = &block->model;
     model->memory = block->memory;
@@ -131,8 +132,10 @@ static inline void block_finish(Block *block, int32_t threads)
     model->objects = shv_allocate(block->memory, SHV_PART_GENERAL, 1, sizeof *model->objects);
     assert_non_null(model->objects);
     model->object_count = 1;
-    model->objects[0] =
-        (ShvObject){.name = "block", .element_end = model->mesh.element_count, .node_end = model->mesh.node_count};
+    model->objects[0] = (ShvObject){.name = "block",
+                                    .smoothed = smoothed,
+                                    .element_end = model->mesh.element_count,
+                                    .node_end = model->mesh.node_count};
     block->object = shv_object_default();
     block->scene = shv_scene_default();
     block->scene.objects = &block->object;
@@ -152,7 +155,7 @@ static inline void block_create(Block *block, const BlockShape *shape)
     block_elements(shape, &block->model.mesh);
     if (shape->shuffled) block_shuffle(&block->model.mesh);
     block_materials(block, shape);
-    block_finish(block, shape->threads);
+    block_finish(block, shape->threads, shape->smoothed);
 }
 
 /* One tet with the given corners. */
@@ -164,7 +167,7 @@ static inline void block_create_tet(Block *block, const BlockShape *shape, const
     memcpy(block->model.mesh.positions, corners, 12 * sizeof *corners);
     for (int32_t i = 0; i < 4; i++) block->model.mesh.elements[i] = i;
     block_materials(block, shape);
-    block_finish(block, shape->threads);
+    block_finish(block, shape->threads, shape->smoothed);
 }
 
 static inline void block_release(Block *block)

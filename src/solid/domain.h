@@ -1,0 +1,38 @@
+/* Which tets a smoothed edge has (smoothing.h). */
+#ifndef SHV_SOLID_DOMAIN_H
+#define SHV_SOLID_DOMAIN_H
+
+#include "solid/solid.h"
+
+/* All of a model's smoothed objects; none of them: nothing is allocated. */
+ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError *error);
+void shv_smoothing_release(ShvSmoothing *smoothing);
+
+/* Energies of active domains besides their stresses. */
+void shv_smoothing_find_energy(const ShvSolid *solid, const ShvState *state);
+/* Stresses and energies of all edges of one batch, awake or not. */
+void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int32_t batch);
+/* Stresses of the domains in `split`. */
+void shv_smoothing_find_split(const ShvSolid *solid);
+
+static inline int32_t shv_edge_element(const ShvSmoothing *smoothing, int32_t edge)
+{
+    const int32_t lane = edge / SHV_TET_EDGES;
+    return smoothing->blocks[lane / SHV_LANES] * SHV_LANES + lane % SHV_LANES;
+}
+
+/* Mean over the tets of a domain, by volume; three more numbers mean nothing. */
+static inline void shv_domain_gradient(const ShvSmoothing *smoothing, int32_t domain, double mean[SHV_SMOOTHED_STRIDE])
+{
+    const int32_t *members = smoothing->members + smoothing->first_member[domain];
+    const int32_t count = smoothing->member_count[domain];
+    const double inverse = smoothing->inverse_volume[domain];
+    for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] = 0.0;
+    for (int32_t i = 0; i < count; i++) {
+        const double *own = smoothing->gradient + SHV_SMOOTHED_STRIDE * (int64_t)(members[i] / SHV_TET_EDGES);
+        for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] += own[c];
+    }
+    for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] *= inverse;
+}
+
+#endif

@@ -1,0 +1,44 @@
+/* Strain smoothed over edges: linear tets that bend.
+
+   A linear tet has one strain. In a wall about as thin as its edges it shears where it should bend: shear of either sign in
+   neighbours, which the wall itself does not have. Here the deformation gradient is averaged, by volume, over the tets round each
+   edge (ES-FEM: Liu, Nguyen-Thoi and Lam, J. Sound Vib. 320 (2009) 1100; in space Cazes and Meschke, Int. J. Numer. Meth. Engng 94 (2013)
+   715); of that the edge has its stress, and a tet the mean stress of its six edges. With W the elastic energy of a volume, the energy
+   is Σ V W(F of the edge) over edges, of which a tet gives each of its own a sixth of its volume; nodal forces −V P ∇N with the
+   mean stress P are its exact slope, so that momentum and energy are kept as they are without it. What is convex is never more than
+   without it: steps that are stable for the tets stay so.
+
+   A domain is the tets of one material that share both nodes of an edge. Where nodes are split, so is it, and a crack's faces know
+   nothing of each other. That alone would make energy: shear of either sign, whose mean was nothing, would count from then on. So the
+   parts of a domain start from what the whole had, F of a part times (I + G), G found at the split: stress, and the energy, go on. */
+#ifndef SHV_SOLID_SMOOTHING_H
+#define SHV_SOLID_SMOOTHING_H
+
+#include <stdbool.h>
+
+#include "model/state.h"
+
+enum { SHV_TET_EDGES = 6, SHV_SMOOTHED_STRIDE = 12, SHV_SMOOTHED_ENERGY = 9 };
+/* Corners of edge k of a tet. */
+static const int shv_tet_edges[SHV_TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/* Lanes are those of batches with smoothed elements, block after block; lane l of block b is numbered 8 b + l. Edge k of a lane is
+   numbered 6 × lane + k. An element without smoothing beside others in a batch is a domain of its own. */
+typedef struct ShvSmoothing {
+    int32_t block_count;
+    int32_t *blocks;      /* block_count: their batches */
+    int32_t *batch_block; /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
+    int32_t *edge_domain; /* of each edge */
+    double *gradient;     /* 12 a lane, 9 used: volume × displacement gradient, m³ */
+    int32_t domain_count, domain_capacity;
+    int32_t *members; /* edges: those of a domain follow one another */
+    int32_t *first_member, *member_count;
+    double *inverse_volume; /* of the tets of a domain, 1/m³ */
+    double *stress;         /* 12 a domain: first Piola-Kirchhoff, Pa, and as the tenth the energy of a volume, J/m³ */
+    double *start;          /* 9 a domain: G */
+    uint8_t *started;       /* G is not zero */
+    int16_t *material;
+    int32_t *split, split_count; /* domains that the last shv_solid_split has parted; room for all */
+} ShvSmoothing;
+
+#endif
