@@ -31,6 +31,13 @@ typedef enum ShvUnresolved {
     SHV_UNRESOLVED_TIP_STRENGTH /* lowers the strengths ahead of cracks alone: they begin at the strength and cost G */
 } ShvUnresolved;
 
+/* Over what the strain of linear tets is averaged. */
+typedef enum ShvSmoothing {
+    SHV_SMOOTHING_AUTO, /* edges with SHV_UNRESOLVED_TIP_STRENGTH, else nothing */
+    SHV_SMOOTHING_NONE, /* each tet has its own */
+    SHV_SMOOTHING_EDGES /* the tets round each edge: walls about as thin as their edges bend */
+} ShvSmoothing;
+
 typedef struct ShvMaterialDefinition {
     uint32_t cookie;
     const char *name;
@@ -38,6 +45,7 @@ typedef struct ShvMaterialDefinition {
     double youngs_modulus;          /* Pa, > 0 */
     double poissons_ratio;          /* −1 < ν < 0.5 */
     ShvKinematics kinematics;       /* Green strain */
+    ShvSmoothing smoothing;         /* by itself */
     bool breakable;                 /* false: no facet of it ever opens */
     ShvCohesiveLaw law;             /* PPR */
     double fracture_energy;         /* J/m², mode I, ≥ 0 */
@@ -143,16 +151,10 @@ typedef struct ShvGroupDefinition {
     const char *material;
 } ShvGroupDefinition;
 
-typedef enum ShvElements {
-    SHV_ELEMENTS_LINEAR,  /* tets of one strain each */
-    SHV_ELEMENTS_SMOOTHED /* strain is averaged over the tets round each edge: for walls about as thin as their edges */
-} ShvElements;
-
 typedef struct ShvObjectDefinition {
     uint32_t cookie;
     const char *name;
     ShvMeshDefinition mesh;
-    ShvElements elements;
     const char *material; /* of all that is in none of `groups`; when the object wakes and rests follows from it */
     const ShvGroupDefinition *groups;
     int32_t group_count;

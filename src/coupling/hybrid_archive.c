@@ -17,19 +17,19 @@ bool shv_hybrid_has_checkpoints(const ShvHybrid *hybrid)
 static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
 {
     static const ShvField smoothing[] = {
-        SHV_FIELD_OF(ShvSmoothing, blocks, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvSmoothing, batch_block, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvSmoothing, edge_domain, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, gradient, SHV_FIELD_ROOM),
-        SHV_FIELD_OF(ShvSmoothing, members, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, first_member, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, member_count, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, inverse_volume, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, stress, SHV_FIELD_ROOM),
-        SHV_FIELD_OF(ShvSmoothing, start, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, started, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, material, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothing, split, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSmoothedEdges, blocks, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSmoothedEdges, batch_block, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvSmoothedEdges, edge_domain, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, gradient, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSmoothedEdges, members, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, first_member, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, member_count, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, inverse_volume, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, stress, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSmoothedEdges, start, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, started, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, material, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, split, SHV_FIELD_ROOM),
     };
     return shv_archive_block(archive, (void **)&solid->batch_active) &&
            shv_archive_block(archive, (void **)&solid->batch_exact) &&

@@ -17,6 +17,7 @@ typedef struct ShvMaterial {
     double bar_speed;          /* √(E/ρ), m/s */
     double shear_speed;        /* √(µ/ρ), m/s */
     ShvKinematics kinematics;
+    bool smoothed; /* strain is averaged over the tets round each edge (solid/smoothing.h) */
     bool breakable;
     ShvCohesiveLaw law;
     double fracture_energy[2];               /* normal, shear, J/m²; in effect, see shv_material_resolve */

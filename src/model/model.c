@@ -88,8 +88,7 @@ static ShvStatus make_object(ShvModel *model, const ShvSceneDefinition *scene, i
     if (material < 0)
         return shv_fail(error, SHV_BAD_INPUT, "object '%s': there is no material '%s'; define it or name another",
                         definition->name, definition->material);
-    model->objects[index] = (ShvObject){
-        .name = definition->name, .material = material, .smoothed = definition->elements == SHV_ELEMENTS_SMOOTHED};
+    model->objects[index] = (ShvObject){.name = definition->name, .material = material};
     return check_placement(definition, error);
 }
 

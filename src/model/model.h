@@ -13,7 +13,6 @@ enum { SHV_NODE_LIMIT = INT32_MAX / 3 };
 typedef struct ShvObject {
     const char *name;
     int32_t material;                   /* of all of it but the groups that are of another */
-    bool smoothed;                      /* strain is smoothed over edges */
     char *materials;                    /* names of all of them, "glass + steel"; NULL where there is one */
     int32_t element_begin, element_end; /* half-open ranges of the joint mesh */
     int32_t node_begin, node_end;

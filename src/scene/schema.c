@@ -91,6 +91,7 @@ static const ShvTable keyframe_rotation_table =
 #define MATERIAL(member) offsetof(ShvMaterialItem, definition.member)
 static const ShvChoice kinematics_choices[] = {
     {"green", SHV_GREEN_STRAIN}, {"corotational", SHV_COROTATIONAL}, {NULL, 0}};
+static const ShvChoice smoothing_choices[] = {{"none", SHV_SMOOTHING_NONE}, {"edges", SHV_SMOOTHING_EDGES}, {NULL, 0}};
 static const ShvChoice law_choices[] = {{"ppr", SHV_PPR}, {"camacho_ortiz", SHV_CAMACHO_ORTIZ}, {NULL, 0}};
 static const ShvKey weibull_keys[] = {
     {"modulus", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .range = &not_negative, .offset = MATERIAL(weibull_modulus),
@@ -129,6 +130,11 @@ static const ShvKey material_keys[] = {
     {"kinematics", SHV_KEY_CHOICE, .choices = kinematics_choices, .offset = MATERIAL(kinematics),
      .sentence = "Strain measure: Green strain with the St. Venant-Kirchhoff law, or linear elasticity in the rotated "
                  "frame of each element."},
+    {"smoothing", SHV_KEY_CHOICE, .choices = smoothing_choices, .offset = MATERIAL(smoothing),
+     .absent = "`edges` with `unresolved: tip_strength`, else `none`",
+     .sentence =
+         "`edges`: strain is averaged over the tetrahedra round each edge, so that walls about as thin as their edges "
+         "bend, which linear tetrahedra make far too stiff (docs/walls.md). Elastic forces take about twice as long."},
     {"breakable", SHV_KEY_BOOLEAN, .offset = MATERIAL(breakable), .sentence = "Whether its facets can open."},
     {"law", SHV_KEY_CHOICE, .choices = law_choices, .offset = MATERIAL(law),
      .sentence = "Cohesive law: Park-Paulino-Roesler or Camacho-Ortiz."},
@@ -417,16 +423,9 @@ static const ShvTable group_table = {
     .size = sizeof(ShvGroupItem)};
 
 static const ShvChoice axis_choices[] = {{"none", 0}, {"x", 1}, {"y", 2}, {"z", 3}, {NULL, 0}};
-static const ShvChoice element_choices[] = {
-    {"linear", SHV_ELEMENTS_LINEAR}, {"smoothed", SHV_ELEMENTS_SMOOTHED}, {NULL, 0}};
 static const ShvKey object_keys[] = {
     {"mesh", SHV_KEY_MAPPING, .flags = SHV_KEY_REQUIRED, .table = &mesh_table, .offset = OBJECT(mesh),
      .sentence = "Its tetrahedra."},
-    {"elements", SHV_KEY_CHOICE, .choices = element_choices, .offset = OBJECT(elements),
-     .sentence =
-         "How strain is found: `linear`, one of each tetrahedron; `smoothed`, averaged over those round each edge, "
-         "for walls about as thin as their edges, which linear ones make far too stiff in bending "
-         "(docs/walls.md). Takes some four times as long for the elastic forces."},
     {"material", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = OBJECT(material),
      .sentence = "Name of its material; where there are `groups`, of all that is in none of them."},
     {"groups", SHV_KEY_LIST, .table = &group_table, .offset = offsetof(ShvObjectItem, groups),

@@ -20,11 +20,9 @@ static int by_domain(const void *a, const void *b)
     return (x->edge > y->edge) - (x->edge < y->edge);
 }
 
-/* `object`: of the element that was asked for before, 0 at first; objects stand in order of their elements. */
-static bool is_smoothed(const ShvModel *model, int32_t element, int32_t *object)
+static bool is_smoothed(const ShvModel *model, int32_t element)
 {
-    while (element >= model->objects[*object].element_end) ++*object;
-    return model->objects[*object].smoothed;
+    return shv_model_material(model, element)->smoothed;
 }
 
 static void nodes_of_edge(const ShvState *state, int32_t element, int k, int32_t nodes[2])
@@ -37,13 +35,12 @@ static void nodes_of_edge(const ShvState *state, int32_t element, int k, int32_t
 
 static int32_t list_blocks(ShvSolid *solid)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     const ShvModel *model = solid->model;
-    int32_t object = 0;
     for (int32_t batch = 0; batch < solid->batch_count; batch++) {
         bool any = false;
         for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < model->mesh.element_count; e++)
-            any = is_smoothed(model, e, &object) || any;
+            any = any || is_smoothed(model, e);
         smoothing->batch_block[batch] = any ? smoothing->block_count : -1;
         if (any) smoothing->blocks[smoothing->block_count++] = batch;
     }
@@ -53,7 +50,7 @@ static int32_t list_blocks(ShvSolid *solid)
 /* Room for so many domains in all that each has for itself. */
 static ShvStatus reserve(ShvSolid *solid, int32_t count, ShvError *error)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     ShvMemory *memory = solid->memory;
     if (count <= smoothing->domain_capacity) return SHV_OK;
     static const char what[] = "smoothed edges";
@@ -73,7 +70,7 @@ static ShvStatus reserve(ShvSolid *solid, int32_t count, ShvError *error)
 /* `first`, `count`: of its members. */
 static void set_domain(ShvSolid *solid, int32_t domain, int32_t first, int32_t count)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     double volume = 0.0;
     smoothing->first_member[domain] = first;
     smoothing->member_count[domain] = count;
@@ -87,16 +84,15 @@ static void set_domain(ShvSolid *solid, int32_t domain, int32_t first, int32_t c
 /* Those of one domain side by side. Padding lanes have none. Returns their number. */
 static int32_t list_candidates(const ShvSolid *solid, const ShvState *state, Candidate *candidates)
 {
-    const ShvSmoothing *smoothing = &solid->smoothing;
-    int32_t count = 0, object = 0;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
+    int32_t count = 0;
     for (int32_t edge = 0; edge < SHV_TET_EDGES * SHV_LANES * smoothing->block_count; edge++) {
         const int32_t element = shv_edge_element(smoothing, edge);
         if (element >= state->element_count) continue;
         Candidate *candidate = &candidates[count++];
         *candidate =
             (Candidate){.nodes = {-1, element}, .material = solid->model->element_material[element], .edge = edge};
-        if (is_smoothed(solid->model, element, &object))
-            nodes_of_edge(state, element, edge % SHV_TET_EDGES, candidate->nodes);
+        if (is_smoothed(solid->model, element)) nodes_of_edge(state, element, edge % SHV_TET_EDGES, candidate->nodes);
     }
     qsort(candidates, (size_t)count, sizeof *candidates, by_domain);
     return count;
@@ -109,7 +105,7 @@ static bool same_domain(const Candidate *a, const Candidate *b)
 
 static ShvStatus make_domains(ShvSolid *solid, const Candidate *candidates, int32_t count, ShvError *error)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     int32_t domains = 0;
     for (int32_t i = 0; i < count; i++) {
         smoothing->members[i] = candidates[i].edge;
@@ -128,7 +124,7 @@ static ShvStatus make_domains(ShvSolid *solid, const Candidate *candidates, int3
 /* Padding lanes compute as the last element does. */
 static void fill_padding(ShvSolid *solid, const ShvState *state)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t last = smoothing->block_count - 1;
     int32_t *edges = smoothing->edge_domain + SHV_TET_EDGES * SHV_LANES * (int64_t)last;
     for (int lane = 1; lane < SHV_LANES; lane++)
@@ -139,13 +135,14 @@ static void fill_padding(ShvSolid *solid, const ShvState *state)
 
 static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     const size_t lanes = SHV_LANES * (size_t)solid->batch_count, size = sizeof *smoothing->members;
     smoothing->batch_block = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->batch_count, size);
     smoothing->blocks = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->batch_count, size);
     if (!smoothing->batch_block || !smoothing->blocks)
         return shv_fail_memory(error, "smoothed elements", 2 * (size_t)solid->batch_count * size);
-    const size_t smoothed = SHV_LANES * (size_t)list_blocks(solid), edges = SHV_TET_EDGES * smoothed;
+    if (list_blocks(solid) == 0) return SHV_OK;
+    const size_t smoothed = SHV_LANES * (size_t)smoothing->block_count, edges = SHV_TET_EDGES * smoothed;
     smoothing->gradient =
         shv_allocate(solid->memory, SHV_PART_STATE, SHV_SMOOTHED_STRIDE * smoothed, sizeof *smoothing->gradient);
     smoothing->members = shv_allocate(solid->memory, SHV_PART_STATE, edges, size);
@@ -162,12 +159,13 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
 
 ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError *error)
 {
-    for (int32_t i = 0; i < solid->model->object_count; i++)
-        if (solid->model->objects[i].smoothed) return create(solid, state, error);
+    const ShvModel *model = solid->model;
+    for (int32_t i = 0; i < model->material_count; i++)
+        if (model->materials[i].smoothed) return create(solid, state, error);
     return SHV_OK;
 }
 
-void shv_smoothing_release(ShvSmoothing *smoothing)
+void shv_smoothing_release(ShvSmoothedEdges *smoothing)
 {
     shv_release(smoothing->blocks);
     shv_release(smoothing->batch_block);
@@ -182,13 +180,13 @@ void shv_smoothing_release(ShvSmoothing *smoothing)
     shv_release(smoothing->started);
     shv_release(smoothing->material);
     shv_release(smoothing->split);
-    *smoothing = (ShvSmoothing){0};
+    *smoothing = (ShvSmoothedEdges){0};
 }
 
 /* ---- splitting ---- */
 
 /* Brings those of the members from `first` on that have the nodes of the first one to the front, in order; returns their end. */
-static int32_t gather_first(const ShvSmoothing *smoothing, const ShvState *state, int32_t first, int32_t end)
+static int32_t gather_first(const ShvSmoothedEdges *smoothing, const ShvState *state, int32_t first, int32_t end)
 {
     int32_t nodes[2], own[2], kept = first, *members = smoothing->members;
     nodes_of_edge(state, shv_edge_element(smoothing, members[first]), members[first] % SHV_TET_EDGES, nodes);
@@ -210,7 +208,7 @@ static ShvMat3 deformation(const double gradient[9])
 }
 
 /* G of a part: F (I + G) of the part as that of the whole, `gradient` less I. */
-static void set_start(ShvSmoothing *smoothing, int32_t domain, const double whole[9])
+static void set_start(ShvSmoothedEdges *smoothing, int32_t domain, const double whole[9])
 {
     double own[SHV_SMOOTHED_STRIDE], change[9];
     double *start = smoothing->start + 9 * (int64_t)domain;
@@ -228,7 +226,7 @@ static void set_start(ShvSmoothing *smoothing, int32_t domain, const double whol
 }
 
 /* (I + H) (I + G) − I of a domain. */
-static void find_whole(const ShvSmoothing *smoothing, int32_t domain, double whole[9])
+static void find_whole(const ShvSmoothedEdges *smoothing, int32_t domain, double whole[9])
 {
     double own[SHV_SMOOTHED_STRIDE];
     const double *start = smoothing->start + 9 * (int64_t)domain;
@@ -242,7 +240,7 @@ static void find_whole(const ShvSmoothing *smoothing, int32_t domain, double who
 /* Of a domain whose nodes may have been split. */
 static ShvStatus split_domain(ShvSolid *solid, const ShvState *state, int32_t domain, ShvError *error)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t first = smoothing->first_member[domain], end = first + smoothing->member_count[domain];
     int32_t stop = gather_first(smoothing, state, first, end);
     if (stop == end) return SHV_OK;
@@ -263,7 +261,7 @@ static ShvStatus split_domain(ShvSolid *solid, const ShvState *state, int32_t do
 
 ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error)
 {
-    ShvSmoothing *smoothing = &solid->smoothing;
+    ShvSmoothedEdges *smoothing = &solid->smoothing;
     smoothing->split_count = 0;
     if (smoothing->block_count == 0) return SHV_OK;
     for (int32_t i = 0; i < count; i++)

@@ -4,9 +4,9 @@
 
 #include "solid/solid.h"
 
-/* All of a model's smoothed objects; none of them: nothing is allocated. */
+/* All elements of smoothed materials; where no material is, nothing is allocated. */
 ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError *error);
-void shv_smoothing_release(ShvSmoothing *smoothing);
+void shv_smoothing_release(ShvSmoothedEdges *smoothing);
 
 /* Energies of active domains besides their stresses. */
 void shv_smoothing_find_energy(const ShvSolid *solid, const ShvState *state);
@@ -15,14 +15,15 @@ void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int3
 /* Stresses of the domains in `split`. */
 void shv_smoothing_find_split(const ShvSolid *solid);
 
-static inline int32_t shv_edge_element(const ShvSmoothing *smoothing, int32_t edge)
+static inline int32_t shv_edge_element(const ShvSmoothedEdges *smoothing, int32_t edge)
 {
     const int32_t lane = edge / SHV_TET_EDGES;
     return smoothing->blocks[lane / SHV_LANES] * SHV_LANES + lane % SHV_LANES;
 }
 
 /* Mean over the tets of a domain, by volume; three more numbers mean nothing. */
-static inline void shv_domain_gradient(const ShvSmoothing *smoothing, int32_t domain, double mean[SHV_SMOOTHED_STRIDE])
+static inline void shv_domain_gradient(const ShvSmoothedEdges *smoothing, int32_t domain,
+                                       double mean[SHV_SMOOTHED_STRIDE])
 {
     const int32_t *members = smoothing->members + smoothing->first_member[domain];
     const int32_t count = smoothing->member_count[domain];

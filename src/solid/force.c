@@ -107,7 +107,7 @@ static void put_force(const ShvSolid *solid, ShvState *state, int32_t node)
 }
 
 /* Nodes of the tets in domains that have been split. */
-static void mark_near_splits(const ShvSmoothing *smoothing, const ShvState *state, uint8_t *marks)
+static void mark_near_splits(const ShvSmoothedEdges *smoothing, const ShvState *state, uint8_t *marks)
 {
     for (int32_t i = 0; i < smoothing->split_count; i++) {
         const int32_t domain = smoothing->split[i], *members = smoothing->members + smoothing->first_member[domain];

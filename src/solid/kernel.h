@@ -184,7 +184,7 @@ static inline int32_t shv_batch_block(const ShvSolid *solid, int32_t batch)
 }
 
 /* Of every lane the mean over its six edges of the first `count` numbers that they have. */
-static inline void shv_block_mean(const ShvSmoothing *smoothing, int32_t block, int count,
+static inline void shv_block_mean(const ShvSmoothedEdges *smoothing, int32_t block, int count,
                                   double mean[SHV_SMOOTHED_STRIDE][SHV_LANES])
 {
     for (int lane = 0; lane < SHV_LANES; lane++) {

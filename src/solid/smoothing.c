@@ -12,7 +12,7 @@
 static void find_gradient(const ShvSolid *solid, const ShvState *state, int32_t block)
 {
     _Alignas(64) double rows[9][SHV_LANES];
-    const ShvSmoothing *smoothing = &solid->smoothing;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t batch = smoothing->blocks[block];
     const ShvWide volume = shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES);
     ShvWide h[3][3];
@@ -32,7 +32,7 @@ typedef struct Domains {
     ShvElasticity elasticity;
 } Domains;
 
-static void read_gradients(const ShvSmoothing *smoothing, Domains *domains)
+static void read_gradients(const ShvSmoothedEdges *smoothing, Domains *domains)
 {
     _Alignas(64) double rows[SHV_SMOOTHED_STRIDE][SHV_LANES];
     for (int lane = 0; lane < SHV_LANES; lane++) {
@@ -43,7 +43,7 @@ static void read_gradients(const ShvSmoothing *smoothing, Domains *domains)
     for (int c = 0; c < 9; c++) domains->gradient[c / 3][c % 3] = shv_wide_load(rows[c]);
 }
 
-static void read_starts(const ShvSmoothing *smoothing, Domains *domains)
+static void read_starts(const ShvSmoothedEdges *smoothing, Domains *domains)
 {
     _Alignas(64) double rows[9][SHV_LANES];
     domains->started = false;
@@ -115,7 +115,7 @@ static void find_stress(const ShvSolid *solid, Domains *domains, bool with_energ
 }
 
 /* Those from `first` on; behind the last it is repeated. */
-static Domains domains_from(const ShvSmoothing *smoothing, int32_t first)
+static Domains domains_from(const ShvSmoothedEdges *smoothing, int32_t first)
 {
     Domains domains;
     for (int lane = 0; lane < SHV_LANES; lane++)
@@ -126,7 +126,7 @@ static Domains domains_from(const ShvSmoothing *smoothing, int32_t first)
 /* Tets of one domain hang together: they are awake or not. */
 static bool any_active(const ShvSolid *solid, const Domains *domains)
 {
-    const ShvSmoothing *smoothing = &solid->smoothing;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
     for (int i = 0; i < SHV_LANES; i++) {
         const int32_t edge = smoothing->members[smoothing->first_member[domains->index[i]]];
         if (solid->batch_active[smoothing->blocks[edge / (SHV_TET_EDGES * SHV_LANES)]]) return true;
@@ -136,7 +136,7 @@ static bool any_active(const ShvSolid *solid, const Domains *domains)
 
 static void smooth(const ShvSolid *solid, const ShvState *state, bool with_energy)
 {
-    const ShvSmoothing *smoothing = &solid->smoothing;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t blocks = smoothing->block_count, domains = smoothing->domain_count;
 #pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1)
     {
@@ -163,7 +163,7 @@ void shv_smoothing_find_energy(const ShvSolid *solid, const ShvState *state)
 
 void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int32_t batch)
 {
-    const ShvSmoothing *smoothing = &solid->smoothing;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t block = shv_batch_block(solid, batch);
     if (block < 0) return;
     const int32_t *edges = smoothing->edge_domain + SHV_TET_EDGES * SHV_LANES * (int64_t)block;
@@ -181,7 +181,7 @@ void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int3
 
 void shv_smoothing_find_split(const ShvSolid *solid)
 {
-    const ShvSmoothing *smoothing = &solid->smoothing;
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
     for (int32_t first = 0; first < smoothing->split_count; first += SHV_LANES) {
         Domains some;
         for (int lane = 0; lane < SHV_LANES; lane++) {

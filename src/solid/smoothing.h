@@ -24,7 +24,7 @@ static const int shv_tet_edges[SHV_TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 
 
 /* Lanes are those of batches with smoothed elements, block after block; lane l of block b is numbered 8 b + l. Edge k of a lane is
    numbered 6 × lane + k. An element without smoothing beside others in a batch is a domain of its own. */
-typedef struct ShvSmoothing {
+typedef struct ShvSmoothedEdges {
     int32_t block_count;
     int32_t *blocks;      /* block_count: their batches */
     int32_t *batch_block; /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
@@ -39,6 +39,6 @@ typedef struct ShvSmoothing {
     uint8_t *started;       /* G is not zero */
     int16_t *material;
     int32_t *split, split_count; /* domains that the last shv_solid_split has parted; room for all */
-} ShvSmoothing;
+} ShvSmoothedEdges;
 
 #endif

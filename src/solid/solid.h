@@ -26,7 +26,7 @@ typedef struct ShvSolid {
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
-    ShvSmoothing smoothing;
+    ShvSmoothedEdges smoothing;
 } ShvSolid;
 
 ShvStatus shv_solid_create(ShvSolid *solid, const ShvModel *model, const ShvState *state, ShvError *error);

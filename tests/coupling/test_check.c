@@ -12,16 +12,16 @@ typedef struct Body {
     ShvHybrid hybrid;
 } Body;
 
-static void begin(Body *body, ShvKinematics kinematics, ShvElements elements, int32_t threads)
+static void begin(Body *body, ShvKinematics kinematics, ShvSmoothing smoothing, int32_t threads)
 {
     ShvError error = {0};
     const double size[3] = {0.2, 0.15, 0.05};
     stage_make(&body->stage);
     ShvObjectDefinition *object = stage_box(&body->stage, "bar", size, 0.02, 1.0);
     object->mesh.jitter = 0.2;
-    object->elements = elements;
     object->placement.stretch_rate[0] = 1e-3; /* awake from the start */
     body->stage.material.kinematics = kinematics;
+    body->stage.material.smoothing = smoothing;
     body->stage.material.weibull_modulus = 7.0;
     body->stage.scene.threads = threads;
     body->memory = shv_memory_create();
@@ -101,10 +101,10 @@ static void check_hot(ShvHybrid *hybrid, Found *found, int32_t *looked_at)
     *looked_at = cohesive->watched_count;
 }
 
-static void same_candidates(ShvKinematics kinematics, ShvElements elements)
+static void same_candidates(ShvKinematics kinematics, ShvSmoothing smoothing)
 {
     Body body;
-    begin(&body, kinematics, elements, 1);
+    begin(&body, kinematics, smoothing, 1);
     Found all = room_for(&body.hybrid), hot = room_for(&body.hybrid);
     int32_t with = 0, without = 0, saved = 0;
     for (int trial = 0; trial < 60; trial++) {
@@ -133,9 +133,9 @@ static void same_candidates(ShvKinematics kinematics, ShvElements elements)
 static void candidates_are_those_of_the_whole_stress(void **unused)
 {
     (void)unused;
-    same_candidates(SHV_GREEN_STRAIN, SHV_ELEMENTS_LINEAR);
-    same_candidates(SHV_COROTATIONAL, SHV_ELEMENTS_LINEAR);
-    same_candidates(SHV_COROTATIONAL, SHV_ELEMENTS_SMOOTHED);
+    same_candidates(SHV_GREEN_STRAIN, SHV_SMOOTHING_NONE);
+    same_candidates(SHV_COROTATIONAL, SHV_SMOOTHING_NONE);
+    same_candidates(SHV_COROTATIONAL, SHV_SMOOTHING_EDGES);
 }
 
 static double *copy_forces(const ShvState *state)
@@ -146,10 +146,10 @@ static double *copy_forces(const ShvState *state)
 }
 
 /* With the search for faces, without it, and put node by node after a split: the same bits, for one and two threads. */
-static void same_forces(ShvElements elements, int32_t threads)
+static void same_forces(ShvSmoothing smoothing, int32_t threads)
 {
     Body body;
-    begin(&body, SHV_GREEN_STRAIN, elements, threads);
+    begin(&body, SHV_GREEN_STRAIN, smoothing, threads);
     ShvHybrid *hybrid = &body.hybrid;
     ShvState *state = &hybrid->state;
     Found hot = room_for(hybrid);
@@ -190,8 +190,8 @@ static void forces_have_the_same_bits(void **unused)
 {
     (void)unused;
     for (int32_t threads = 1; threads <= 2; threads++) {
-        same_forces(SHV_ELEMENTS_LINEAR, threads);
-        same_forces(SHV_ELEMENTS_SMOOTHED, threads);
+        same_forces(SHV_SMOOTHING_NONE, threads);
+        same_forces(SHV_SMOOTHING_EDGES, threads);
     }
 }
 
@@ -220,7 +220,7 @@ static void splits_make_no_energy(void **unused)
     (void)unused;
     for (int kinematics = 0; kinematics < 2; kinematics++) {
         Body body;
-        begin(&body, kinematics ? SHV_GREEN_STRAIN : SHV_COROTATIONAL, SHV_ELEMENTS_SMOOTHED, 1);
+        begin(&body, kinematics ? SHV_GREEN_STRAIN : SHV_COROTATIONAL, SHV_SMOOTHING_EDGES, 1);
         ShvHybrid *hybrid = &body.hybrid;
         ShvState *state = &hybrid->state;
         Found all = room_for(hybrid);
@@ -266,7 +266,7 @@ static void inversion_is_told(void **unused)
 {
     (void)unused;
     Body body;
-    begin(&body, SHV_GREEN_STRAIN, SHV_ELEMENTS_LINEAR, 1);
+    begin(&body, SHV_GREEN_STRAIN, SHV_SMOOTHING_NONE, 1);
     ShvHybrid *hybrid = &body.hybrid;
     deform(&body, 0.0, 0.2, 1);
     assert_false(shv_solid_add_internal_force_and_find_faces(

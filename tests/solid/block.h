@@ -112,6 +112,7 @@ static inline void block_materials(Block *block, const BlockShape *shape)
         definition.youngs_modulus = shape->youngs_modulus * (i + 1);
         definition.poissons_ratio = shape->poissons_ratio;
         definition.breakable = false;
+        definition.smoothing = shape->smoothed ? SHV_SMOOTHING_EDGES : SHV_SMOOTHING_NONE;
         definition.kinematics =
             (shape->kinematics == SHV_GREEN_STRAIN) == (i == 0) ? SHV_GREEN_STRAIN : SHV_COROTATIONAL;
         check_ok(shv_material_make(&model->materials[i], &definition, &block->error), block->error);
@@ -124,7 +125,7 @@ static inline void block_materials(Block *block, const BlockShape *shape)
 }
 
 /* State and solid of a model whose mesh and materials are there. */
-static inline void block_finish(Block *block, int32_t threads, bool smoothed)
+static inline void block_finish(Block *block, int32_t threads)
 {
     ShvModel *model = &block->model;
     model->memory = block->memory;
@@ -132,10 +133,8 @@ static inline void block_finish(Block *block, int32_t threads, bool smoothed)
     model->objects = shv_allocate(block->memory, SHV_PART_GENERAL, 1, sizeof *model->objects);
     assert_non_null(model->objects);
     model->object_count = 1;
-    model->objects[0] = (ShvObject){.name = "block",
-                                    .smoothed = smoothed,
-                                    .element_end = model->mesh.element_count,
-                                    .node_end = model->mesh.node_count};
+    model->objects[0] =
+        (ShvObject){.name = "block", .element_end = model->mesh.element_count, .node_end = model->mesh.node_count};
     block->object = shv_object_default();
     block->scene = shv_scene_default();
     block->scene.objects = &block->object;
@@ -155,7 +154,7 @@ static inline void block_create(Block *block, const BlockShape *shape)
     block_elements(shape, &block->model.mesh);
     if (shape->shuffled) block_shuffle(&block->model.mesh);
     block_materials(block, shape);
-    block_finish(block, shape->threads, shape->smoothed);
+    block_finish(block, shape->threads);
 }
 
 /* One tet with the given corners. */
@@ -167,7 +166,7 @@ static inline void block_create_tet(Block *block, const BlockShape *shape, const
     memcpy(block->model.mesh.positions, corners, 12 * sizeof *corners);
     for (int32_t i = 0; i < 4; i++) block->model.mesh.elements[i] = i;
     block_materials(block, shape);
-    block_finish(block, shape->threads, shape->smoothed);
+    block_finish(block, shape->threads);
 }
 
 static inline void block_release(Block *block)
