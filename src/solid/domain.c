@@ -9,6 +9,7 @@
 typedef struct Candidate {
     int32_t nodes[2]; /* the lower first; of an element that is not smoothed {−1, element} */
     int32_t material, edge;
+    int32_t first; /* edge of its domain */
 } Candidate;
 
 static int by_domain(const void *a, const void *b)
@@ -18,6 +19,19 @@ static int by_domain(const void *a, const void *b)
         if (x->nodes[i] != y->nodes[i]) return x->nodes[i] < y->nodes[i] ? -1 : 1;
     if (x->material != y->material) return x->material < y->material ? -1 : 1;
     return (x->edge > y->edge) - (x->edge < y->edge);
+}
+
+/* Domains in the order of their tets, so that what is read together lies together. */
+static int by_place(const void *a, const void *b)
+{
+    const Candidate *x = a, *y = b;
+    if (x->first != y->first) return x->first < y->first ? -1 : 1;
+    return (x->edge > y->edge) - (x->edge < y->edge);
+}
+
+static bool same_domain(const Candidate *a, const Candidate *b)
+{
+    return a->nodes[0] == b->nodes[0] && a->nodes[1] == b->nodes[1] && a->material == b->material;
 }
 
 static bool is_smoothed(const ShvModel *model, int32_t element)
@@ -58,7 +72,9 @@ static ShvStatus reserve(ShvSolid *solid, int32_t count, ShvError *error)
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->first_member, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->member_count, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->inverse_volume, size, what, bytes, error);
-    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress, SHV_SMOOTHED_STRIDE * size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress, 8 * size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress_zz, size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->energy, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->start, 9 * size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->started, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->material, size, what, bytes, error);
@@ -95,12 +111,11 @@ static int32_t list_candidates(const ShvSolid *solid, const ShvState *state, Can
         if (is_smoothed(solid->model, element)) nodes_of_edge(state, element, edge % SHV_TET_EDGES, candidate->nodes);
     }
     qsort(candidates, (size_t)count, sizeof *candidates, by_domain);
+    for (int32_t i = 0; i < count; i++)
+        candidates[i].first =
+            i > 0 && same_domain(&candidates[i - 1], &candidates[i]) ? candidates[i - 1].first : candidates[i].edge;
+    qsort(candidates, (size_t)count, sizeof *candidates, by_place);
     return count;
-}
-
-static bool same_domain(const Candidate *a, const Candidate *b)
-{
-    return a->nodes[0] == b->nodes[0] && a->nodes[1] == b->nodes[1] && a->material == b->material;
 }
 
 static ShvStatus make_domains(ShvSolid *solid, const Candidate *candidates, int32_t count, ShvError *error)
@@ -109,11 +124,11 @@ static ShvStatus make_domains(ShvSolid *solid, const Candidate *candidates, int3
     int32_t domains = 0;
     for (int32_t i = 0; i < count; i++) {
         smoothing->members[i] = candidates[i].edge;
-        domains += i == 0 || !same_domain(&candidates[i - 1], &candidates[i]);
+        domains += i == 0 || candidates[i - 1].first != candidates[i].first;
     }
     SHV_TRY(reserve(solid, domains, error));
     for (int32_t first = 0, end; first < count; first = end) {
-        for (end = first + 1; end < count && same_domain(&candidates[first], &candidates[end]);) end++;
+        for (end = first + 1; end < count && candidates[first].first == candidates[end].first;) end++;
         const int32_t domain = smoothing->domain_count++;
         smoothing->material[domain] = (int16_t)candidates[first].material;
         set_domain(solid, domain, first, end - first);
@@ -143,13 +158,14 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
         return shv_fail_memory(error, "smoothed elements", 2 * (size_t)solid->batch_count * size);
     if (list_blocks(solid) == 0) return SHV_OK;
     const size_t smoothed = SHV_LANES * (size_t)smoothing->block_count, edges = SHV_TET_EDGES * smoothed;
-    smoothing->gradient =
-        shv_allocate(solid->memory, SHV_PART_STATE, SHV_SMOOTHED_STRIDE * smoothed, sizeof *smoothing->gradient);
+    smoothing->gradient = shv_allocate(solid->memory, SHV_PART_STATE, 8 * smoothed, sizeof *smoothing->gradient);
+    smoothing->gradient_zz = shv_allocate(solid->memory, SHV_PART_STATE, smoothed, sizeof *smoothing->gradient_zz);
     smoothing->members = shv_allocate(solid->memory, SHV_PART_STATE, edges, size);
     smoothing->edge_domain = shv_allocate(solid->memory, SHV_PART_STATE, edges, size);
     Candidate *candidates = shv_allocate(solid->memory, SHV_PART_STATE, edges, sizeof *candidates);
     ShvStatus status = SHV_OK;
-    if (!smoothing->gradient || !smoothing->members || !smoothing->edge_domain || !candidates)
+    if (!smoothing->gradient || !smoothing->gradient_zz || !smoothing->members || !smoothing->edge_domain ||
+        !candidates)
         status = shv_fail_memory(error, "smoothed elements", edges * sizeof *candidates + 200 * lanes);
     if (status == SHV_OK) status = make_domains(solid, candidates, list_candidates(solid, state, candidates), error);
     if (status == SHV_OK) fill_padding(solid, state);
@@ -171,11 +187,14 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
     shv_release(smoothing->batch_block);
     shv_release(smoothing->edge_domain);
     shv_release(smoothing->gradient);
+    shv_release(smoothing->gradient_zz);
     shv_release(smoothing->members);
     shv_release(smoothing->first_member);
     shv_release(smoothing->member_count);
     shv_release(smoothing->inverse_volume);
     shv_release(smoothing->stress);
+    shv_release(smoothing->stress_zz);
+    shv_release(smoothing->energy);
     shv_release(smoothing->start);
     shv_release(smoothing->started);
     shv_release(smoothing->material);
@@ -210,7 +229,7 @@ static ShvMat3 deformation(const double gradient[9])
 /* G of a part: F (I + G) of the part as that of the whole, `gradient` less I. */
 static void set_start(ShvSmoothedEdges *smoothing, int32_t domain, const double whole[9])
 {
-    double own[SHV_SMOOTHED_STRIDE], change[9];
+    double own[9], change[9];
     double *start = smoothing->start + 9 * (int64_t)domain;
     ShvMat3 inverse;
     shv_domain_gradient(smoothing, domain, own);
@@ -228,7 +247,7 @@ static void set_start(ShvSmoothedEdges *smoothing, int32_t domain, const double 
 /* (I + H) (I + G) − I of a domain. */
 static void find_whole(const ShvSmoothedEdges *smoothing, int32_t domain, double whole[9])
 {
-    double own[SHV_SMOOTHED_STRIDE];
+    double own[9];
     const double *start = smoothing->start + 9 * (int64_t)domain;
     shv_domain_gradient(smoothing, domain, own);
     for (int c = 0; c < 9; c++) {

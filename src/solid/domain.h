@@ -21,19 +21,18 @@ static inline int32_t shv_edge_element(const ShvSmoothedEdges *smoothing, int32_
     return smoothing->blocks[lane / SHV_LANES] * SHV_LANES + lane % SHV_LANES;
 }
 
-/* Mean over the tets of a domain, by volume; three more numbers mean nothing. */
-static inline void shv_domain_gradient(const ShvSmoothedEdges *smoothing, int32_t domain,
-                                       double mean[SHV_SMOOTHED_STRIDE])
+/* Mean over the tets of a domain, by volume. */
+static inline void shv_domain_gradient(const ShvSmoothedEdges *smoothing, int32_t domain, double mean[9])
 {
     const int32_t *members = smoothing->members + smoothing->first_member[domain];
     const int32_t count = smoothing->member_count[domain];
-    const double inverse = smoothing->inverse_volume[domain];
-    for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] = 0.0;
+    for (int c = 0; c < 9; c++) mean[c] = 0.0;
     for (int32_t i = 0; i < count; i++) {
-        const double *own = smoothing->gradient + SHV_SMOOTHED_STRIDE * (int64_t)(members[i] / SHV_TET_EDGES);
-        for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] += own[c];
+        const int64_t lane = members[i] / SHV_TET_EDGES;
+        for (int c = 0; c < 8; c++) mean[c] += smoothing->gradient[8 * lane + c];
+        mean[8] += smoothing->gradient_zz[lane];
     }
-    for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) mean[c] *= inverse;
+    for (int c = 0; c < 9; c++) mean[c] *= smoothing->inverse_volume[domain];
 }
 
 #endif

@@ -36,16 +36,20 @@ static inline ShvElasticity shv_batch_mixed_elasticity(const ShvModel *model, in
                            shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
 }
 
-static inline ShvElasticity shv_batch_elasticity(const ShvSolid *solid, int32_t batch)
+static inline ShvElasticity shv_material_elasticity(const ShvMaterial *material)
 {
-    const int16_t index = solid->batch_material[batch];
-    if (index < 0) return shv_batch_mixed_elasticity(solid->model, batch);
-    const ShvMaterial *material = &solid->model->materials[index];
     ShvElasticity elasticity = {.kind = material->kinematics == SHV_GREEN_STRAIN ? SHV_BATCH_GREEN
                                                                                  : SHV_BATCH_COROTATIONAL};
     elasticity.lambda = shv_wide_set1(material->lambda);
     elasticity.mu = shv_wide_set1(material->mu);
     return elasticity;
+}
+
+static inline ShvElasticity shv_batch_elasticity(const ShvSolid *solid, int32_t batch)
+{
+    const int16_t index = solid->batch_material[batch];
+    if (index < 0) return shv_batch_mixed_elasticity(solid->model, batch);
+    return shv_material_elasticity(&solid->model->materials[index]);
 }
 
 /* Gradient of N_(b+1), component j. */
@@ -183,19 +187,47 @@ static inline int32_t shv_batch_block(const ShvSolid *solid, int32_t batch)
     return solid->smoothing.batch_block ? solid->smoothing.batch_block[batch] : -1;
 }
 
-/* Of every lane the mean over its six edges of the first `count` numbers that they have. */
-static inline void shv_block_mean(const ShvSmoothedEdges *smoothing, int32_t block, int count,
-                                  double mean[SHV_SMOOTHED_STRIDE][SHV_LANES])
+/* Where the matrices of eight neighbours begin, in fours of numbers: each fills two. */
+static const int32_t shv_rows[SHV_LANES] = {0, 2, 4, 6, 8, 10, 12, 14};
+
+/* Eight matrices, each but for its last number in a row of `rows`, as wide numbers. */
+static inline void shv_wide_read_matrices(const double rows[8 * SHV_LANES], const double last[SHV_LANES],
+                                          ShvWide m[3][3])
 {
+    ShvWide quads[2][4];
+    for (int half = 0; half < 2; half++) shv_wide_load_quads(rows + 4 * half, shv_rows, quads[half]);
+    for (int c = 0; c < 8; c++) m[c / 3][c % 3] = quads[c / 4][c % 4];
+    m[2][2] = shv_wide_load(last);
+}
+
+/* Of every lane the mean over its six edges. */
+static inline void shv_block_mean_stress(const ShvSmoothedEdges *smoothing, int32_t block, ShvWide p[3][3])
+{
+    _Alignas(64) double rows[8 * SHV_LANES], last[SHV_LANES];
+    const ShvWide share = shv_wide_set1(1.0 / SHV_TET_EDGES);
     for (int lane = 0; lane < SHV_LANES; lane++) {
         const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + lane);
-        double sum[SHV_SMOOTHED_STRIDE] = {0.0};
-        for (int k = 0; k < SHV_TET_EDGES; k++) {
-            const double *own = smoothing->stress + SHV_SMOOTHED_STRIDE * (int64_t)domain[k];
-            for (int c = 0; c < SHV_SMOOTHED_STRIDE; c++) sum[c] += own[c];
+        ShvWide sum = shv_wide_load(smoothing->stress + 8 * (int64_t)domain[0]);
+        last[lane] = smoothing->stress_zz[domain[0]];
+        for (int k = 1; k < SHV_TET_EDGES; k++) {
+            sum = shv_wide_add(sum, shv_wide_load(smoothing->stress + 8 * (int64_t)domain[k]));
+            last[lane] += smoothing->stress_zz[domain[k]];
         }
-        for (int c = 0; c < count; c++) mean[c][lane] = sum[c] * (1.0 / SHV_TET_EDGES);
+        shv_wide_store(rows + 8 * lane, sum);
     }
+    shv_wide_read_matrices(rows, last, p);
+    for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_mul(share, p[c / 3][c % 3]);
+}
+
+static inline ShvWide shv_block_mean_energy(const ShvSmoothedEdges *smoothing, int32_t block)
+{
+    _Alignas(64) double mean[SHV_LANES];
+    for (int lane = 0; lane < SHV_LANES; lane++) {
+        const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + lane);
+        mean[lane] = 0.0;
+        for (int k = 0; k < SHV_TET_EDGES; k++) mean[lane] += smoothing->energy[domain[k]] / SHV_TET_EDGES;
+    }
+    return shv_wide_load(mean);
 }
 
 /* Strain energy of every lane, J; zero in padding lanes. With smoothed elements the domains' energies are to be there. */
@@ -203,11 +235,7 @@ static inline ShvWide shv_batch_energy(const ShvSolid *solid, const ShvState *st
 {
     const ShvWide volume = shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES);
     const int32_t block = shv_batch_block(solid, batch);
-    if (block >= 0) {
-        _Alignas(64) double mean[SHV_SMOOTHED_STRIDE][SHV_LANES];
-        shv_block_mean(&solid->smoothing, block, SHV_SMOOTHED_ENERGY + 1, mean);
-        return shv_wide_mul(volume, shv_wide_load(mean[SHV_SMOOTHED_ENERGY]));
-    }
+    if (block >= 0) return shv_wide_mul(volume, shv_block_mean_energy(&solid->smoothing, block));
     ShvWide h[3][3];
     const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
     shv_batch_displacement_gradient(solid, state, batch, h);
@@ -219,9 +247,7 @@ static inline void shv_batch_stress(const ShvSolid *solid, int32_t batch, ShvWid
 {
     const int32_t block = shv_batch_block(solid, batch);
     if (block >= 0) {
-        _Alignas(64) double mean[SHV_SMOOTHED_STRIDE][SHV_LANES];
-        shv_block_mean(&solid->smoothing, block, 9, mean);
-        for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_load(mean[c]);
+        shv_block_mean_stress(&solid->smoothing, block, p);
         return;
     }
     const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);

@@ -8,19 +8,27 @@
 
 /* ---- stress ---- */
 
+static void write_matrices(ShvWide m[3][3], double *rows, const int32_t index[SHV_LANES])
+{
+    for (int half = 0; half < 2; half++) {
+        ShvWide quad[4];
+        for (int c = 0; c < 4; c++) quad[c] = m[(4 * half + c) / 3][(4 * half + c) % 3];
+        shv_wide_store_quads(rows + 4 * half, index, quad);
+    }
+}
+
 /* Volume × displacement gradient of each lane. */
 static void find_gradient(const ShvSolid *solid, const ShvState *state, int32_t block)
 {
-    _Alignas(64) double rows[9][SHV_LANES];
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t batch = smoothing->blocks[block];
+    const int64_t first = SHV_LANES * (int64_t)block;
     const ShvWide volume = shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES);
     ShvWide h[3][3];
     shv_batch_displacement_gradient(solid, state, batch, h);
-    for (int c = 0; c < 9; c++) shv_wide_store(rows[c], shv_wide_mul(volume, h[c / 3][c % 3]));
-    double *into = smoothing->gradient + SHV_SMOOTHED_STRIDE * SHV_LANES * (int64_t)block;
-    for (int lane = 0; lane < SHV_LANES; lane++)
-        for (int c = 0; c < 9; c++) into[SHV_SMOOTHED_STRIDE * lane + c] = rows[c][lane];
+    for (int c = 0; c < 9; c++) h[c / 3][c % 3] = shv_wide_mul(volume, h[c / 3][c % 3]);
+    write_matrices(h, smoothing->gradient + 8 * first, shv_rows);
+    shv_wide_store(smoothing->gradient_zz + first, h[2][2]);
 }
 
 /* Eight domains side by side. */
@@ -34,13 +42,23 @@ typedef struct Domains {
 
 static void read_gradients(const ShvSmoothedEdges *smoothing, Domains *domains)
 {
-    _Alignas(64) double rows[SHV_SMOOTHED_STRIDE][SHV_LANES];
+    _Alignas(64) double rows[8 * SHV_LANES], last[SHV_LANES], inverse[SHV_LANES];
     for (int lane = 0; lane < SHV_LANES; lane++) {
-        double mean[SHV_SMOOTHED_STRIDE];
-        shv_domain_gradient(smoothing, domains->index[lane], mean);
-        for (int c = 0; c < 9; c++) rows[c][lane] = mean[c];
+        const int32_t domain = domains->index[lane], count = smoothing->member_count[domain];
+        const int32_t *members = smoothing->members + smoothing->first_member[domain];
+        ShvWide sum = shv_wide_zero();
+        last[lane] = 0.0;
+        for (int32_t i = 0; i < count; i++) {
+            const int64_t tet = members[i] / SHV_TET_EDGES;
+            sum = shv_wide_add(sum, shv_wide_load(smoothing->gradient + 8 * tet));
+            last[lane] += smoothing->gradient_zz[tet];
+        }
+        shv_wide_store(rows + 8 * lane, sum);
+        inverse[lane] = smoothing->inverse_volume[domain];
     }
-    for (int c = 0; c < 9; c++) domains->gradient[c / 3][c % 3] = shv_wide_load(rows[c]);
+    shv_wide_read_matrices(rows, last, domains->gradient);
+    const ShvWide scale = shv_wide_load(inverse);
+    for (int c = 0; c < 9; c++) domains->gradient[c / 3][c % 3] = shv_wide_mul(scale, domains->gradient[c / 3][c % 3]);
 }
 
 static void read_starts(const ShvSmoothedEdges *smoothing, Domains *domains)
@@ -57,10 +75,17 @@ static void read_starts(const ShvSmoothedEdges *smoothing, Domains *domains)
 
 static void read_elasticity(const ShvSolid *solid, Domains *domains)
 {
+    const int16_t *materials = solid->smoothing.material, first = materials[domains->index[0]];
+    bool same = true;
+    for (int lane = 1; lane < SHV_LANES; lane++) same = same && materials[domains->index[lane]] == first;
+    if (same) {
+        domains->elasticity = shv_material_elasticity(&solid->model->materials[first]);
+        return;
+    }
     _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
     int greens = 0;
     for (int lane = 0; lane < SHV_LANES; lane++) {
-        const ShvMaterial *material = &solid->model->materials[solid->smoothing.material[domains->index[lane]]];
+        const ShvMaterial *material = &solid->model->materials[materials[domains->index[lane]]];
         lambda[lane] = material->lambda;
         mu[lane] = material->mu;
         green[lane] = material->kinematics == SHV_GREEN_STRAIN ? 1.0 : 0.0;
@@ -94,9 +119,25 @@ static void turn_back(const Domains *domains, ShvWide p[3][3])
     }
 }
 
+static void write_stress(const ShvSmoothedEdges *smoothing, const Domains *domains, ShvWide p[3][3])
+{
+    _Alignas(64) double last[SHV_LANES];
+    int32_t index[SHV_LANES];
+    for (int lane = 0; lane < SHV_LANES; lane++) index[lane] = 2 * domains->index[lane];
+    write_matrices(p, smoothing->stress, index);
+    shv_wide_store(last, p[2][2]);
+    for (int lane = 0; lane < SHV_LANES; lane++) smoothing->stress_zz[domains->index[lane]] = last[lane];
+}
+
+static void write_energy(const ShvSmoothedEdges *smoothing, const Domains *domains, ShvWide h[3][3])
+{
+    _Alignas(64) double density[SHV_LANES];
+    shv_wide_store(density, shv_wide_energy_density(&domains->elasticity, h));
+    for (int lane = 0; lane < SHV_LANES; lane++) smoothing->energy[domains->index[lane]] = density[lane];
+}
+
 static void find_stress(const ShvSolid *solid, Domains *domains, bool with_energy)
 {
-    _Alignas(64) double rows[SHV_SMOOTHED_ENERGY + 1][SHV_LANES];
     ShvWide h[3][3], p[3][3];
     read_gradients(&solid->smoothing, domains);
     read_starts(&solid->smoothing, domains);
@@ -105,13 +146,8 @@ static void find_stress(const ShvSolid *solid, Domains *domains, bool with_energ
     if (domains->started) go_on_from_start(domains, h);
     shv_batch_piola(&domains->elasticity, h, p);
     if (domains->started) turn_back(domains, p);
-    for (int c = 0; c < 9; c++) shv_wide_store(rows[c], p[c / 3][c % 3]);
-    if (with_energy) shv_wide_store(rows[SHV_SMOOTHED_ENERGY], shv_wide_energy_density(&domains->elasticity, h));
-    const int count = with_energy ? SHV_SMOOTHED_ENERGY + 1 : SHV_SMOOTHED_ENERGY;
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        double *into = solid->smoothing.stress + SHV_SMOOTHED_STRIDE * (int64_t)domains->index[lane];
-        for (int c = 0; c < count; c++) into[c] = rows[c][lane];
-    }
+    write_stress(&solid->smoothing, domains, p);
+    if (with_energy) write_energy(&solid->smoothing, domains, h);
 }
 
 /* Those from `first` on; behind the last it is repeated. */

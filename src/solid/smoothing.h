@@ -18,7 +18,7 @@
 
 #include "model/state.h"
 
-enum { SHV_TET_EDGES = 6, SHV_SMOOTHED_STRIDE = 12, SHV_SMOOTHED_ENERGY = 9 };
+enum { SHV_TET_EDGES = 6 };
 /* Corners of edge k of a tet. */
 static const int shv_tet_edges[SHV_TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
@@ -29,14 +29,16 @@ typedef struct ShvSmoothedEdges {
     int32_t *blocks;      /* block_count: their batches */
     int32_t *batch_block; /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
     int32_t *edge_domain; /* of each edge */
-    double *gradient;     /* 12 a lane, 9 used: volume × displacement gradient, m³ */
+    /* matrices in rows: eight numbers that fill a register, and the ninth apart */
+    double *gradient, *gradient_zz; /* of a lane, volume × displacement gradient, m³ */
     int32_t domain_count, domain_capacity;
     int32_t *members; /* edges: those of a domain follow one another */
     int32_t *first_member, *member_count;
-    double *inverse_volume; /* of the tets of a domain, 1/m³ */
-    double *stress;         /* 12 a domain: first Piola-Kirchhoff, Pa, and as the tenth the energy of a volume, J/m³ */
-    double *start;          /* 9 a domain: G */
-    uint8_t *started;       /* G is not zero */
+    double *inverse_volume;     /* of the tets of a domain, 1/m³ */
+    double *stress, *stress_zz; /* of a domain, first Piola-Kirchhoff, Pa */
+    double *energy;             /* of a volume, J/m³, where it was asked for */
+    double *start;              /* 9 a domain: G */
+    uint8_t *started;           /* G is not zero */
     int16_t *material;
     int32_t *split, split_count; /* domains that the last shv_solid_split has parted; room for all */
 } ShvSmoothedEdges;
