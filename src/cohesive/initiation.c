@@ -8,14 +8,9 @@
 /* Cosine between the normals of two faces of one smooth surface. */
 static const double smooth_cosine = 0.70710678118654752;
 
-/* Of the tension in the surface: what the tets on it bear beyond that counts up to this, some more than the 1.15 of a strip of
-   4 mm on a lattice of 3 mm. */
-static const double most_beyond = 1.4;
-
 /* ---- a face ---- */
 
 typedef struct Face {
-    int32_t element;
     ShvVec3 area;    /* outward, m² */
     double tension;  /* largest principal stress in its plane, Pa */
     double plane[3]; /* stress in its own axes: xx, yy, xy */
@@ -51,7 +46,7 @@ static inline Face evaluate_face(const ShvCohesive *cohesive, const ShvState *st
 {
     const uint8_t *corners = shv_face_corners[face];
     ShvVec3 place[3], moved[3], reference[2], change[2];
-    Face result = {.element = element};
+    Face result;
     double *s = result.plane;
     for (int i = 0; i < 3; i++) {
         const int64_t node = 3 * (int64_t)shv_state_node(state, element, corners[i]);
@@ -92,10 +87,9 @@ static bool is_outside(const ShvCohesive *cohesive, int32_t corner, int face)
 
 /* The smooth part of the surface that bears most at a node: of its edge only one side counts. */
 typedef struct Patch {
-    const double *tet_stress; /* of all tets */
     Face tensest;
-    double area, tets; /* m²; of largest principal stresses of the tets, N */
-    double stress[6];  /* in the faces, N */
+    double area;      /* m² */
+    double stress[6]; /* in the faces, N */
 } Patch;
 
 typedef void Visit(Patch *patch, const Face *face);
@@ -108,15 +102,11 @@ static void find_tensest(Patch *patch, const Face *face)
 static void add_face(Patch *patch, const Face *face)
 {
     const double size = shv_norm(face->area);
-    double own[6], voigt[6];
+    double own[6];
     if (shv_dot(face->area, patch->tensest.area) < smooth_cosine * size * shv_norm(patch->tensest.area)) return;
     face_stress(face, own);
-    for (int k = 0; k < 6; k++) {
-        voigt[k] = patch->tet_stress[shv_cohesive_stress_slot(face->element, k)];
-        patch->stress[k] += size * own[k];
-    }
+    for (int k = 0; k < 6; k++) patch->stress[k] += size * own[k];
     patch->area += size;
-    patch->tets += size * shv_largest_principal(voigt);
 }
 
 static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, int32_t node, Visit *visit, Patch *patch)
@@ -131,10 +121,9 @@ static void visit_faces(const ShvCohesive *cohesive, const ShvState *state, int3
     }
 }
 
-ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvState *state, const double *stress,
-                                         int32_t node)
+ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
-    Patch patch = {.tet_stress = stress};
+    Patch patch = {0};
     visit_faces(cohesive, state, node, find_tensest, &patch);
     if (!(patch.tensest.tension > 0.0)) return (ShvSurfaceTension){0};
     visit_faces(cohesive, state, node, add_face, &patch);
@@ -142,8 +131,7 @@ ShvSurfaceTension shv_initiation_tension(const ShvCohesive *cohesive, const ShvS
     double values[3];
     ShvMat3 axes;
     shv_symmetric_eigen(&mean, values, &axes);
-    const double pull = fmax(values[2], fmin(patch.tets, most_beyond * values[2]));
-    return (ShvSurfaceTension){fmax(pull, 0.0) / patch.area, shv_vec3(axes.m[0][2], axes.m[1][2], axes.m[2][2])};
+    return (ShvSurfaceTension){fmax(values[2], 0.0) / patch.area, shv_vec3(axes.m[0][2], axes.m[1][2], axes.m[2][2])};
 }
 
 /* ---- all of them ---- */
@@ -172,7 +160,7 @@ double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t
             if (node >= cohesive->model->mesh.node_count || search->mark[node]) continue;
             const double ratio = initiation->tension[i] / initiation->strength[node];
             largest = shv_larger(largest, ratio);
-            if (most_beyond * ratio < 1.0) continue;
+            if (ratio < 1.0) continue;
             search->mark[node] = 1;
             nodes[(*count)++] = node;
         }

@@ -6,11 +6,7 @@
    from its strain, since nothing pulls on it from outside. Averaged over a node's faces, it is the stress by which cracks
    begin there: once it reaches the strength of the flaws at the node (shv_cohesive_node_strength), the disk across it parts
    whatever it passes on, and its laws start with just that. Their energy is that of what they cover of its plane. Where the mesh resolves the zone, σ_tip
-   (front.h) exceeds the strength, and the force alone decides; so it does at nodes that cracks have come to.
-
-   Linear tets are too stiff in bending: of the work of the load a part goes into shear that the mesh has and the
-   body has not. It counts: where the tets on the surface bear a larger principal stress than it does, that is taken, but no
-   more than 1.4 times the surface's own, since tets under a blow bear stress of other kinds. */
+   (front.h) exceeds the strength, and the force alone decides; so it does at nodes that cracks have come to. */
 #ifndef SHV_COHESIVE_INITIATION_H
 #define SHV_COHESIVE_INITIATION_H
 
@@ -37,7 +33,6 @@ void shv_initiation_watch(struct ShvCohesive *cohesive, const ShvState *state, c
 /* Nodes whose faces may bear more than their strength go to `nodes`, `count` of them, unless cohesive->search has a mark for
    them, and get one. Returns the largest ratio of tension to strength of all that had none. */
 double shv_initiation_list(struct ShvCohesive *cohesive, const ShvState *state, int32_t *nodes, int32_t *count);
-ShvSurfaceTension shv_initiation_tension(const struct ShvCohesive *cohesive, const ShvState *state,
-                                         const double *stress, int32_t node);
+ShvSurfaceTension shv_initiation_tension(const struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
 
 #endif

@@ -140,7 +140,7 @@ static void find_surface_disk(const ShvInspection *inspection, int32_t node, dou
     if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
     if (isinf(cohesive->initiation.strength[node]) || is_waiting(cohesive, state, node)) return;
     const ShvVec3 slit = shv_front_slit_normal(cohesive, state, node);
-    const ShvSurfaceTension tension = shv_initiation_tension(cohesive, state, inspection->stress, node);
+    const ShvSurfaceTension tension = shv_initiation_tension(cohesive, state, node);
     if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->initiation.strength[node]) return;
     shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
 }

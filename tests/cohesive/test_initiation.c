@@ -62,7 +62,7 @@ static void the_surface_tells_its_stress(void **state)
     int32_t looked_at = 0;
     for (int32_t node = 0; node < f.state.node_count; node++) {
         const double *at = f.state.reference + 3 * (int64_t)node;
-        const ShvSurfaceTension tension = shv_initiation_tension(&f.cohesive, &f.state, f.stress, node);
+        const ShvSurfaceTension tension = shv_initiation_tension(&f.cohesive, &f.state, node);
         if (fabs(at[0]) > 0.014 || fabs(at[1]) > 0.009) continue;
         if (fabs(at[2]) < 0.49 * thickness) assert_true(tension.stress == 0.0); /* inside */
         if (at[2] < 0.49 * thickness) continue;
