@@ -83,6 +83,7 @@ static ShvStatus reserve(ShvSolid *solid, int32_t count, ShvError *error)
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress_zz, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->energy, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->start, 9 * size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->active, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->started, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->material, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->split, size, what, bytes, error);
@@ -163,8 +164,9 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     const size_t lanes = SHV_LANES * (size_t)solid->batch_count, size = sizeof *smoothing->members;
     smoothing->batch_block = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->batch_count, size);
     smoothing->blocks = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->batch_count, size);
-    if (!smoothing->batch_block || !smoothing->blocks)
-        return shv_fail_memory(error, "smoothed elements", 2 * (size_t)solid->batch_count * size);
+    smoothing->block_active = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)solid->batch_count, 1);
+    if (!smoothing->batch_block || !smoothing->blocks || !smoothing->block_active)
+        return shv_fail_memory(error, "smoothed elements", 9 * (size_t)solid->batch_count);
     if (list_blocks(solid) == 0) return SHV_OK;
     const size_t smoothed = SHV_LANES * (size_t)smoothing->block_count, edges = SHV_TET_EDGES * smoothed;
     smoothing->gradient = shv_allocate(solid->memory, SHV_PART_STATE, 8 * smoothed, sizeof *smoothing->gradient);
@@ -178,8 +180,26 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
         status = shv_fail_memory(error, "smoothed elements", edges * sizeof *candidates + 200 * lanes);
     if (status == SHV_OK) status = make_domains(solid, candidates, list_candidates(solid, state, candidates), error);
     if (status == SHV_OK) fill_padding(solid, state);
+    if (status == SHV_OK) shv_solid_follow_active(solid);
     shv_release(candidates);
     return status;
+}
+
+/* A batch may hold tets of bodies that rest beside others that do not; of those, too, all tets round an edge are needed. */
+void shv_solid_follow_active(const ShvSolid *solid)
+{
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
+    if (smoothing->block_count > 0) memset(smoothing->block_active, 0, (size_t)smoothing->block_count);
+    for (int32_t domain = 0; domain < smoothing->domain_count; domain++) {
+        const int32_t *members = smoothing->members + smoothing->first_member[domain];
+        const int32_t count = smoothing->member_count[domain];
+        bool any = false;
+        for (int32_t i = 0; i < count && !any; i++)
+            any = solid->batch_active[smoothing->blocks[members[i] / (SHV_TET_EDGES * SHV_LANES)]];
+        smoothing->active[domain] = any;
+        for (int32_t i = 0; i < count && any; i++)
+            smoothing->block_active[members[i] / (SHV_TET_EDGES * SHV_LANES)] = 1;
+    }
 }
 
 ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError *error)
@@ -193,6 +213,7 @@ ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError 
 void shv_smoothing_release(ShvSmoothedEdges *smoothing)
 {
     shv_release(smoothing->blocks);
+    shv_release(smoothing->block_active);
     shv_release(smoothing->batch_block);
     shv_release(smoothing->edge_domain);
     shv_release(smoothing->gradient);
@@ -205,6 +226,7 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
     shv_release(smoothing->stress_zz);
     shv_release(smoothing->energy);
     shv_release(smoothing->start);
+    shv_release(smoothing->active);
     shv_release(smoothing->started);
     shv_release(smoothing->material);
     shv_release(smoothing->split);
@@ -278,6 +300,7 @@ static ShvStatus split_domain(ShvSolid *solid, const ShvState *state, int32_t do
         SHV_TRY(reserve(solid, smoothing->domain_capacity + smoothing->domain_capacity / 2 + (end - stop), error));
     for (int32_t part = domain, begin = first;; part = smoothing->domain_count++) {
         smoothing->material[part] = smoothing->material[domain];
+        smoothing->active[part] = smoothing->active[domain];
         set_domain(solid, part, begin, stop - begin);
         set_start(smoothing, part, whole);
         smoothing->split[smoothing->split_count++] = part;

@@ -159,14 +159,10 @@ static Domains domains_from(const ShvSmoothedEdges *smoothing, int32_t first)
     return domains;
 }
 
-/* Tets of one domain hang together: they are awake or not. */
-static bool any_active(const ShvSolid *solid, const Domains *domains)
+static bool any_active(const ShvSmoothedEdges *smoothing, const Domains *domains)
 {
-    const ShvSmoothedEdges *smoothing = &solid->smoothing;
-    for (int i = 0; i < SHV_LANES; i++) {
-        const int32_t edge = smoothing->members[smoothing->first_member[domains->index[i]]];
-        if (solid->batch_active[smoothing->blocks[edge / (SHV_TET_EDGES * SHV_LANES)]]) return true;
-    }
+    for (int i = 0; i < SHV_LANES; i++)
+        if (smoothing->active[domains->index[i]]) return true;
     return false;
 }
 
@@ -178,11 +174,11 @@ static void smooth(const ShvSolid *solid, const ShvState *state, bool with_energ
     {
 #pragma omp for schedule(static)
         for (int32_t block = 0; block < blocks; block++)
-            if (solid->batch_active[smoothing->blocks[block]]) find_gradient(solid, state, block);
+            if (smoothing->block_active[block]) find_gradient(solid, state, block);
 #pragma omp for schedule(static)
         for (int32_t first = 0; first < domains; first += SHV_LANES) {
             Domains some = domains_from(smoothing, first);
-            if (any_active(solid, &some)) find_stress(solid, &some, with_energy);
+            if (any_active(smoothing, &some)) find_stress(solid, &some, with_energy);
         }
     }
 }

@@ -26,9 +26,10 @@ static const int shv_tet_edges[SHV_TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 
    numbered 6 × lane + k. An element without smoothing beside others in a batch is a domain of its own. */
 typedef struct ShvSmoothedEdges {
     int32_t block_count;
-    int32_t *blocks;      /* block_count: their batches */
-    int32_t *batch_block; /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
-    int32_t *edge_domain; /* of each edge */
+    int32_t *blocks;       /* block_count: their batches */
+    int32_t *batch_block;  /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
+    int32_t *edge_domain;  /* of each edge */
+    uint8_t *block_active; /* some tet of it is in a domain that is active */
     /* matrices in rows: eight numbers that fill a register, and the ninth apart */
     double *gradient, *gradient_zz; /* of a lane, volume × displacement gradient, m³ */
     int32_t domain_count, domain_capacity;
@@ -38,6 +39,7 @@ typedef struct ShvSmoothedEdges {
     double *stress, *stress_zz; /* of a domain, first Piola-Kirchhoff, Pa */
     double *energy;             /* of a volume, J/m³, where it was asked for */
     double *start;              /* 9 a domain: G */
+    uint8_t *active;            /* some tet of it is in an active batch */
     uint8_t *started;           /* G is not zero */
     int16_t *material;
     int32_t *split, split_count; /* domains that the last shv_solid_split has parted; room for all */

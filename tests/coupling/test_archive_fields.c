@@ -37,8 +37,8 @@ static const Size sizes[] = {
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
-    SIZE(ShvSolid, "coupling/hybrid_archive.c", 240),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5248),
+    SIZE(ShvSolid, "coupling/hybrid_archive.c", 280),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5288),
 };
 
 static void test_no_field_is_new(void **state)

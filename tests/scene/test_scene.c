@@ -78,6 +78,7 @@ static void check_materials(const ShvSceneDefinition *scene)
     same(glass->youngs_modulus, 70e9);
     same(glass->poissons_ratio, 0.22);
     assert_int_equal(glass->kinematics, SHV_COROTATIONAL);
+    assert_int_equal(glass->smoothing, SHV_SMOOTHING_EDGES);
     assert_true(glass->breakable);
     assert_int_equal(glass->law, SHV_CAMACHO_ORTIZ);
     same(glass->fracture_energy, 8.0);
