@@ -249,6 +249,8 @@ bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *frag
 /* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
 /* How long after its last crack a body that wakes now goes to rest at the latest, s. */
+/* Nodes of a fragment get its shape at the start, in its pose, and its motion. */
+void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);

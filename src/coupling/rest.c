@@ -225,6 +225,12 @@ static void bin(ShvHybrid *hybrid, ShvFragment *fragment, const ShvEventView *ev
     fragment->mode = SHV_MODE_BINNED;
 }
 
+void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+    shv_solid_straighten(&hybrid->solid, hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
+}
+
 /* Of the fitted record; a rigid body has it from here on. */
 static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, ShvEventView *event)
 {
@@ -233,7 +239,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
     else if (taker == TAKER_KEPT)
         shv_audit_rigid(fragment, event->momentum_after, event->angular_after);
     else
-        shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+        shv_hybrid_scatter(hybrid, fragment);
     if (taker != TAKER_KEPT) shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, NULL);
     fragment->mode = SHV_MODE_FLIGHT;
     double bar, bending;

@@ -157,7 +157,7 @@ static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
     if (fragment->deformed)
         shv_fragment_unfold(fragment, &hybrid->fragments, &hybrid->state);
     else
-        shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
+        shv_hybrid_scatter(hybrid, fragment);
 }
 
 /* Where a fragment's nodes stand deepest in an obstacle; the way out of it. */

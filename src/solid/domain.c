@@ -328,3 +328,18 @@ ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t 
         }
     return SHV_OK;
 }
+
+void shv_solid_straighten(const ShvSolid *solid, const int32_t *elements, int32_t count)
+{
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
+    for (int32_t i = 0; i < count && smoothing->block_count > 0; i++) {
+        const int32_t block = smoothing->batch_block[elements[i] / SHV_LANES];
+        if (block < 0) continue;
+        const int32_t *domains =
+            smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + elements[i] % SHV_LANES);
+        for (int k = 0; k < SHV_TET_EDGES; k++) {
+            smoothing->started[domains[k]] = false;
+            memset(smoothing->start + 9 * (int64_t)domains[k], 0, 9 * sizeof *smoothing->start);
+        }
+    }
+}

@@ -39,6 +39,9 @@ void shv_solid_follow_active(const ShvSolid *solid);
 /* Tells of nodes that were split, their copies among them, at the displacements of the last shv_solid_smooth. */
 ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 
+/* Elements that stand in their shape at the start again have no stress, whatever their edges went on from when they were split. */
+void shv_solid_straighten(const ShvSolid *solid, const int32_t *elements, int32_t count);
+
 /* Adds −(internal force) of all active batches to state->force. */
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
 /* The same, and for each active batch the faces that may count `floor` or more: bit SHV_LANES × face + lane, a face as numbered by

@@ -255,6 +255,13 @@ static void splits_make_no_energy(void **unused)
             state->displacement[i] = u;
             check_near(state->force[i] / sums.largest, -(above - below) / (2.0 * step) / sums.largest, 1e-6);
         }
+        int32_t *elements = malloc((size_t)state->element_count * sizeof *elements);
+        for (int32_t e = 0; e < state->element_count; e++) elements[e] = e;
+        memset(state->displacement, 0, 3 * (size_t)state->node_count * sizeof *state->displacement);
+        assert_true(shv_solid_strain_energy(&hybrid->solid, state) > 0.0);
+        shv_solid_straighten(&hybrid->solid, elements, state->element_count);
+        assert_true(shv_solid_strain_energy(&hybrid->solid, state) == 0.0);
+        free(elements);
         free(nodes);
         release(&all);
         end(&body);
