@@ -32,7 +32,7 @@ static void warn_sliver(const ShvPreflight *p)
            p->smallest_altitude, p->smallest_altitude / p->mean_edge, 0.5 * p->mean_edge / p->smallest_altitude);
 }
 
-/* Where most of a body is wall. On edges as long as it is thick it is 2.3 times too stiff. */
+/* Where most of a body is wall. On edges as long as it is thick, linear tets are 2.3 times too stiff. */
 static void warn_wall(const ShvPreflight *p)
 {
     const double noted = 1.5, too_stiff = 2.5;
@@ -40,8 +40,8 @@ static void warn_wall(const ShvPreflight *p)
     printf("  %s: its walls, %.2g m thick on edges of %.2g m, are about %.1f times too stiff in bending",
            p->wall_stiffness > too_stiff ? "warning" : "note", p->wall_thickness, p->wall_edge, p->wall_stiffness);
     if (p->wall_stiffness > too_stiff)
-        printf(": they break late under a\n           blow, and into too many pieces; take edges of %.2g m at most "
-               "(docs/glass.md)",
+        printf(": they break late under a\n           blow, and into too many pieces; take edges of %.2g m at most, or "
+               "'smoothing: edges' (docs/walls.md)",
                p->wall_thickness);
     printf("\n");
 }

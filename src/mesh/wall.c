@@ -10,6 +10,8 @@ static const double most_edges = 3.0;
 static const double parallel = 0.866;
 /* Of (L/t)², fitted to strips of four meshes within 20 %. */
 static const double excess = 1.3;
+/* Of (L/t)⁴ with smoothed edges, fitted to panes on five meshes within 12 %. */
+static const double smoothed_excess = 0.055;
 /* Where a ray starts on a face, by its corners: not in the middle, where it would meet the node in the middle of a prism. */
 static const double start_share[3] = {0.5, 0.3, 0.2};
 /* Tets on the way through a wall; one that takes more is none. */
@@ -94,8 +96,8 @@ ShvWall shv_mesh_wall(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_
     return (ShvWall){.share = walls / surface, .thickness = thickness / walls, .edge = edges / walls};
 }
 
-double shv_wall_stiffness(const ShvWall *wall)
+double shv_wall_stiffness(const ShvWall *wall, bool smoothed)
 {
-    const double ratio = wall->thickness > 0.0 ? wall->edge / wall->thickness : 0.0;
-    return 1.0 + excess * ratio * ratio;
+    const double ratio = wall->thickness > 0.0 ? wall->edge / wall->thickness : 0.0, square = ratio * ratio;
+    return 1.0 + (smoothed ? smoothed_excess * square : excess) * square;
 }

@@ -1,10 +1,12 @@
 /* Walls: where a body is about as thin as the edges of its tets.
 
    Linear tets cannot bend. A wall of them shears in the place of bending, and is too stiff: by about 1 + 1.3 (L/t)², L the edges of its
-   surface and t its thickness (docs/glass.md has what was measured). Under a blow it then stores more energy than it should before it
-   breaks, and breaks late. */
+   surface and t its thickness; with smoothed edges (solid/smoothing.h) by 1 + 0.055 (L/t)⁴ (docs/walls.md has what was measured). Under a
+   blow it then stores more energy than it should before it breaks, and breaks late. */
 #ifndef SHV_MESH_WALL_H
 #define SHV_MESH_WALL_H
+
+#include <stdbool.h>
 
 #include "mesh/adjacency.h"
 
@@ -17,6 +19,6 @@ typedef struct ShvWall {
 /* Of the elements `begin` to `end`; `adjacency` is of the whole mesh. */
 ShvWall shv_mesh_wall(const ShvMesh *mesh, const ShvAdjacency *adjacency, int32_t begin, int32_t end);
 /* Stiffness of such a wall in bending over what it should be; 1 without one. */
-double shv_wall_stiffness(const ShvWall *wall);
+double shv_wall_stiffness(const ShvWall *wall, bool smoothed);
 
 #endif

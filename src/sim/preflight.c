@@ -70,7 +70,7 @@ static void measure_wall(ShvPreflight *preflight, const ShvModel *model, const S
     preflight->wall_share = wall.share;
     preflight->wall_thickness = wall.thickness;
     preflight->wall_edge = wall.edge;
-    preflight->wall_stiffness = shv_wall_stiffness(&wall);
+    preflight->wall_stiffness = shv_wall_stiffness(&wall, model->materials[object->material].smoothed);
 }
 
 /* `can_break`: fracture is on in this scene. */
