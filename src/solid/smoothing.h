@@ -2,8 +2,8 @@
 
    A linear tet has one strain. In a wall about as thin as its edges it shears where it should bend: shear of either sign in
    neighbours, which the wall itself does not have. Here the deformation gradient is averaged, by volume, over the tets round each
-   edge (ES-FEM: Liu, Nguyen-Thoi and Lam, J. Sound Vib. 320 (2009) 1100; in space Cazes and Meschke, Int. J. Numer. Meth. Engng 94 (2013)
-   715); of that the edge has its stress, and a tet the mean stress of its six edges. With W the elastic energy of a volume, the energy
+   edge (ES-FEM: Liu, Nguyen-Thoi and Lam, J. Sound Vib. 320 (2009) 1100; in tets Jiang and others, Eng. Anal. Bound. Elem. 59 (2015)
+   62); of that the edge has its stress, and a tet the mean stress of its six edges. With W the elastic energy of a volume, the energy
    is Σ V W(F of the edge) over edges, of which a tet gives each of its own a sixth of its volume; nodal forces −V P ∇N with the
    mean stress P are its exact slope, so that momentum and energy are kept as they are without it. What is convex is never more than
    without it: steps that are stable for the tets stay so.
