@@ -19,11 +19,8 @@ ShvEventView shv_audit_event(const ShvHybrid *hybrid, ShvRunEvent kind, int32_t 
 
 double shv_audit_strain(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
-    double strain = 0.0;
-    for (int32_t k = 0; k < fragment->element_count; k++)
-        strain += shv_solid_element_energy(&hybrid->solid, &hybrid->state,
-                                           hybrid->fragments.elements[fragment->element_begin + k]);
-    return strain;
+    return shv_solid_energy_of(&hybrid->solid, &hybrid->state, hybrid->fragments.elements + fragment->element_begin,
+                               fragment->element_count);
 }
 
 double shv_audit_cohesive(const ShvHybrid *hybrid, const ShvFragment *fragment)

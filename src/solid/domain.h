@@ -12,6 +12,8 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing);
 void shv_smoothing_find_energy(const ShvSolid *solid, const ShvState *state);
 /* Stresses and energies of all edges of one batch, awake or not. */
 void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int32_t batch);
+/* The same of all edges of elements that hang together, and share edges with no other. */
+void shv_smoothing_find_body(const ShvSolid *solid, const ShvState *state, const int32_t *elements, int32_t count);
 /* Stresses of the domains in `split`. */
 void shv_smoothing_find_split(const ShvSolid *solid);
 

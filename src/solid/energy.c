@@ -30,10 +30,23 @@ double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state)
     return sum;
 }
 
-double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element)
+static double energy_of(const ShvSolid *solid, const ShvState *state, int32_t element)
 {
     _Alignas(64) double lanes[SHV_LANES];
-    shv_smoothing_find_batch(solid, state, element / SHV_LANES);
     shv_wide_store(lanes, shv_batch_energy(solid, state, element / SHV_LANES));
     return lanes[element % SHV_LANES];
+}
+
+double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element)
+{
+    shv_smoothing_find_batch(solid, state, element / SHV_LANES);
+    return energy_of(solid, state, element);
+}
+
+double shv_solid_energy_of(const ShvSolid *solid, const ShvState *state, const int32_t *elements, int32_t count)
+{
+    double sum = 0.0;
+    shv_smoothing_find_body(solid, state, elements, count);
+    for (int32_t k = 0; k < count; k++) sum += energy_of(solid, state, elements[k]);
+    return sum;
 }

@@ -211,6 +211,49 @@ void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int3
     }
 }
 
+/* Domains that are collected until eight of them are found together. */
+typedef struct Collected {
+    Domains domains;
+    int count;
+} Collected;
+
+static void find_collected(const ShvSolid *solid, Collected *collected)
+{
+    for (int lane = collected->count; lane < SHV_LANES; lane++)
+        collected->domains.index[lane] = collected->domains.index[0];
+    if (collected->count > 0) find_stress(solid, &collected->domains, true);
+    collected->count = 0;
+}
+
+/* Each domain with the first of its edges. */
+static void collect(const ShvSolid *solid, Collected *collected, int32_t lane)
+{
+    const ShvSmoothedEdges *smoothing = &solid->smoothing;
+    for (int32_t edge = SHV_TET_EDGES * lane; edge < SHV_TET_EDGES * (lane + 1); edge++) {
+        const int32_t domain = smoothing->edge_domain[edge];
+        if (smoothing->members[smoothing->first_member[domain]] != edge) continue;
+        collected->domains.index[collected->count++] = domain;
+        if (collected->count == SHV_LANES) find_collected(solid, collected);
+    }
+}
+
+void shv_smoothing_find_body(const ShvSolid *solid, const ShvState *state, const int32_t *elements, int32_t count)
+{
+    int32_t last = -1;
+    Collected collected = {.count = 0};
+    if (solid->smoothing.block_count == 0) return;
+    for (int32_t k = 0; k < count; k++) {
+        const int32_t block = shv_batch_block(solid, elements[k] / SHV_LANES);
+        if (block >= 0 && block != last) find_gradient(solid, state, block);
+        last = block;
+    }
+    for (int32_t k = 0; k < count; k++) {
+        const int32_t block = shv_batch_block(solid, elements[k] / SHV_LANES);
+        if (block >= 0) collect(solid, &collected, SHV_LANES * block + elements[k] % SHV_LANES);
+    }
+    find_collected(solid, &collected);
+}
+
 void shv_smoothing_find_split(const ShvSolid *solid)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;

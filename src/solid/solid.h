@@ -56,7 +56,8 @@ ShvStatus shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, c
                                        ShvError *error);
 /* Strain energy of the active batches, J; summed in batch order within fixed blocks, whatever the threads. */
 double shv_solid_strain_energy(const ShvSolid *solid, const ShvState *state);
-/* Strain energy of one element, awake or not, J. */
+/* Strain energy of elements, awake or not, J; with smoothed edges all of those that hang together. */
+double shv_solid_energy_of(const ShvSolid *solid, const ShvState *state, const int32_t *elements, int32_t count);
 double shv_solid_element_energy(const ShvSolid *solid, const ShvState *state, int32_t element);
 
 #define SHV_SMALLEST_VOLUME_RATIO 0.1
