@@ -29,6 +29,7 @@ typedef struct ShvPreflight {
     double wall_share, wall_thickness,
         wall_edge;             /* of its surface, that is of walls thinner than three edges; their means, m */
     double wall_stiffness;     /* of such a wall in bending on this mesh, over what it should be; 1 without one */
+    bool smoothed;             /* strain is averaged over the tets round each edge */
     bool ordered;              /* a box whose nodes stand in rank and file, and could stand without */
     double stable_step;        /* s, smallest exact element step */
     int32_t stable_element;    /* of the joint mesh: the tet that sets it */

@@ -128,7 +128,8 @@ static void print_nearest(const ShvPreflight *p)
 
 static void print_object(const ShvPreflight *p)
 {
-    printf("%s (%s): %d tets, %d nodes, %.4g kg\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass);
+    printf("%s (%s): %d tets, %d nodes, %.4g kg%s\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass,
+           p->smoothed ? "; strain smoothed over edges" : "");
     printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f, least "
            "dihedral angle %.0f degrees\n",
            p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect,
@@ -194,8 +195,10 @@ static void print_object_json(const ShvPreflight *p)
     shv_cli_print_json_text(p->object);
     printf(", \"material\": ");
     shv_cli_print_json_text(p->material);
-    printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s, \"breaking\": \"%s\"", (int)p->tets,
-           (int)p->nodes, (int)p->stable_element, p->breakable ? "true" : "false", shv_breaking_name(p->breaking));
+    printf(", \"tets\": %d, \"nodes\": %d, \"stable_tet\": %d, \"breakable\": %s, \"smoothed\": %s, "
+           "\"breaking\": \"%s\"",
+           (int)p->tets, (int)p->nodes, (int)p->stable_element, p->breakable ? "true" : "false",
+           p->smoothed ? "true" : "false", shv_breaking_name(p->breaking));
     if (p->nearest) {
         printf(", \"nearest\": ");
         shv_cli_print_json_text(p->nearest);

@@ -67,10 +67,11 @@ static void measure_wall(ShvPreflight *preflight, const ShvModel *model, const S
     ShvWall wall = {0};
     if (model->can_break)
         wall = shv_mesh_wall(&model->mesh, &model->adjacency, object->element_begin, object->element_end);
+    preflight->smoothed = model->materials[object->material].smoothed;
     preflight->wall_share = wall.share;
     preflight->wall_thickness = wall.thickness;
     preflight->wall_edge = wall.edge;
-    preflight->wall_stiffness = shv_wall_stiffness(&wall, model->materials[object->material].smoothed);
+    preflight->wall_stiffness = shv_wall_stiffness(&wall, preflight->smoothed);
 }
 
 /* `can_break`: fracture is on in this scene. */
