@@ -2,8 +2,8 @@
 
 #include "contact/candidates.h"
 
-/* A key has 18 bits an axis, 5 for the level and 5 for the speed class. */
-enum { AXIS_BITS = 18, LEVEL_BITS = 5, TOP_LEVEL = 31 };
+/* A key has 18 bits an axis, and the speed class above them. */
+enum { AXIS_BITS = 18 };
 static const double most_cubes = 131072.0;
 
 void shv_node_grid_release(ShvNodeGrid *grid)
@@ -13,20 +13,6 @@ void shv_node_grid_release(ShvNodeGrid *grid)
     shv_release(grid->starts);
     shv_release(grid->found);
     *grid = (ShvNodeGrid){0};
-}
-
-void shv_node_grid_scale(ShvNodeGrid *grid, ShvBox region, double smallest)
-{
-    grid->origin = region.low;
-    grid->size = fmax(smallest, shv_box_size(&region) / most_cubes);
-    if (!(grid->size > 0.0)) grid->size = 1.0; /* one point */
-}
-
-int shv_node_grid_level(const ShvNodeGrid *grid, double size)
-{
-    int level = 0;
-    for (double cube = grid->size; cube < size && level < TOP_LEVEL; cube *= 2.0) level++;
-    return level;
 }
 
 static ShvStatus reserve_starts(ShvNodeGrid *grid, int64_t entries, ShvError *error)
@@ -52,16 +38,16 @@ static ShvStatus reserve(ShvNodeGrid *grid, int64_t entries, ShvError *error)
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_start(ShvNodeGrid *grid, const uint32_t levels[SHV_GRID_SPEED_CLASSES],
-                              const int32_t nodes[SHV_GRID_SPEED_CLASSES], ShvError *error)
+ShvStatus shv_node_grid_start(ShvNodeGrid *grid, ShvBox region, const double size[SHV_GRID_SPEED_CLASSES],
+                              int32_t points, ShvError *error)
 {
-    int64_t entries = 0;
-    for (int speed_class = 0; speed_class < SHV_GRID_SPEED_CLASSES; speed_class++) {
-        for (uint32_t bits = levels[speed_class]; bits; bits &= bits - 1) entries += nodes[speed_class];
-        grid->levels[speed_class] = nodes[speed_class] > 0 ? levels[speed_class] : 0;
-    }
     grid->count = 0;
-    return reserve(grid, entries, error);
+    grid->origin = region.low;
+    for (int speed_class = 0; speed_class < SHV_GRID_SPEED_CLASSES; speed_class++) {
+        grid->size[speed_class] = fmax(size[speed_class], shv_box_size(&region) / most_cubes);
+        grid->points[speed_class] = 0;
+    }
+    return reserve(grid, points, error);
 }
 
 /* What lies outside the region, or nowhere, counts to its rim. */
@@ -71,10 +57,9 @@ static uint64_t cell(double x, double origin, double size)
     return at > 0.0 ? (uint64_t)(at < last ? at : last) : 0;
 }
 
-static uint64_t key_of(int speed_class, int level, uint64_t x, uint64_t y, uint64_t z)
+static uint64_t key_of(int speed_class, uint64_t x, uint64_t y, uint64_t z)
 {
-    const uint64_t grid = (uint64_t)speed_class << LEVEL_BITS | (uint64_t)level;
-    return (((grid << AXIS_BITS | x) << AXIS_BITS | y) << AXIS_BITS) | z;
+    return ((((uint64_t)speed_class << AXIS_BITS | x) << AXIS_BITS | y) << AXIS_BITS) | z;
 }
 
 /* Fibonacci hashing: the high bits of a product with 2⁶⁴ / golden ratio. */
@@ -86,18 +71,12 @@ static uint64_t hash_of(const ShvNodeGrid *grid, uint64_t key)
 
 void shv_node_grid_add(ShvNodeGrid *grid, int32_t item, int speed_class, ShvVec3 position)
 {
-    double size = grid->size;
-    for (int level = 0; grid->levels[speed_class] >> level; level++, size *= 2.0) {
-        if (grid->levels[speed_class] >> level & 1u) {
-            const ShvVec3 o = grid->origin;
-            const uint64_t x = cell(position.x, o.x, size), y = cell(position.y, o.y, size);
-            grid->entries[grid->count++] =
-                (ShvGridEntry){.key = key_of(speed_class, level, x, y, cell(position.z, o.z, size)),
-                               .position = position,
-                               .item = item};
-        }
-        if (level == TOP_LEVEL) break;
-    }
+    const ShvVec3 o = grid->origin;
+    const double size = grid->size[speed_class];
+    const uint64_t x = cell(position.x, o.x, size), y = cell(position.y, o.y, size), z = cell(position.z, o.z, size);
+    grid->points[speed_class]++;
+    grid->entries[grid->count++] =
+        (ShvGridEntry){.key = key_of(speed_class, x, y, z), .position = position, .item = item};
 }
 
 /* Counting sort: entries of a cube stay in the order in which they came. */
@@ -109,19 +88,6 @@ void shv_node_grid_finish(ShvNodeGrid *grid)
     for (int32_t k = 1; k <= buckets; k++) grid->starts[k] += grid->starts[k - 1];
     for (int32_t k = grid->count - 1; k >= 0; k--)
         grid->sorted[--grid->starts[hash_of(grid, grid->entries[k].key)]] = grid->entries[k];
-}
-
-/* The level in use that fits best: the lowest at or above its own, or the highest. */
-static int level_for(const ShvNodeGrid *grid, int speed_class, double size)
-{
-    int highest = 0;
-    const int own = shv_node_grid_level(grid, size);
-    for (int level = 0; level <= TOP_LEVEL; level++) {
-        if (!(grid->levels[speed_class] >> level & 1u)) continue;
-        highest = level;
-        if (level >= own) break;
-    }
-    return highest;
 }
 
 static ShvStatus take(ShvNodeGrid *grid, int32_t item, ShvError *error)
@@ -146,32 +112,30 @@ static ShvStatus take_from_cube(ShvNodeGrid *grid, uint64_t key, const ShvBox *b
     return SHV_OK;
 }
 
-/* A box of more cubes than there are nodes. */
-static ShvStatus take_from_all(ShvNodeGrid *grid, uint64_t cubes, const ShvBox *box, ShvError *error)
+/* A box of more cubes than there are points. */
+static ShvStatus take_from_all(ShvNodeGrid *grid, int speed_class, const ShvBox *box, ShvError *error)
 {
     for (int32_t k = 0; k < grid->count; k++)
-        if (grid->entries[k].key >> (3 * AXIS_BITS) == cubes && shv_box_holds(box, grid->entries[k].position))
+        if (grid->entries[k].key >> (3 * AXIS_BITS) == (uint64_t)speed_class &&
+            shv_box_holds(box, grid->entries[k].position))
             SHV_TRY(take(grid, grid->entries[k].item, error));
     return SHV_OK;
 }
 
-ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int speed_class, double size, ShvBox box, ShvError *error)
+ShvStatus shv_node_grid_find(ShvNodeGrid *grid, int speed_class, ShvBox box, ShvError *error)
 {
     grid->found_count = 0;
-    if (grid->levels[speed_class] == 0) return SHV_OK;
-    const int level = level_for(grid, speed_class, size);
-    size = grid->size;
-    for (int k = 0; k < level; k++) size *= 2.0;
+    if (grid->points[speed_class] == 0) return SHV_OK;
+    const double size = grid->size[speed_class];
     const ShvVec3 o = grid->origin;
     const uint64_t low[3] = {cell(box.low.x, o.x, size), cell(box.low.y, o.y, size), cell(box.low.z, o.z, size)};
     const uint64_t high[3] = {cell(box.high.x, o.x, size), cell(box.high.y, o.y, size), cell(box.high.z, o.z, size)};
     double cubes = 1.0;
     for (int k = 0; k < 3; k++) cubes *= (double)(high[k] - low[k]) + 1.0;
-    if (cubes > grid->count)
-        return take_from_all(grid, key_of(speed_class, level, 0, 0, 0) >> (3 * AXIS_BITS), &box, error);
+    if (cubes > grid->count) return take_from_all(grid, speed_class, &box, error);
     for (uint64_t x = low[0]; x <= high[0]; x++)
         for (uint64_t y = low[1]; y <= high[1]; y++)
             for (uint64_t z = low[2]; z <= high[2]; z++)
-                SHV_TRY(take_from_cube(grid, key_of(speed_class, level, x, y, z), &box, error));
+                SHV_TRY(take_from_cube(grid, key_of(speed_class, x, y, z), &box, error));
     return SHV_OK;
 }

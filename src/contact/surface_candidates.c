@@ -30,6 +30,16 @@ static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 
 /* ---- the whole ---- */
 
+ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error)
+{
+    if (contact->fragment_capacity >= count) return SHV_OK;
+    const size_t wanted = (size_t)count + (size_t)count / 2;
+    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->fragments, wanted, "contact of surfaces",
+               wanted * sizeof *contact->fragments, error);
+    contact->fragment_capacity = (int32_t)wanted;
+    return SHV_OK;
+}
+
 static void mark_fragments(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvSurfaceList *list = &contact->list;
@@ -66,8 +76,7 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     }
     mark_fragments(contact, bodies);
     shv_surface_speed_choose(contact, bodies, state->last_step > 0.0 ? state->last_step : step);
-    shv_surface_find_regions(contact, bodies);
-    SHV_TRY(shv_surface_fill_grid(contact, error));
+    SHV_TRY(shv_surface_fill_grids(contact, bodies, error));
     for (int32_t k = 0; k < contact->list.facet_count; k++)
         SHV_TRY(shv_surface_pair_facet(contact, bodies, &contact->list.facets[k], error));
     for (int32_t k = 0; k < contact->list.facet_count; k++) shv_surface_edges_mark(&contact->list, bodies, k);

@@ -22,14 +22,11 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
 void shv_surface_speed_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,
                             double step);
 void shv_surface_speed_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
-/* surface_region.c: room per fragment; where fragments may meet; nodes and facets into their grids; how near nodes of a speed class must be to a
-   facet to be its candidates, m; and the size of the grid's cubes to look for them in, m. */
+/* Room per fragment. */
 ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error);
-void shv_surface_find_regions(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
-bool shv_surface_in_region(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet);
-ShvStatus shv_surface_fill_grid(ShvSurfaceContact *contact, ShvError *error);
+/* surface_grid.c: nodes and facets into their grids; how near nodes of a speed class must be to a facet to be its candidates, m. */
+ShvStatus shv_surface_fill_grids(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error);
 double shv_surface_reach(const ShvSurfaceContact *contact, const ShvSurfaceFacet *facet, int speed_class);
-double shv_surface_cube(const ShvSurfaceFacet *facet, double reach);
 /* surface_pair.c: candidates of a facet, as all are chosen anew; of one that is new, or moved, since; of a node that is new, with
    the first so many facets, but for those that leave their skin just now; of an obstacle. */
 ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,

@@ -28,9 +28,6 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_node_grid_release(&contact->facet_grid);
     shv_release(contact->nodes_out_of_skin.items);
     shv_release(contact->facets_out_of_skin.items);
-    shv_release(contact->own);
-    shv_release(contact->near);
-    shv_release(contact->order);
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);

@@ -93,8 +93,6 @@ struct ShvSurfaceContact {
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
     ShvNodeGrid grid;
-    ShvBox *own, *near; /* per fragment: its box, and the part of it where it may meet something */
-    int32_t *order;     /* fragments by the low end of their boxes */
     ShvSurfaceFragment *fragments;
     int32_t fragment_capacity;
     double size;            /* of facets, mean, m */

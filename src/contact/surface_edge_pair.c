@@ -86,10 +86,9 @@ static ShvStatus pair_grid(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 {
     ShvNodeGrid *grid = &contact->facet_grid;
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
-        if (grid->levels[speed_class] == 0) continue;
         const double reach =
             contact->half[speed_class] + times * shv_surface_reach(contact, seeker->facet, speed_class);
-        SHV_TRY(shv_node_grid_find(grid, speed_class, reach, shv_box_grown(seeker->facet->box, reach), error));
+        SHV_TRY(shv_node_grid_find(grid, speed_class, shv_box_grown(seeker->facet->box, reach), error));
         for (int32_t k = 0; k < grid->found_count; k++)
             if (grid->found[k] < facets && !contact->list.facets[grid->found[k]].out_of_skin)
                 SHV_TRY(pair_facet(contact, bodies, seeker, grid->found[k], times, error));
@@ -109,9 +108,7 @@ ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBod
                                  ShvError *error)
 {
     Seeker seeker;
-    if (!make_seeker(contact, place, &seeker) || contact->fragments[seeker.facet->fragment].rigid ||
-        !shv_surface_in_region(contact, seeker.facet))
-        return SHV_OK;
+    if (!make_seeker(contact, place, &seeker) || contact->fragments[seeker.facet->fragment].rigid) return SHV_OK;
     seeker.all_lists = true;
     return pair_grid(contact, bodies, &seeker, contact->grid_facets, 1.0, error);
 }

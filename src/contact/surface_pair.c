@@ -138,8 +138,7 @@ static ShvStatus pair_nodes(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     ShvNodeGrid *grid = &contact->grid;
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
         const double reach = times * shv_surface_reach(contact, facet, speed_class);
-        SHV_TRY(shv_node_grid_find(grid, speed_class, shv_surface_cube(facet, reach), shv_box_grown(facet->box, reach),
-                                   error));
+        SHV_TRY(shv_node_grid_find(grid, speed_class, shv_box_grown(facet->box, reach), error));
         for (int32_t k = 0; k < grid->found_count; k++)
             if (!contact->list.nodes[grid->found[k]].out_of_skin)
                 SHV_TRY(pair_node(contact, bodies, seeker, grid->found[k], reach, error));
@@ -151,7 +150,7 @@ ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBod
                                  const ShvSurfaceFacet *facet, ShvError *error)
 {
     Seeker seeker;
-    if (!shv_surface_in_region(contact, facet) || !make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
+    if (!make_seeker(contact, bodies, facet, &seeker)) return SHV_OK;
     return pair_nodes(contact, bodies, &seeker, 1.0, error);
 }
 
@@ -209,8 +208,8 @@ ShvStatus shv_surface_pair_late_node(ShvSurfaceContact *contact, const ShvSurfac
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
         const double reach =
             contact->half[speed_class] + 2.0 * (contact->skin[speed_class] + contact->skin[node->speed_class]);
-        SHV_TRY(shv_node_grid_find(grid, speed_class, reach, shv_box_grown((ShvBox){node->from, node->from}, reach),
-                                   error));
+        SHV_TRY(
+            shv_node_grid_find(grid, speed_class, shv_box_grown((ShvBox){node->from, node->from}, reach), error));
         for (int32_t k = 0; k < grid->found_count; k++)
             if (!contact->list.facets[grid->found[k]].out_of_skin)
                 SHV_TRY(pair_with(contact, bodies, slot, grid->found[k], error));
