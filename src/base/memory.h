@@ -76,4 +76,15 @@ ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes);
         (block) = shv_resized_;                                                                                        \
     } while (0)
 
+/* Room for one more element than `count`, in a list that grows by doubling; out of memory returns shv_fail_memory from the calling
+   function. */
+ShvStatus shv_grow(ShvMemory *memory, ShvPart part, void **block, int32_t *capacity, int32_t count, size_t size,
+                   const char *what, ShvError *error);
+#define SHV_GROW(memory, part, block, capacity, count, what, error)                                                    \
+    do {                                                                                                               \
+        void *shv_grown_ = (block);                                                                                    \
+        SHV_TRY(shv_grow((memory), (part), &shv_grown_, &(capacity), (count), sizeof *(block), (what), (error)));      \
+        (block) = shv_grown_;                                                                                          \
+    } while (0)
+
 #endif

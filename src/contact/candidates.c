@@ -47,18 +47,6 @@ static Ball bound(const ShvState *state, const int32_t *nodes, int32_t count)
     return (Ball){shv_scale(shv_add(low, high), 0.5), 0.5 * shv_norm(shv_sub(high, low))};
 }
 
-ShvStatus shv_candidates_grow(ShvMemory *memory, void **block, int32_t *capacity, int32_t count, size_t size,
-                              ShvError *error)
-{
-    if (count < *capacity) return SHV_OK;
-    const int32_t wanted = *capacity < 64 ? 128 : *capacity > INT32_MAX / 2 ? INT32_MAX : 2 * *capacity;
-    void *grown = shv_reallocate(memory, SHV_PART_CONTACT, *block, (size_t)wanted, size);
-    if (!grown || wanted == *capacity) return shv_fail_memory(error, "contact", (size_t)wanted * size);
-    *block = grown;
-    *capacity = wanted;
-    return SHV_OK;
-}
-
 static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                         const int32_t *nodes, int32_t count, ShvError *error)
 {
@@ -69,9 +57,8 @@ static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const Sh
             const ShvVec3 x = shv_state_position(state, nodes[k]);
             if (shv_obstacle_closest(&obstacles->items[i], x, contact->skin).gap >= contact->skin) continue;
             if (!(state->mass[nodes[k]] > 0.0)) continue;
-            void *block = contact->candidates;
-            SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->capacity, chosen, sizeof(int32_t), error));
-            contact->candidates = block;
+            SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->candidates, contact->capacity, chosen, "contact",
+                     error);
             contact->candidates[chosen++] = nodes[k];
         }
     }
@@ -90,16 +77,6 @@ ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvS
     return shape;
 }
 
-static ShvStatus append_facet(ShvNodeContact *contact, const ShvFacetCandidate *candidate, ShvError *error)
-{
-    void *block = contact->facets;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->facet_capacity, contact->facet_count,
-                                sizeof *candidate, error));
-    contact->facets = block;
-    contact->facets[contact->facet_count++] = *candidate;
-    return SHV_OK;
-}
-
 /* With each feature of the obstacle that is near. */
 static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle, int32_t index,
                             int32_t face, ShvError *error)
@@ -109,9 +86,12 @@ static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, cons
     const ShvFacetShape shape = shv_candidate_shape(&candidate, state);
     ShvFeatureRange range;
     if (!shv_features_about(obstacle, &shape, contact->skin, &range)) return SHV_OK;
-    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++)
-        if (shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach))
-            SHV_TRY(append_facet(contact, &candidate, error));
+    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++) {
+        if (!shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach)) continue;
+        SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->facets, contact->facet_capacity, contact->facet_count,
+                 "contact", error);
+        contact->facets[contact->facet_count++] = candidate;
+    }
     return SHV_OK;
 }
 

@@ -8,24 +8,10 @@ typedef struct ShvPairKey {
     int32_t node, end, element, face, edge, feature, draft;
 } ShvPairKey;
 
-/* A candidate that is due. */
-typedef struct ShvDueCandidate {
-    int32_t candidate;
-    uint8_t kind; /* place in ShvSurfaceContact.candidates */
-    bool near;    /* the two may meet */
-} ShvDueCandidate;
-
 typedef struct ShvNarrowPhase {
-    ShvDueCandidate *due;
-    int32_t due_count, due_capacity;
-    int64_t pass;    /* of the present search */
-    int32_t *nodes;  /* of this search: places in the list */
-    int32_t *facets; /* likewise */
-    int32_t node_count, node_capacity, facet_count, facet_capacity;
-    ShvFacetPlane *planes; /* per facet of the list, when it was last looked at */
-    ShvFacetPair *drafts;  /* pairs, and some that are none */
-    ShvPairKey *keys;      /* those that are, in order */
-    int32_t count, key_count, capacity;
+    ShvFacetPair *drafts; /* the pairs as they are found */
+    ShvPairKey *keys;     /* in order */
+    int32_t count, capacity;
 } ShvNarrowPhase;
 
 typedef struct ShvSurfaceContact ShvSurfaceContact;

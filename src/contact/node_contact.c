@@ -154,10 +154,8 @@ static ShvStatus append_pair(const ContactStep *now, const ShvNodePair *pair, Sh
 {
     ShvNodeContact *contact = now->contact;
     const ShvNodePair copy = *pair; /* may lie in the block that moves */
-    void *block = contact->pairs;
-    SHV_TRY(
-        shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof copy, error));
-    contact->pairs = block;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, contact->pair_count, "contact",
+             error);
     contact->pairs[contact->pair_count++] = copy;
     weigh(now, &contact->pairs[contact->pair_count - 1]);
     return SHV_OK;
@@ -342,10 +340,8 @@ static ShvStatus respond(const ContactStep *now, ShvError *error)
 
 static ShvStatus append_touch(ShvNodeContact *contact, const ShvNodePair *pair, int corner, ShvError *error)
 {
-    void *block = contact->touches;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->touch_capacity, contact->touching,
-                                sizeof(ShvNodeTouch), error));
-    contact->touches = block;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->touches, contact->touch_capacity, contact->touching, "contact",
+             error);
     const ShvNodeTouch touch = {.node = pair->nodes[corner],
                                 .obstacle = pair->obstacle,
                                 .fresh = contact->last_touch[pair->nodes[corner]] + 1 < contact->step_number,

@@ -16,7 +16,7 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
                                    .idle = true,
                                    .list = {.memory = memory, .model = model},
                                    .detection_interval = SHV_SURFACE_DETECTION_INTERVAL,
-                                   .grid = {.memory = memory},
+                                   .node_grid = {.memory = memory},
                                    .facet_grid = {.memory = memory}};
     return SHV_OK;
 }
@@ -24,10 +24,9 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
 void shv_surface_contact_release(ShvSurfaceContact *contact)
 {
     shv_surface_list_release(&contact->list);
-    shv_node_grid_release(&contact->grid);
-    shv_node_grid_release(&contact->facet_grid);
-    shv_release(contact->nodes_out_of_skin.items);
-    shv_release(contact->facets_out_of_skin.items);
+    shv_hash_grid_release(&contact->node_grid);
+    shv_hash_grid_release(&contact->facet_grid);
+    shv_release(contact->renewed_facets.items);
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
@@ -122,14 +121,14 @@ static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
 {
     const ShvNarrowPhase *narrow = &contact->narrow;
     SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
-    if (contact->pair_capacity < narrow->key_count) {
-        const size_t wanted = (size_t)narrow->key_count + (size_t)narrow->key_count / 2;
+    if (contact->pair_capacity < narrow->count) {
+        const size_t wanted = (size_t)narrow->count + (size_t)narrow->count / 2;
         SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, "contact of surfaces",
                    wanted * sizeof *contact->pairs, error);
         contact->pair_capacity = (int32_t)wanted;
     }
-    for (int32_t k = 0; k < narrow->key_count; k++) contact->pairs[k] = narrow->drafts[narrow->keys[k].draft];
-    contact->pair_count = narrow->key_count;
+    for (int32_t k = 0; k < narrow->count; k++) contact->pairs[k] = narrow->drafts[narrow->keys[k].draft];
+    contact->pair_count = narrow->count;
     return SHV_OK;
 }
 

@@ -33,7 +33,7 @@
 #include "contact/facet_pair.h"
 #include "contact/narrow_phase.h"
 #include "contact/node_contact.h"
-#include "contact/node_grid.h"
+#include "contact/hash_grid.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
@@ -61,6 +61,7 @@ typedef struct ShvSurfaceCandidates {
     double *due;     /* per candidate, m: sum of the paths of both sides at which they may meet */
     uint8_t *movers; /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
     int32_t count, capacity;
+    int32_t held; /* when void ones were last dropped */
 } ShvSurfaceCandidates;
 
 /* A fragment since candidates were chosen. */
@@ -68,15 +69,12 @@ typedef struct ShvSurfaceFragment {
     double path;         /* m: no node of a coupled body has gone farther in the frame */
     uint8_t speed_class; /* of all a coupled body's nodes */
     bool rigid;          /* it was a coupled body */
-    bool cracked;        /* it was cracked, or comes from such: its own surfaces are candidates of one another */
-    bool opened;         /* they are to be from now on */
+    bool cracked;        /* a crack runs in it: its own surfaces are candidates of one another */
+    bool opened;         /* its nodes are to look for what they may meet anew */
 } ShvSurfaceFragment;
 
-/* Places, in a list, of those in its grid that have left their skin since. */
-typedef struct ShvSurfacePlaces {
-    int32_t *items;
-    int32_t count, capacity;
-} ShvSurfacePlaces;
+/* Most steps from one time that the speeds of all nodes are read to the next. */
+enum { SHV_SURFACE_STEPS_BETWEEN_CHECKS = 4 };
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
@@ -85,24 +83,22 @@ struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
-    bool stale;      /* the lists must be made anew */
-    bool woken;      /* coupled bodies woke */
-    bool idle;       /* nothing can meet */
-    bool incomplete; /* candidates of some nodes are */
+    bool stale; /* the lists must be made anew */
+    bool woken; /* coupled bodies woke */
+    bool idle;  /* nothing can meet */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
-    ShvNodeGrid grid;
+    ShvHashGrid node_grid, facet_grid; /* facets by the centres of their boxes */
     ShvSurfaceFragment *fragments;
     int32_t fragment_capacity;
-    double size;            /* of facets, mean, m */
-    double built_time;      /* s: when candidates were chosen */
-    int32_t grid_nodes;     /* of the list, so many are in the grid */
-    ShvNodeGrid facet_grid; /* centres of the facets' boxes; their first grid_facets are in it */
-    int32_t grid_facets;
-    double half
-        [SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class in the grid reaches farther from its centre */
-    ShvSurfacePlaces nodes_out_of_skin, facets_out_of_skin;
+    double size;       /* of facets, mean, m */
+    double built_time; /* s: when candidates were chosen */
+    double half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
+    int32_t renewal;                        /* number of the present or last one */
+    int32_t renewed_nodes;                  /* since candidates were chosen */
+    int32_t paired_facets;                  /* of the list, so many have looked for candidates */
+    ShvSurfacePlaces renewed_facets;        /* in the last renewal */
     ShvVec3 drift;                      /* velocity of the frame in which motion is measured, m/s */
     double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
