@@ -48,10 +48,8 @@ static ShvStatus know_nodes(ShvNodeContact *contact, const ShvState *state, ShvE
 {
     if (contact->node_capacity < state->node_count) {
         const size_t capacity = (size_t)state->node_capacity;
-        int64_t *grown =
-            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->last_touch, capacity, sizeof(int64_t));
-        if (!grown) return shv_fail_memory(error, "contact", capacity * sizeof(int64_t));
-        contact->last_touch = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->last_touch, capacity, "contact",
+                   capacity * sizeof(int64_t), error);
         contact->node_capacity = state->node_capacity;
     }
     for (; contact->known_nodes < state->node_count; contact->known_nodes++)
@@ -85,7 +83,7 @@ typedef struct ContactStep {
     ShvNodeContact *contact;
     ShvState *state;
     ShvObstacles *obstacles;
-    double kick, step;
+    double step;
     ShvVec3 gravity;
 } ContactStep;
 
@@ -143,13 +141,6 @@ static bool make_pair(const ContactStep *now, int32_t node, int32_t index, doubl
     return true;
 }
 
-static ShvVec3 velocity_before(const ContactStep *now, int32_t node)
-{
-    const int64_t i = 3 * (int64_t)node;
-    const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
-    return shv_madd(shv_load3(now->state->velocity + i), -now->kick, acceleration);
-}
-
 static ShvStatus append_pair(const ContactStep *now, const ShvNodePair *pair, ShvError *error)
 {
     ShvNodeContact *contact = now->contact;
@@ -171,8 +162,7 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
         for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
             ShvNodePair pair;
             if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
-            pair.before[0] = contact->begun ? shv_load3(contact->before + 3 * (int64_t)k)
-                                            : velocity_before(now, contact->candidates[k]);
+            pair.before[0] = shv_load3(contact->before + 3 * (int64_t)k);
             SHV_TRY(append_pair(now, &pair, error));
         }
     }
@@ -199,7 +189,7 @@ static ShvStatus list_facet_pairs(const ContactStep *now, const ShvFacetCandidat
         for (int c = 0; c < 3; c++) {
             pair.nodes[c] = candidate->nodes[c];
             pair.weights[c] = points[k].weights[c];
-            pair.before[c] = now->contact->begun ? candidate->before[c] : velocity_before(now, candidate->nodes[c]);
+            pair.before[c] = candidate->before[c];
         }
         SHV_TRY(append_pair(now, &pair, error));
     }
@@ -377,13 +367,11 @@ ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state,
                                  const int32_t *nodes, int32_t count, double step, const double gravity[3],
                                  ShvError *error)
 {
-    contact->begun = false;
     SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(shv_load3(gravity)), error));
     if (contact->before_capacity < contact->capacity) {
         const size_t wanted = 3 * (size_t)contact->capacity;
-        double *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->before, wanted, sizeof(double));
-        if (!grown) return shv_fail_memory(error, "contact", wanted * sizeof(double));
-        contact->before = grown;
+        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->before, wanted, "contact", wanted * sizeof(double),
+                   error);
         contact->before_capacity = contact->capacity;
     }
     for (int32_t k = 0; k < contact->candidate_start[contact->obstacle_count]; k++)
@@ -391,25 +379,20 @@ ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state,
     for (int32_t k = 0; k < contact->facet_count; k++)
         for (int c = 0; c < 3; c++)
             contact->facets[k].before[c] = shv_load3(state->velocity + 3 * (int64_t)contact->facets[k].nodes[c]);
-    contact->begun = true;
     return SHV_OK;
 }
 
-ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
-                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
-                                 ShvError *error)
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles, double step,
+                                 const double gravity[3], ShvError *error)
 {
-    const ContactStep now = {contact, state, obstacles, kick, step, shv_load3(gravity)};
+    const ContactStep now = {contact, state, obstacles, step, shv_load3(gravity)};
     contact->obstacle_work[0] = contact->obstacle_work[1] = 0.0;
     /* After a pause every touch is fresh: a number is left out. */
     contact->step_number += fabs(state->time - contact->next_time) <= 0.5 * step ? 1 : 2;
     contact->next_time = state->time + step;
     SHV_TRY(know_nodes(contact, state, error));
-    if (!contact->begun)
-        SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
     SHV_TRY(list_pairs(&now, error));
     for (int32_t k = 0; k < contact->facet_count; k++) SHV_TRY(list_facet_pairs(&now, &contact->facets[k], error));
-    contact->begun = false;
     SHV_TRY(respond(&now, error));
     SHV_TRY(list_touches(contact, error));
     shv_node_contact_book(contact, state);

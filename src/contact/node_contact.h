@@ -55,7 +55,6 @@ typedef struct ShvNodeContact {
     int32_t capacity;
     double *before; /* 3 per candidate: velocity before the kick, m/s */
     int32_t before_capacity;
-    bool begun;         /* `before` is of this step */
     double skin, moved; /* m */
     bool stale;
     int32_t listed;    /* number of nodes the candidates were chosen from */
@@ -85,18 +84,15 @@ void shv_node_contact_release(ShvNodeContact *contact);
 void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surface);
 /* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
-/* Before the kick of a step, once forces are known or not: remembers the velocities of nodes that may touch, from which the
-   first halves of the works come. The lists must be those of shv_node_contact_apply. */
+/* Before the kick of a step: finds which of the awake nodes (surface nodes suffice) may touch, and remembers their velocities, from
+   which the first halves of the works come. */
 ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, const double gravity[3],
                                  ShvError *error);
-/* One step (of length `step` = dt₊) for the listed awake nodes (surface nodes suffice), after the kick and whatever else
-   changes velocities but may be overruled. Obstacles are at time n: a free one's mean velocity over the step is taken as
-   velocity + ½ step gravity. Ends with shv_node_contact_book. Without shv_node_contact_begin the velocity before the kick
-   is taken to be v − kick (force/mass + gravity), kick = ½(dt₋ + dt₊): then nothing may have come between. */
-ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
-                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
-                                 ShvError *error);
+/* One step (of length `step` = dt₊), after the kick and whatever else changes velocities but may be overruled. Obstacles are at
+   time n: a free one's mean velocity over the step is taken as velocity + ½ step gravity. Ends with shv_node_contact_book. */
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles, double step,
+                                 const double gravity[3], ShvError *error);
 /* Works of this step's impulses with the velocities as they are now; call it again when something (a support) has changed
    velocities since, so that second halves use the final ones. */
 void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state);
