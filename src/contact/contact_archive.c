@@ -50,8 +50,8 @@ bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive
         SHV_FIELD_OF(ShvSurfaceContact, coupled_body_before, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, pairs, SHV_FIELD_BLOCK),
         /* made anew by every look */
-        SHV_FIELD_OF(ShvSurfaceContact, narrow.drafts, SHV_FIELD_ROOM),
-        SHV_FIELD_OF(ShvSurfaceContact, narrow.keys, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSurfaceContact, found, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSurfaceContact, keys, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, visits, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, memory, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvSurfaceContact, model, SHV_FIELD_KEPT),

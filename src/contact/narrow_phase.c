@@ -1,7 +1,5 @@
 /* Which candidates are close enough to meet in the step. Each decision stands for itself; the pairs are then put into the order of
    their numbers. */
-#include "contact/narrow_phase.h"
-
 #include <stdlib.h>
 
 #include "contact/surface_candidates.h"
@@ -11,12 +9,6 @@
 typedef struct Horizon {
     double path[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS], reach[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
 } Horizon;
-
-void shv_narrow_phase_release(ShvNarrowPhase *narrow)
-{
-    shv_release(narrow->drafts);
-    shv_release(narrow->keys);
-}
 
 /* ---- neighbours ---- */
 
@@ -125,11 +117,14 @@ static bool detect(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
            shv_edge_pair_detect(bodies, &own, &other, step, reach, pair, distance);
 }
 
-static ShvStatus reserve(ShvNarrowPhase *narrow, ShvMemory *memory, ShvError *error)
+static ShvStatus reserve(ShvSurfaceContact *contact, ShvError *error)
 {
-    int32_t room = narrow->capacity;
-    SHV_GROW(memory, SHV_PART_CONTACT, narrow->drafts, room, narrow->count, "contact of surfaces", error);
-    SHV_GROW(memory, SHV_PART_CONTACT, narrow->keys, narrow->capacity, narrow->count, "contact of surfaces", error);
+    int32_t room = contact->pair_capacity;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->found, room, contact->pair_count, "contact", error);
+    room = contact->pair_capacity;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->pairs, room, contact->pair_count, "contact", error);
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->keys, contact->pair_capacity, contact->pair_count, "contact",
+             error);
     return SHV_OK;
 }
 
@@ -137,7 +132,6 @@ static ShvStatus reserve(ShvNarrowPhase *narrow, ShvMemory *memory, ShvError *er
 static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
                             ShvError *error)
 {
-    ShvNarrowPhase *narrow = &contact->narrow;
     ShvSurfaceCandidates *list = &contact->candidates[kind];
     Horizon horizon;
     find_horizon(contact, step, &horizon);
@@ -148,14 +142,14 @@ static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
         const bool is_void = shv_surface_candidate_is_void(contact, candidate);
         double distance = is_void ? (double)INFINITY : neighbours_left(contact, bodies, candidate);
         if (!(distance > 0.0)) {
-            SHV_TRY(reserve(narrow, contact->memory, error));
-            ShvFacetPair *draft = &narrow->drafts[narrow->count];
+            SHV_TRY(reserve(contact, error));
+            ShvFacetPair *pair = &contact->found[contact->pair_count];
             contact->distance_checks++;
-            if (detect(contact, bodies, candidate, step, reach, draft, &distance)) {
-                name_slots(contact, bodies, candidate, draft);
-                narrow->keys[narrow->count] = (ShvPairKey){draft->node, draft->end,     draft->element, draft->face,
-                                                           draft->edge, draft->feature, narrow->count};
-                narrow->count++;
+            if (detect(contact, bodies, candidate, step, reach, pair, &distance)) {
+                name_slots(contact, bodies, candidate, pair);
+                contact->keys[contact->pair_count] = (ShvPairKey){
+                    pair->node, pair->end, pair->element, pair->face, pair->edge, pair->feature, contact->pair_count};
+                contact->pair_count++;
             }
         }
         list->due[k] = fmax(list->due[k], path + distance);
@@ -176,12 +170,12 @@ static int by_number(const void *a, const void *b)
 
 ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
-    ShvNarrowPhase *narrow = &contact->narrow;
-    narrow->count = 0;
+    contact->pair_count = 0;
     shv_surface_candidates_advance(contact, bodies);
     SHV_TRY(find_pairs(contact, bodies, 0, step, error));
     if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs(contact, bodies, 1, contact->detection_interval * step, error));
-    if (narrow->count > 0) qsort(narrow->keys, (size_t)narrow->count, sizeof *narrow->keys, by_number);
+    if (contact->pair_count > 0) qsort(contact->keys, (size_t)contact->pair_count, sizeof *contact->keys, by_number);
+    for (int32_t k = 0; k < contact->pair_count; k++) contact->pairs[k] = contact->found[contact->keys[k].found];
     return SHV_OK;
 }

@@ -19,6 +19,10 @@ ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t coun
 /* Whether a side of it has looked for its candidates anew since. */
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate);
 
+/* narrow_phase.c: the pairs that may meet within `step` from now, in the order of their numbers, whatever the candidates were.
+   Between coupled bodies it looks once in contact->detection_interval steps, that far ahead. */
+ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error);
+
 /* ---- parts of it ---- */
 
 /* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that leave their skin

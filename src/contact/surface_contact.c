@@ -33,7 +33,8 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].movers);
     }
     shv_release(contact->fragments);
-    shv_narrow_phase_release(&contact->narrow);
+    shv_release(contact->found);
+    shv_release(contact->keys);
     shv_release(contact->watched);
     shv_release(contact->before);
     shv_release(contact->coupled_body_before);
@@ -116,21 +117,6 @@ ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurface
 }
 
 /* ---- pairs ---- */
-
-static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
-{
-    const ShvNarrowPhase *narrow = &contact->narrow;
-    SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
-    if (contact->pair_capacity < narrow->count) {
-        const size_t wanted = (size_t)narrow->count + (size_t)narrow->count / 2;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->pairs, error);
-        contact->pair_capacity = (int32_t)wanted;
-    }
-    for (int32_t k = 0; k < narrow->count; k++) contact->pairs[k] = narrow->drafts[narrow->keys[k].draft];
-    contact->pair_count = narrow->count;
-    return SHV_OK;
-}
 
 /* Facets are in one plane when 1 − cosine of their normals, and the relative difference of their gaps, are round-off; one rises
    above the plane of another by more than this share of the distance between them. */
@@ -324,7 +310,7 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
 {
     clear_step(contact);
     if (is_quiet(contact) || !(step > 0.0)) return SHV_OK;
-    SHV_TRY(list_pairs(contact, bodies, step, error));
+    SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
     if (contact->pair_count == 0) return SHV_OK;
     exclude_deeper(contact);
     SHV_TRY(respond(contact, bodies, error));

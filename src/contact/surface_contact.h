@@ -30,8 +30,7 @@
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 
-#include "contact/facet_pair.h"
-#include "contact/narrow_phase.h"
+#include "contact/edge_pair.h"
 #include "contact/node_contact.h"
 #include "contact/hash_grid.h"
 #include "contact/surface_list.h"
@@ -76,10 +75,14 @@ typedef struct ShvSurfaceFragment {
 /* Most steps from one time that the speeds of all nodes are read to the next. */
 enum { SHV_SURFACE_STEPS_BETWEEN_CHECKS = 4 };
 
+typedef struct ShvPairKey {
+    int32_t node, end, element, face, edge, feature, found;
+} ShvPairKey;
+
 /* What moves: nodes and facets of each speed class, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
 
-struct ShvSurfaceContact {
+typedef struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
@@ -116,8 +119,9 @@ struct ShvSurfaceContact {
     int32_t coupled_body_capacity;
     /* this step */
     ShvFacetPair *pairs; /* by node, end, element, face, edge; those without an impulse included */
+    ShvFacetPair *found; /* the same as they are found, */
+    ShvPairKey *keys;    /* and their order */
     int32_t pair_count, pair_capacity;
-    ShvNarrowPhase narrow;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
     int32_t visit_capacity;
     int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
@@ -130,7 +134,7 @@ struct ShvSurfaceContact {
         unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
     double deepest;                    /* m: largest penetration of a pair */
     int64_t distance_checks, rebuilds; /* since the start */
-};
+} ShvSurfaceContact;
 
 /* Allocates nothing. `friction`: Coulomb coefficient between any two surfaces, ≥ 0. */
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,

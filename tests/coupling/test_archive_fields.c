@@ -22,7 +22,7 @@ static const Size sizes[] = {
     SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 872),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvNodeContact, "contact/contact_archive.c", 312),
-    SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1184),
+    SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1176),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
     SIZE(ShvImposedCondition, "conditions/condition_archive.c", 88),
     SIZE(ShvObstacle, "shape/obstacle_archive.c", 512),
@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 112),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5128),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5120),
 };
 
 static void test_no_field_is_new(void **state)
