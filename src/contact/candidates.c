@@ -47,22 +47,35 @@ static Ball bound(const ShvState *state, const int32_t *nodes, int32_t count)
     return (Ball){shv_scale(shv_add(low, high), 0.5), 0.5 * shv_norm(shv_sub(high, low))};
 }
 
-static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
-                        const int32_t *nodes, int32_t count, ShvError *error)
+static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles, int32_t index,
+                        int32_t node, ShvError *error)
 {
-    int32_t chosen = 0;
-    for (int32_t i = 0; i < obstacles->count; i++) {
-        contact->candidate_start[i] = chosen;
-        for (int32_t k = 0; k < count; k++) {
-            const ShvVec3 x = shv_state_position(state, nodes[k]);
-            if (shv_obstacle_closest(&obstacles->items[i], x, contact->skin).gap >= contact->skin) continue;
-            if (!(state->mass[nodes[k]] > 0.0)) continue;
-            SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->candidates, contact->capacity, chosen, "contact",
-                     error);
-            contact->candidates[chosen++] = nodes[k];
-        }
-    }
-    contact->candidate_start[obstacles->count] = chosen;
+    const ShvVec3 x = shv_state_position(state, node);
+    if (shv_obstacle_closest(&obstacles->items[index], x, contact->skin).gap >= contact->skin) return SHV_OK;
+    if (!(state->mass[node] > 0.0)) return SHV_OK;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->candidates, contact->candidate_capacity,
+             contact->candidate_count, "contact", error);
+    contact->candidates[contact->candidate_count++] = (ShvNodeCandidate){.node = node, .obstacle = index};
+    return SHV_OK;
+}
+
+static ShvStatus choose_all(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                            const int32_t *nodes, int32_t count, ShvError *error)
+{
+    contact->candidate_count = 0;
+    for (int32_t i = 0; i < obstacles->count; i++)
+        for (int32_t k = 0; k < count; k++) SHV_TRY(choose(contact, state, obstacles, i, nodes[k], error));
+    contact->of_nodes = state->node_count;
+    contact->listed = count;
+    return SHV_OK;
+}
+
+static ShvStatus add_copies(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                            ShvError *error)
+{
+    for (; contact->of_nodes < state->node_count; contact->of_nodes++, contact->listed++)
+        for (int32_t i = 0; i < obstacles->count; i++)
+            SHV_TRY(choose(contact, state, obstacles, i, contact->of_nodes, error));
     return SHV_OK;
 }
 
@@ -161,10 +174,21 @@ static void measure_speed(ShvNodeContact *contact, const ShvState *state, const 
 /* Share of the radius of all nodes that the skin has at least, so that bodies at rest keep their neighbour lists. */
 static const double least_skin = 4e-3;
 
+/* Facets, which are then chosen, have other nodes when one of theirs is split, and come with cracks that separate. */
+static bool have_features(const ShvObstacles *obstacles)
+{
+    bool any = false;
+    for (int32_t i = 0; i < obstacles->count; i++) any |= obstacles->items[i].feature_count > 0;
+    return any;
+}
+
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, double gravity, ShvError *error)
 {
     const double others = largest_obstacle_speed(obstacles) + (STEPS_BETWEEN_CHECKS + 1) * step * gravity;
+    contact->stale |= contact->split && have_features(obstacles);
+    if (!contact->stale && contact->split) SHV_TRY(add_copies(contact, state, obstacles, error));
+    contact->split = false;
     const bool forced = contact->stale || contact->listed != count;
     if (!forced && ++contact->since >= STEPS_BETWEEN_CHECKS) measure_speed(contact, state, nodes, count);
     contact->moved += step * (2.0 * contact->node_speed + others);
@@ -174,10 +198,9 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
     const Ball ball = bound(state, nodes, count);
     contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, least_skin * ball.radius);
     contact->stale = true; /* until it is done */
-    SHV_TRY(choose(contact, state, obstacles, nodes, count, error));
+    SHV_TRY(choose_all(contact, state, obstacles, nodes, count, error));
     SHV_TRY(choose_all_facets(contact, state, obstacles, &ball, error));
     contact->stale = false;
-    contact->listed = count;
     contact->moved = motion;
     return SHV_OK;
 }

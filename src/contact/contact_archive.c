@@ -6,8 +6,6 @@ bool shv_node_contact_archive(ShvNodeContact *contact, ShvArchive *archive)
 {
     static const ShvField fields[] = {
         SHV_FIELD_OF(ShvNodeContact, candidates, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, candidate_start, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, before, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvNodeContact, last_touch, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvNodeContact, pairs, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvNodeContact, touches, SHV_FIELD_BLOCK),

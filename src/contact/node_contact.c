@@ -7,23 +7,16 @@ enum { MOST_SWEEPS = 64, MOST_ROUNDS = 4 };
    unresolved. */
 static const double unresolved_of_speed = 1e-6;
 
-ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
-                                  ShvError *error)
+void shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory)
 {
-    const size_t starts = (size_t)obstacles->count + 1;
-    *contact =
-        (ShvNodeContact){.memory = memory, .obstacle_count = obstacles->count, .stale = true, .next_time = (double)NAN};
-    contact->candidate_start = shv_allocate(memory, SHV_PART_CONTACT, starts, sizeof(int32_t));
-    return contact->candidate_start ? SHV_OK : shv_fail_memory(error, "contact", starts * sizeof(int32_t));
+    *contact = (ShvNodeContact){.memory = memory, .stale = true, .next_time = (double)NAN};
 }
 
 void shv_node_contact_release(ShvNodeContact *contact)
 {
     shv_release(contact->candidates);
-    shv_release(contact->candidate_start);
     shv_release(contact->boundary);
     shv_release(contact->facets);
-    shv_release(contact->before);
     shv_release(contact->last_touch);
     shv_release(contact->pairs);
     shv_release(contact->touches);
@@ -39,6 +32,11 @@ void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surfa
 void shv_node_contact_invalidate(ShvNodeContact *contact)
 {
     contact->stale = true;
+}
+
+void shv_node_contact_follow(ShvNodeContact *contact)
+{
+    contact->split = true;
 }
 
 /* ---- pairs ---- */
@@ -156,15 +154,14 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
 {
     ShvNodeContact *contact = now->contact;
     contact->pair_count = 0;
-    for (int32_t i = 0; i < now->obstacles->count; i++) {
-        const double speed =
-            shv_candidates_obstacle_speed(&now->obstacles->items[i]) + now->step * shv_norm(now->gravity);
-        for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
-            ShvNodePair pair;
-            if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
-            pair.before[0] = shv_load3(contact->before + 3 * (int64_t)k);
-            SHV_TRY(append_pair(now, &pair, error));
-        }
+    for (int32_t k = 0; k < contact->candidate_count; k++) {
+        const ShvNodeCandidate *candidate = &contact->candidates[k];
+        const ShvObstacle *obstacle = &now->obstacles->items[candidate->obstacle];
+        const double speed = shv_candidates_obstacle_speed(obstacle) + now->step * shv_norm(now->gravity);
+        ShvNodePair pair;
+        if (!make_pair(now, candidate->node, candidate->obstacle, speed, &pair)) continue;
+        pair.before[0] = candidate->before;
+        SHV_TRY(append_pair(now, &pair, error));
     }
     return SHV_OK;
 }
@@ -368,14 +365,8 @@ ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state,
                                  ShvError *error)
 {
     SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(shv_load3(gravity)), error));
-    if (contact->before_capacity < contact->capacity) {
-        const size_t wanted = 3 * (size_t)contact->capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->before, wanted, "contact", wanted * sizeof(double),
-                   error);
-        contact->before_capacity = contact->capacity;
-    }
-    for (int32_t k = 0; k < contact->candidate_start[contact->obstacle_count]; k++)
-        shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k]));
+    for (int32_t k = 0; k < contact->candidate_count; k++)
+        contact->candidates[k].before = shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k].node);
     for (int32_t k = 0; k < contact->facet_count; k++)
         for (int c = 0; c < 3; c++)
             contact->facets[k].before[c] = shv_load3(state->velocity + 3 * (int64_t)contact->facets[k].nodes[c]);

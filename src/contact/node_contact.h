@@ -26,6 +26,12 @@ typedef struct ShvNodeTouch {
     ShvVec3 before;        /* velocity of the node before the kick, m/s */
 } ShvNodeTouch;
 
+/* A node that an obstacle may meet. */
+typedef struct ShvNodeCandidate {
+    int32_t node, obstacle;
+    ShvVec3 before; /* velocity before the kick, m/s */
+} ShvNodeCandidate;
+
 /* A facet that a feature of an obstacle may meet. */
 typedef struct ShvFacetCandidate {
     int32_t obstacle, feature;
@@ -42,22 +48,19 @@ typedef struct ShvNodeSurface {
 
 typedef struct ShvNodeContact {
     ShvMemory *memory;
-    int32_t obstacle_count;
     ShvNodeSurface surface;
     int32_t *boundary; /* faces of the model's mesh, 4 × element + face; found once they are needed */
     int32_t boundary_count;
     double facet_radius;       /* m: of the largest facet of the mesh */
     ShvFacetCandidate *facets; /* chosen with the nodes */
     int32_t facet_count, facet_capacity;
-    /* nodes near each obstacle, rebuilt when motion since then may exceed the skin */
-    int32_t *candidates;      /* node indices in the order given, per obstacle one after another */
-    int32_t *candidate_start; /* obstacle_count + 1 */
-    int32_t capacity;
-    double *before; /* 3 per candidate: velocity before the kick, m/s */
-    int32_t before_capacity;
+    /* nodes near obstacles, chosen anew when motion since then may exceed the skin; of each obstacle in the order given, then copies */
+    ShvNodeCandidate *candidates;
+    int32_t candidate_count, candidate_capacity;
     double skin, moved; /* m */
-    bool stale;
-    int32_t listed;    /* number of nodes the candidates were chosen from */
+    bool stale, split;  /* they no longer hold; nodes have been duplicated since they were chosen */
+    int32_t listed;     /* number of nodes they were chosen from, */
+    int32_t of_nodes;   /* and of those of the state then */
     int32_t since;     /* steps since the nodes' speeds were last looked at */
     double node_speed; /* largest then, m/s */
     double next_time;  /* s: end of the last step */
@@ -77,13 +80,15 @@ typedef struct ShvNodeContact {
     int32_t unresolved;           /* pairs still closing when the sweeps were used up */
 } ShvNodeContact;
 
-ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
-                                  ShvError *error);
+/* Allocates nothing. */
+void shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory);
 void shv_node_contact_release(ShvNodeContact *contact);
 /* From now on facets of awake fragments meet obstacles as well. */
 void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surface);
-/* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
+/* Forces a rebuild of the candidates: fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
+/* Awake nodes were duplicated, or cracks have separated: copies are candidates where they are near an obstacle. */
+void shv_node_contact_follow(ShvNodeContact *contact);
 /* Before the kick of a step: finds which of the awake nodes (surface nodes suffice) may touch, and remembers their velocities, from
    which the first halves of the works come. */
 ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,

@@ -70,7 +70,7 @@ ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL) /* whose nodes are other ones now */
         shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
-    shv_node_contact_invalidate(&hybrid->contact);
+    shv_node_contact_follow(&hybrid->contact);
     hybrid->stabiliser.stale = true;
     return SHV_OK;
 }

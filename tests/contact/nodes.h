@@ -29,7 +29,7 @@ static inline void nodes_create(Nodes *nodes, const ShvObstacleDefinition *defin
         nodes->state.mass[i] = 1.0;
         nodes->state.origin[i] = nodes->list[i] = i;
     }
-    check_ok(shv_node_contact_create(&nodes->contact, NULL, &nodes->obstacles, &nodes->error), nodes->error);
+    shv_node_contact_create(&nodes->contact, NULL);
 }
 
 static inline void nodes_release(Nodes *nodes)

@@ -130,7 +130,7 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
     ShvObstacleDefinition plane = plane_definition("floor", shv_vec3(0.0, 0.0, 1.0), 0.0);
     plane.friction = friction;
     s->obstacles = make_obstacles(&plane, floor ? 1 : 0);
-    check_ok(shv_node_contact_create(&s->floor_contact, s->memory, &s->obstacles, &s->error), s->error);
+    shv_node_contact_create(&s->floor_contact, s->memory);
     check_ok(shv_surface_contact_create(&s->contact, s->memory, &s->model, friction, &s->error), s->error);
     for (int32_t i = 0; i < s->model.object_count; i++) {
         s->awake[i] = 1;
