@@ -115,7 +115,7 @@ static ShvStatus pair_face(ShvNodeContact *contact, const ShvState *state, const
     return pair_facet(contact, state, obstacle, index, face, error);
 }
 
-/* Faces of cracks that have parted, too; until then nothing gets between them but at their edges, which are the boundary's. */
+/* Faces of cracks that have separated, too; until then nothing gets between them but at their edges, which are the boundary's. */
 static ShvStatus choose_facets(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle,
                                int32_t index, ShvError *error)
 {

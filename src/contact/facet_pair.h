@@ -25,11 +25,12 @@ typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
     int32_t end;                 /* of an edge: its other node; −1: a node alone */
     int32_t edge;                /* of an edge: that of the facet which it meets, from corner `edge` to the next */
-    int32_t feature;             /* of an obstacle, that a coupled body's facet meets: then `face` is that facet, element × 4 + face,
+    int32_t
+        feature; /* of an obstacle, that a coupled body's facet meets: then `face` is that facet, element × 4 + face,
                                     and `node` a corner of it */
-    int32_t fragments[2];        /* of the node, of the facet */
-    int32_t corners[3];          /* nodes of the facet */
-    double step;                 /* s: up to the next time that it is looked at */
+    int32_t fragments[2]; /* of the node, of the facet */
+    int32_t corners[3];   /* nodes of the facet */
+    double step;          /* s: up to the next time that it is looked at */
     double share;         /* of `end` in the point: (1 − share) x(node) + share x(end); 0 where there is none */
     double gap;           /* m, along the contact normal; negative: inside */
     double height;        /* m, of the point over the facet's plane: the gap, but for an edge */
@@ -57,13 +58,13 @@ typedef struct ShvFacetPair {
 /* A pair worth looking at: a node and a facet or an obstacle; or an edge and an edge of a facet, or a facet and a feature of an
    obstacle. Places are those in ShvSurfaceList. */
 typedef struct ShvSurfaceCandidate {
-    int32_t slot;             /* of the node, the edge's start or a corner of the facet */
-    int32_t facet;            /* −1 − obstacle where it is one */
-    int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
-    int32_t feature;          /* of the obstacle (shape/feature.h) */
-    int32_t renewal;          /* in which it was found: one that a side of it has had since makes it void */
-    int8_t own_edge, edge;    /* of own_facet and of the facet */
-    int8_t duplicate_corner;  /* of the facet's tet: a copy of the same node of the mesh; −1: none */
+    int32_t slot;            /* of the node, the edge's start or a corner of the facet */
+    int32_t facet;           /* −1 − obstacle where it is one */
+    int32_t own_facet;       /* whose edge it is, or which meets the feature; −1: a node alone */
+    int32_t feature;         /* of the obstacle (shape/feature.h) */
+    int32_t renewal;         /* in which it was found: one that a side of it has had since makes it void */
+    int8_t own_edge, edge;   /* of own_facet and of the facet */
+    int8_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
 } ShvSurfaceCandidate;
 
 /* False for a facet without area. */

@@ -67,8 +67,8 @@ ShvStatus shv_hash_grid_put(ShvHashGrid *grid, int32_t item, int speed_class, Sh
     if (grid->entries[item].next != NOT_IN_GRID) take_out(grid, item);
     const ShvVec3 o = grid->origin;
     const double size = grid->size[speed_class];
-    const uint64_t key = key_of(speed_class, cell(position.x, o.x, size), cell(position.y, o.y, size),
-                                cell(position.z, o.z, size));
+    const uint64_t key =
+        key_of(speed_class, cell(position.x, o.x, size), cell(position.y, o.y, size), cell(position.z, o.z, size));
     int32_t *first = first_of(grid, key);
     grid->entries[item] = (ShvGridEntry){.key = key, .position = position, .next = *first};
     *first = item;

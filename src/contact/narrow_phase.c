@@ -128,7 +128,7 @@ static ShvStatus reserve(ShvSurfaceContact *contact, ShvError *error)
     return SHV_OK;
 }
 
-/* How far apart they are now is when they are due again. */
+/* The distance that they have now is when they are due again. */
 static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
                             ShvError *error)
 {

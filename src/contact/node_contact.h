@@ -61,9 +61,9 @@ typedef struct ShvNodeContact {
     bool stale, split;  /* they no longer hold; nodes have been duplicated since they were chosen */
     int32_t listed;     /* number of nodes they were chosen from, */
     int32_t of_nodes;   /* and of those of the state then */
-    int32_t since;     /* steps since the nodes' speeds were last looked at */
-    double node_speed; /* largest then, m/s */
-    double next_time;  /* s: end of the last step */
+    int32_t since;      /* steps since the nodes' speeds were last looked at */
+    double node_speed;  /* largest then, m/s */
+    double next_time;   /* s: end of the last step */
     int64_t step_number;
     int64_t *last_touch; /* per node: number of the step of its last touch; 0: never */
     int32_t known_nodes, node_capacity;

@@ -6,7 +6,7 @@
    it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps
    from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
    node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
-   are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
+   are left to shv_cohesive_close until they have separated (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
    SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
    flatter edges can pass until a node does, by a fiftieth of an edge. Edges of two coupled bodies do not.
 
@@ -26,13 +26,13 @@
        drift (coupled bodies too)
    A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
    of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
-   one fragment alone is awake and none of its cracks have parted. */
+   one fragment alone is awake and none of its cracks have failed. */
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 
 #include "contact/edge_pair.h"
-#include "contact/node_contact.h"
 #include "contact/hash_grid.h"
+#include "contact/node_contact.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
@@ -97,18 +97,19 @@ typedef struct ShvSurfaceContact {
     int32_t fragment_capacity;
     double size;       /* of facets, mean, m */
     double built_time; /* s: when candidates were chosen */
-    double half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
-    int32_t renewal;                        /* number of the present or last one */
-    int32_t renewed_nodes;                  /* since candidates were chosen */
-    int32_t paired_facets;                  /* of the list, so many have looked for candidates */
-    ShvSurfacePlaces renewed_facets;        /* in the last renewal */
-    ShvVec3 drift;                      /* velocity of the frame in which motion is measured, m/s */
-    double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
-    double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
-    double path[SHV_SURFACE_MOVERS];    /* m: how far the fastest has gone since */
-    int32_t rest;                       /* steps until the speeds of all nodes are read again */
-    double seen_time;                   /* s: time up to which motion has been counted */
-    ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
+    double
+        half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
+    int32_t renewal;                     /* number of the present or last one */
+    int32_t renewed_nodes;               /* since candidates were chosen */
+    int32_t paired_facets;               /* of the list, so many have looked for candidates */
+    ShvSurfacePlaces renewed_facets;     /* in the last renewal */
+    ShvVec3 drift;                       /* velocity of the frame in which motion is measured, m/s */
+    double skin[SHV_SURFACE_MOVERS];     /* m: how far each may go until candidates are chosen anew */
+    double speed[SHV_SURFACE_MOVERS];    /* m/s: largest of candidates' nodes, and of obstacles */
+    double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
+    int32_t rest;                        /* steps until the speeds of all nodes are read again */
+    double seen_time;                    /* s: time up to which motion has been counted */
+    ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */
     int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */

@@ -21,8 +21,7 @@ static ShvStatus split_whole_bodies(ShvSurfaceContact *contact, const ShvSurface
         if (bodies->state->element_fragment[facet->element] == facet->fragment ||
             contact->fragments[facet->fragment].cracked)
             continue;
-        for (int i = 0; i < 3; i++)
-            SHV_TRY(shv_surface_list_incomplete(&contact->list, facet->slots[i], error));
+        for (int i = 0; i < 3; i++) SHV_TRY(shv_surface_list_incomplete(&contact->list, facet->slots[i], error));
     }
     return SHV_OK;
 }

@@ -21,9 +21,8 @@ static ShvStatus reserve_slots(ShvSurfaceList *list, const ShvState *state, ShvE
 {
     if (list->slot_capacity >= state->node_capacity) return SHV_OK;
     const size_t capacity = (size_t)state->node_capacity;
-    int32_t *grown = shv_reallocate(list->memory, SHV_PART_CONTACT, list->slot, capacity, sizeof(int32_t));
-    if (!grown) return shv_fail_memory(error, "contact of surfaces", capacity * sizeof(int32_t));
-    list->slot = grown;
+    SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->slot, capacity, "contact of surfaces", capacity * sizeof(int32_t),
+               error);
     for (int32_t i = list->slot_capacity; i < state->node_capacity; i++) list->slot[i] = -1;
     list->slot_capacity = state->node_capacity;
     return SHV_OK;

@@ -38,13 +38,13 @@ typedef struct ShvSurfaceFacet {
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
-    int32_t watch; /* place among the nodes of candidates, −1: of none */
+    int32_t watch;   /* place among the nodes of candidates, −1: of none */
     int32_t renewal; /* as of a facet */
     uint8_t speed_class;
     bool incomplete; /* its candidates are no longer all, wherever it is */
-    bool held;       /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
-    ShvVec3 from;    /* where it was when its speed class was chosen, m */
-    ShvVec3 normal;  /* sum of the area vectors of its facets when last measured, × 2, m² */
+    bool held;    /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
+    ShvVec3 from; /* where it was when its speed class was chosen, m */
+    ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
 /* A cohesive facet whose faces have not separated. */
@@ -72,7 +72,7 @@ typedef struct ShvSurfaceList {
     int32_t slot_capacity;
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
-    int32_t *place; /* per element × 4 + face: its place in `facets`, −1: none */
+    int32_t *place;              /* per element × 4 + face: its place in `facets`, −1: none */
     ShvSurfacePlaces incomplete; /* nodes that are */
 } ShvSurfaceList;
 

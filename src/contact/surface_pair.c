@@ -69,8 +69,7 @@ ShvStatus shv_surface_pair_facet(ShvSurfaceContact *contact, const ShvSurfaceBod
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
         const double reach = shv_surface_reach(contact, target.facet, speed_class);
         SHV_TRY(shv_hash_grid_find(grid, speed_class, shv_box_grown(target.facet->box, reach), error));
-        for (int32_t k = 0; k < grid->found_count; k++)
-            SHV_TRY(pair(contact, bodies, &target, grid->found[k], error));
+        for (int32_t k = 0; k < grid->found_count; k++) SHV_TRY(pair(contact, bodies, &target, grid->found[k], error));
     }
     return SHV_OK;
 }

@@ -5,18 +5,15 @@
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvAwake *awake = &hybrid->awake;
+    const size_t fragments = (size_t)hybrid->fragments.capacity, nodes = (size_t)hybrid->state.node_capacity;
     if (awake->flag_capacity < hybrid->fragments.capacity) {
-        uint8_t *flags =
-            shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->flags, (size_t)hybrid->fragments.capacity, 1);
-        if (!flags) return shv_fail_memory(error, "the list of awake fragments", (size_t)hybrid->fragments.capacity);
-        awake->flags = flags;
+        SHV_RESIZE(hybrid->memory, SHV_PART_STATE, awake->flags, fragments, "the list of awake fragments", fragments,
+                   error);
         awake->flag_capacity = hybrid->fragments.capacity;
     }
     if (awake->node_capacity < hybrid->state.node_capacity) {
-        int32_t *nodes = shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->nodes,
-                                        (size_t)hybrid->state.node_capacity, sizeof(int32_t));
-        if (!nodes) return shv_fail_memory(error, "the list of awake nodes", (size_t)hybrid->state.node_capacity * 4);
-        awake->nodes = nodes;
+        SHV_RESIZE(hybrid->memory, SHV_PART_STATE, awake->nodes, nodes, "the list of awake nodes",
+                   nodes * sizeof *awake->nodes, error);
         awake->node_capacity = hybrid->state.node_capacity;
     }
     return SHV_OK;

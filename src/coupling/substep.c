@@ -162,7 +162,7 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     const double step = shv_hybrid_choose_step(hybrid, limit);
     shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
-    SHV_TRY(shv_hybrid_part(hybrid, error));
+    SHV_TRY(shv_hybrid_split(hybrid, error));
     SHV_TRY(sampled_kick(hybrid, step, error));
     count_contact(hybrid, step);
     shv_waking_contact_follow(hybrid);

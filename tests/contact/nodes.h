@@ -66,9 +66,9 @@ static inline void nodes_kick(Nodes *nodes, double kick)
 }
 static inline void nodes_answer(Nodes *nodes, double step)
 {
-    check_ok(shv_node_contact_apply(&nodes->contact, &nodes->state, &nodes->obstacles, step, nodes->gravity,
-                                    &nodes->error),
-             nodes->error);
+    check_ok(
+        shv_node_contact_apply(&nodes->contact, &nodes->state, &nodes->obstacles, step, nodes->gravity, &nodes->error),
+        nodes->error);
 }
 static inline void nodes_drift(Nodes *nodes, double step)
 {
