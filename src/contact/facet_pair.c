@@ -197,7 +197,6 @@ void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane)
 void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     pair->relative = shv_facet_pair_velocity(pair, bodies);
-    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
     pair->inverse_mass = inverse_mass(pair, bodies, pair->normal);
     pair->slip_inverse_mass = largest_slip_inverse_mass(pair, bodies);
     pair->normal_impulse = pair->friction_bound = 0.0;

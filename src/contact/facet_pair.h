@@ -41,7 +41,6 @@ typedef struct ShvFacetPair {
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
     ShvVec3 relative;         /* velocity of the point against the facet before any response, m/s */
-    double speed;             /* sum of its components */
     double inverse_mass;      /* 1/kg, along the normal */
     double slip_inverse_mass; /* 1/kg, the largest across it */
     double normal_impulse;    /* N·s on the point along the normal, ≥ 0 */

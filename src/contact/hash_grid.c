@@ -56,6 +56,7 @@ static void take_out(ShvHashGrid *grid, int32_t item)
     int32_t *link = first_of(grid, grid->entries[item].key);
     while (*link != item) link = &grid->entries[*link].next;
     *link = grid->entries[item].next;
+    grid->points[grid->entries[item].key >> (3 * AXIS_BITS)]--;
 }
 
 ShvStatus shv_hash_grid_put(ShvHashGrid *grid, int32_t item, int speed_class, ShvVec3 position, ShvError *error)

@@ -18,7 +18,7 @@ typedef struct ShvHashGrid {
     ShvMemory *memory;
     ShvVec3 origin;
     double size[SHV_GRID_SPEED_CLASSES];    /* of cubes, m */
-    int32_t points[SHV_GRID_SPEED_CLASSES]; /* so many have been put there */
+    int32_t points[SHV_GRID_SPEED_CLASSES]; /* number of each */
     ShvGridEntry *entries;                  /* per item */
     int32_t count, capacity;
     int32_t *first; /* item per hash, −1: none */
