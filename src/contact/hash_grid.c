@@ -23,11 +23,7 @@ ShvStatus shv_hash_grid_start(ShvHashGrid *grid, ShvBox region, const double siz
     }
     for (grid->first_bits = 6; ((int64_t)1 << grid->first_bits) < points;) grid->first_bits++;
     const int64_t hashes = (int64_t)1 << grid->first_bits;
-    if (grid->first_capacity < hashes) {
-        SHV_RESIZE(grid->memory, SHV_PART_CONTACT, grid->first, (size_t)hashes, "contact of surfaces",
-                   (size_t)hashes * sizeof *grid->first, error);
-        grid->first_capacity = (int32_t)hashes;
-    }
+    SHV_RESERVE(grid->memory, SHV_PART_CONTACT, grid->first, grid->first_capacity, hashes, "contact", error);
     for (int64_t k = 0; k < hashes; k++) grid->first[k] = -1;
     return SHV_OK;
 }

@@ -44,12 +44,8 @@ void shv_node_contact_follow(ShvNodeContact *contact)
 /* Copies have touched when their origin has. */
 static ShvStatus know_nodes(ShvNodeContact *contact, const ShvState *state, ShvError *error)
 {
-    if (contact->node_capacity < state->node_count) {
-        const size_t capacity = (size_t)state->node_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->last_touch, capacity, "contact",
-                   capacity * sizeof(int64_t), error);
-        contact->node_capacity = state->node_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->last_touch, contact->node_capacity, state->node_count,
+                "contact", error);
     for (; contact->known_nodes < state->node_count; contact->known_nodes++)
         contact->last_touch[contact->known_nodes] = contact->last_touch[state->origin[contact->known_nodes]];
     return SHV_OK;

@@ -86,11 +86,8 @@ static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 
 ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error)
 {
-    if (contact->fragment_capacity >= count) return SHV_OK;
-    const size_t wanted = (size_t)count + (size_t)count / 2;
-    SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->fragments, wanted, "contact of surfaces",
-               wanted * sizeof *contact->fragments, error);
-    contact->fragment_capacity = (int32_t)wanted;
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity, count, "contact",
+                error);
     return SHV_OK;
 }
 

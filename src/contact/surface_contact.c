@@ -62,12 +62,8 @@ void shv_surface_contact_recheck(ShvSurfaceContact *contact)
 
 static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *state, ShvError *error)
 {
-    if (contact->before_capacity < contact->watched_capacity) {
-        const size_t wanted = 3 * (size_t)contact->watched_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->before, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->before, error);
-        contact->before_capacity = contact->watched_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->before, contact->before_capacity,
+                3 * (int64_t)contact->watched_count, "contact", error);
     for (int32_t k = 0; k < contact->watched_count; k++) {
         const int32_t node = contact->list.nodes[contact->watched[k]].node;
         shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)node));
@@ -78,12 +74,8 @@ static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *stat
 static ShvStatus remember_coupled_bodies(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     if (!bodies->coupled_bodies) return SHV_OK;
-    if (contact->coupled_body_capacity < bodies->fragment_count) {
-        const size_t wanted = (size_t)bodies->fragment_count + (size_t)bodies->fragment_count / 2;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->coupled_body_before, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->coupled_body_before, error);
-        contact->coupled_body_capacity = (int32_t)wanted;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->coupled_body_before, contact->coupled_body_capacity,
+                bodies->fragment_count, "contact", error);
     for (int32_t i = 0; i < bodies->fragment_count; i++) {
         const ShvCoupledBody *coupled_body = bodies->coupled_bodies[i];
         if (coupled_body)
@@ -208,12 +200,8 @@ static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 
 static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
 {
-    if (contact->visit_capacity < contact->list.node_capacity) {
-        const size_t wanted = (size_t)contact->list.node_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->visits, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->visits, error);
-        contact->visit_capacity = contact->list.node_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->visits, contact->visit_capacity, contact->list.node_count,
+                "contact", error);
     for (int32_t i = 0; i < contact->pair_count; i++)
         for (int k = 0; k < 5; k++)
             if (contact->pairs[i].slots[k] >= 0) contact->visits[contact->pairs[i].slots[k]] = 0;

@@ -17,11 +17,8 @@ static int by_time(const void *a, const void *b)
 
 static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
 {
-    if (hybrid->wakes.capacity >= hybrid->fragments.alive) return SHV_OK;
-    const size_t count = (size_t)hybrid->fragments.capacity;
-    SHV_RESIZE(hybrid->memory, SHV_PART_RIGID, hybrid->wakes.items, count, "the list of impacts",
-               count * sizeof(ShvRigidContact), error);
-    hybrid->wakes.capacity = hybrid->fragments.capacity;
+    SHV_RESERVE(hybrid->memory, SHV_PART_RIGID, hybrid->wakes.items, hybrid->wakes.capacity, hybrid->fragments.alive,
+                "impacts", error);
     return SHV_OK;
 }
 

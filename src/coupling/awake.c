@@ -5,17 +5,10 @@
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvAwake *awake = &hybrid->awake;
-    const size_t fragments = (size_t)hybrid->fragments.capacity, nodes = (size_t)hybrid->state.node_capacity;
-    if (awake->flag_capacity < hybrid->fragments.capacity) {
-        SHV_RESIZE(hybrid->memory, SHV_PART_STATE, awake->flags, fragments, "the list of awake fragments", fragments,
-                   error);
-        awake->flag_capacity = hybrid->fragments.capacity;
-    }
-    if (awake->node_capacity < hybrid->state.node_capacity) {
-        SHV_RESIZE(hybrid->memory, SHV_PART_STATE, awake->nodes, nodes, "the list of awake nodes",
-                   nodes * sizeof *awake->nodes, error);
-        awake->node_capacity = hybrid->state.node_capacity;
-    }
+    SHV_RESERVE(hybrid->memory, SHV_PART_STATE, awake->flags, awake->flag_capacity, hybrid->fragments.capacity,
+                "awake fragments", error);
+    SHV_RESERVE(hybrid->memory, SHV_PART_STATE, awake->nodes, awake->node_capacity, hybrid->state.node_capacity,
+                "awake nodes", error);
     return SHV_OK;
 }
 
