@@ -57,13 +57,13 @@ typedef struct ShvFacetPair {
 /* A pair worth looking at: a node and a facet or an obstacle; or an edge and an edge of a facet, or a facet and a feature of an
    obstacle. Places are those in ShvSurfaceList. */
 typedef struct ShvSurfaceCandidate {
-    int32_t slot;            /* of the node, the edge's start or a corner of the facet */
-    int32_t facet;           /* −1 − obstacle where it is one */
-    int32_t own_facet;       /* whose edge it is, or which meets the feature; −1: a node alone */
-    int32_t feature;         /* of the obstacle (shape/feature.h) */
-    int32_t renewal;         /* in which it was found: one that a side of it has had since makes it void */
-    int8_t own_edge, edge;   /* of own_facet and of the facet */
-    int8_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
+    int32_t slot;             /* of the node, the edge's start or a corner of the facet */
+    int32_t facet;            /* −1 − obstacle where it is one */
+    int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
+    int32_t feature;          /* of the obstacle (shape/feature.h) */
+    int32_t renewal;          /* in which it was found: one that a side of it has had since makes it void */
+    int8_t own_edge, edge;    /* of own_facet and of the facet */
+    int16_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
 } ShvSurfaceCandidate;
 
 /* False for a facet without area. */

@@ -56,7 +56,7 @@ static ShvStatus pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     const double distance = shv_facet_plane_distance(&target->plane, x);
     if (distance > (fresh ? 1.0 : 2.0) * shv_surface_reach(contact, facet, node->speed_class)) return SHV_OK;
     const ShvSurfaceCandidate candidate = {
-        .slot = slot, .facet = target->place, .own_facet = -1, .duplicate_corner = (int8_t)corner};
+        .slot = slot, .facet = target->place, .own_facet = -1, .duplicate_corner = (int16_t)corner};
     return shv_surface_candidate_add(contact, bodies, &candidate, distance, error);
 }
 
