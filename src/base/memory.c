@@ -200,3 +200,16 @@ ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes)
 {
     return shv_fail(error, SHV_NO_MEMORY, "out of memory for %s (%zu bytes)", what, bytes);
 }
+
+ShvStatus shv_reserve(ShvMemory *memory, ShvPart part, void **block, int32_t *capacity, int64_t wanted, size_t size,
+                      const char *what, ShvError *error)
+{
+    if (wanted <= *capacity) return SHV_OK;
+    if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "Too many %s: use fewer fragments.", what);
+    const int64_t more = wanted + wanted / 2 + 16, larger = more < INT32_MAX ? more : INT32_MAX;
+    void *grown = shv_reallocate(memory, part, *block, (size_t)larger, size);
+    if (!grown) return shv_fail_memory(error, what, (size_t)larger * size);
+    *block = grown;
+    *capacity = (int32_t)larger;
+    return SHV_OK;
+}

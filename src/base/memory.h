@@ -76,4 +76,19 @@ ShvStatus shv_fail_memory(ShvError *error, const char *what, size_t bytes);
         (block) = shv_resized_;                                                                                        \
     } while (0)
 
+/* Room for `wanted` elements in a block that has room for `capacity`, with some to spare; new ones are zero. Out of memory, or of what
+   indices can number, it returns the status from the calling function. */
+ShvStatus shv_reserve(ShvMemory *memory, ShvPart part, void **block, int32_t *capacity, int64_t wanted, size_t size,
+                      const char *what, ShvError *error);
+#define SHV_RESERVE(memory, part, block, capacity, wanted, what, error)                                                \
+    do {                                                                                                               \
+        void *shv_reserved_ = (block);                                                                                 \
+        SHV_TRY(                                                                                                       \
+            shv_reserve((memory), (part), &shv_reserved_, &(capacity), (wanted), sizeof *(block), (what), (error)));   \
+        (block) = shv_reserved_;                                                                                       \
+    } while (0)
+/* One more than `count`. */
+#define SHV_GROW(memory, part, block, capacity, count, what, error)                                                    \
+    SHV_RESERVE((memory), (part), (block), (capacity), (int64_t)(count) + 1, (what), (error))
+
 #endif

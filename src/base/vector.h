@@ -70,6 +70,10 @@ static inline ShvVec3 shv_unit(ShvVec3 a)
     const double n = shv_norm(a);
     return n > 0.0 ? shv_scale(a, 1.0 / n) : shv_vec3(0.0, 0.0, 0.0);
 }
+static inline int shv_same3(ShvVec3 a, ShvVec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 static inline int shv_finite3(ShvVec3 a)
 {
     return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
@@ -113,6 +117,10 @@ static inline double shv_determinant(const ShvMat3 *a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
+static inline int shv_same_quat(ShvQuat a, ShvQuat b)
+{
+    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+}
 static inline ShvQuat shv_quat_identity(void)
 {
     return (ShvQuat){1.0, 0.0, 0.0, 0.0};

@@ -47,35 +47,35 @@ static Ball bound(const ShvState *state, const int32_t *nodes, int32_t count)
     return (Ball){shv_scale(shv_add(low, high), 0.5), 0.5 * shv_norm(shv_sub(high, low))};
 }
 
-ShvStatus shv_candidates_grow(ShvMemory *memory, void **block, int32_t *capacity, int32_t count, size_t size,
-                              ShvError *error)
+static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles, int32_t index,
+                        int32_t node, ShvError *error)
 {
-    if (count < *capacity) return SHV_OK;
-    const int32_t wanted = *capacity < 64 ? 128 : *capacity > INT32_MAX / 2 ? INT32_MAX : 2 * *capacity;
-    void *grown = shv_reallocate(memory, SHV_PART_CONTACT, *block, (size_t)wanted, size);
-    if (!grown || wanted == *capacity) return shv_fail_memory(error, "contact", (size_t)wanted * size);
-    *block = grown;
-    *capacity = wanted;
+    const ShvVec3 x = shv_state_position(state, node);
+    if (shv_obstacle_closest(&obstacles->items[index], x, contact->skin).gap >= contact->skin) return SHV_OK;
+    if (!(state->mass[node] > 0.0)) return SHV_OK;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->candidates, contact->candidate_capacity,
+             contact->candidate_count, "contact", error);
+    contact->candidates[contact->candidate_count++] = (ShvNodeCandidate){.node = node, .obstacle = index};
     return SHV_OK;
 }
 
-static ShvStatus choose(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
-                        const int32_t *nodes, int32_t count, ShvError *error)
+static ShvStatus choose_all(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                            const int32_t *nodes, int32_t count, ShvError *error)
 {
-    int32_t chosen = 0;
-    for (int32_t i = 0; i < obstacles->count; i++) {
-        contact->candidate_start[i] = chosen;
-        for (int32_t k = 0; k < count; k++) {
-            const ShvVec3 x = shv_state_position(state, nodes[k]);
-            if (shv_obstacle_closest(&obstacles->items[i], x, contact->skin).gap >= contact->skin) continue;
-            if (!(state->mass[nodes[k]] > 0.0)) continue;
-            void *block = contact->candidates;
-            SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->capacity, chosen, sizeof(int32_t), error));
-            contact->candidates = block;
-            contact->candidates[chosen++] = nodes[k];
-        }
-    }
-    contact->candidate_start[obstacles->count] = chosen;
+    contact->candidate_count = 0;
+    for (int32_t i = 0; i < obstacles->count; i++)
+        for (int32_t k = 0; k < count; k++) SHV_TRY(choose(contact, state, obstacles, i, nodes[k], error));
+    contact->of_nodes = state->node_count;
+    contact->listed = count;
+    return SHV_OK;
+}
+
+static ShvStatus add_copies(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
+                            ShvError *error)
+{
+    for (; contact->of_nodes < state->node_count; contact->of_nodes++, contact->listed++)
+        for (int32_t i = 0; i < obstacles->count; i++)
+            SHV_TRY(choose(contact, state, obstacles, i, contact->of_nodes, error));
     return SHV_OK;
 }
 
@@ -90,16 +90,6 @@ ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvS
     return shape;
 }
 
-static ShvStatus append_facet(ShvNodeContact *contact, const ShvFacetCandidate *candidate, ShvError *error)
-{
-    void *block = contact->facets;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->facet_capacity, contact->facet_count,
-                                sizeof *candidate, error));
-    contact->facets = block;
-    contact->facets[contact->facet_count++] = *candidate;
-    return SHV_OK;
-}
-
 /* With each feature of the obstacle that is near. */
 static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle, int32_t index,
                             int32_t face, ShvError *error)
@@ -109,9 +99,12 @@ static ShvStatus pair_facet(ShvNodeContact *contact, const ShvState *state, cons
     const ShvFacetShape shape = shv_candidate_shape(&candidate, state);
     ShvFeatureRange range;
     if (!shv_features_about(obstacle, &shape, contact->skin, &range)) return SHV_OK;
-    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++)
-        if (shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach))
-            SHV_TRY(append_facet(contact, &candidate, error));
+    for (candidate.feature = range.first; candidate.feature < range.end; candidate.feature++) {
+        if (!shv_feature_is_near(obstacle, &obstacle->features[candidate.feature], range.centre, range.reach)) continue;
+        SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->facets, contact->facet_capacity, contact->facet_count,
+                 "contact", error);
+        contact->facets[contact->facet_count++] = candidate;
+    }
     return SHV_OK;
 }
 
@@ -122,7 +115,7 @@ static ShvStatus pair_face(ShvNodeContact *contact, const ShvState *state, const
     return pair_facet(contact, state, obstacle, index, face, error);
 }
 
-/* Faces of cracks that have parted, too; until then nothing gets between them but at their edges, which are the boundary's. */
+/* Faces of cracks that have separated, too; until then nothing gets between them but at their edges, which are the boundary's. */
 static ShvStatus choose_facets(ShvNodeContact *contact, const ShvState *state, const ShvObstacle *obstacle,
                                int32_t index, ShvError *error)
 {
@@ -181,10 +174,21 @@ static void measure_speed(ShvNodeContact *contact, const ShvState *state, const 
 /* Share of the radius of all nodes that the skin has at least, so that bodies at rest keep their neighbour lists. */
 static const double least_skin = 4e-3;
 
+/* Facets, which are then chosen, have other nodes when one of theirs is split, and come with cracks that separate. */
+static bool have_features(const ShvObstacles *obstacles)
+{
+    bool any = false;
+    for (int32_t i = 0; i < obstacles->count; i++) any |= obstacles->items[i].feature_count > 0;
+    return any;
+}
+
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, double gravity, ShvError *error)
 {
     const double others = largest_obstacle_speed(obstacles) + (STEPS_BETWEEN_CHECKS + 1) * step * gravity;
+    contact->stale |= contact->split && have_features(obstacles);
+    if (!contact->stale && contact->split) SHV_TRY(add_copies(contact, state, obstacles, error));
+    contact->split = false;
     const bool forced = contact->stale || contact->listed != count;
     if (!forced && ++contact->since >= STEPS_BETWEEN_CHECKS) measure_speed(contact, state, nodes, count);
     contact->moved += step * (2.0 * contact->node_speed + others);
@@ -194,10 +198,9 @@ ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state,
     const Ball ball = bound(state, nodes, count);
     contact->skin = fmax(2.0 * STEPS_TO_LAST * motion, least_skin * ball.radius);
     contact->stale = true; /* until it is done */
-    SHV_TRY(choose(contact, state, obstacles, nodes, count, error));
+    SHV_TRY(choose_all(contact, state, obstacles, nodes, count, error));
     SHV_TRY(choose_all_facets(contact, state, obstacles, &ball, error));
     contact->stale = false;
-    contact->listed = count;
     contact->moved = motion;
     return SHV_OK;
 }

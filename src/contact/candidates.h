@@ -26,10 +26,6 @@ typedef struct ShvNodePair {
 ShvStatus shv_candidates_refresh(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, double gravity, ShvError *error);
 
-/* Room for one more element. */
-ShvStatus shv_candidates_grow(ShvMemory *memory, void **block, int32_t *capacity, int32_t count, size_t size,
-                              ShvError *error);
-
 /* The facet as it stands. */
 ShvFacetShape shv_candidate_shape(const ShvFacetCandidate *candidate, const ShvState *state);
 

@@ -99,17 +99,17 @@ static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32
 /* Whether a point below the facet is in the nearer half of its tet: in the other half it may touch the surface at the tet's
    apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose corners
    next to the facet the point may be. */
-static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                       ShvVec3 x, const Place *place)
+static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet, ShvVec3 x,
+                       const Place *place)
 {
     const ShvVec3 *corners = place->plane.corners;
-    const int32_t apex = shv_state_node(bodies->state, candidate->element, candidate->face);
-    const ShvVec3 top = shv_bodies_position(bodies, apex, candidate->fragments[1]);
+    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
+    const ShvVec3 top = shv_bodies_position(bodies, apex, facet->fragment);
     const double altitude = -shv_dot(place->plane.normal, shv_sub(top, corners[0]));
     if (-place->gap > 0.5 * altitude) return false;
-    const uint8_t *own = shv_face_corners[candidate->face];
+    const uint8_t *own = shv_face_corners[facet->face];
     for (int k = 0; k < 3; k++) {
-        if (!is_free(bodies, model, candidate->element, own[k])) continue;
+        if (!is_free(bodies, model, facet->element, own[k])) continue;
         /* The face opposite corner k holds the apex and the other two. */
         const ShvVec3 a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
         const ShvVec3 out = shv_cross(shv_sub(top, a), shv_sub(b, a));
@@ -197,7 +197,6 @@ void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane)
 void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     pair->relative = shv_facet_pair_velocity(pair, bodies);
-    pair->speed = fabs(pair->relative.x) + fabs(pair->relative.y) + fabs(pair->relative.z);
     pair->inverse_mass = inverse_mass(pair, bodies, pair->normal);
     pair->slip_inverse_mass = largest_slip_inverse_mass(pair, bodies);
     pair->normal_impulse = pair->friction_bound = 0.0;
@@ -206,13 +205,15 @@ void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
     pair->excluded = false;
 }
 
-static void name_pair(ShvFacetPair *pair, const ShvSurfaceCandidate *candidate, ShvVec3 x)
+static void name_pair(ShvFacetPair *pair, const ShvSurfaceNode *node, int32_t element, int32_t face, int32_t fragment,
+                      ShvVec3 x)
 {
-    pair->node = candidate->node;
-    pair->element = candidate->element;
-    pair->face = candidate->face;
-    pair->feature = candidate->feature;
-    for (int k = 0; k < 2; k++) pair->fragments[k] = candidate->fragments[k];
+    pair->node = node->node;
+    pair->element = element;
+    pair->face = face;
+    pair->feature = 0;
+    pair->fragments[0] = node->fragment;
+    pair->fragments[1] = fragment;
     pair->end = -1;
     pair->edge = 0;
     pair->share = 0.0;
@@ -233,18 +234,18 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
 
 /* The nearest of the points at which the facet may meet the feature: its neighbours stand for the others. False where it does
    not: then *distance is how far apart they are, where that is beyond the reach. */
-static bool detect_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
-                           ShvSurfacePoint *at, double *distance)
+static bool detect_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
+                           const ShvSurfaceCandidate *candidate, double reach, ShvSurfacePoint *at, double *distance)
 {
-    const ShvObstacle *obstacle = obstacle_of(bodies, candidate->element);
-    const ShvFeature *feature = &obstacle->features[candidate->feature - 1];
-    const ShvFacetShape shape =
-        shv_surface_facet_shape(bodies, candidate->face / 4, candidate->face % 4, candidate->fragments[0]);
+    const ShvObstacle *obstacle = obstacle_of(bodies, candidate->facet);
+    const ShvFeature *feature = &obstacle->features[candidate->feature];
+    const ShvSurfaceFacet *facet = &list->facets[candidate->own_facet];
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
     ShvFeaturePoint points[3];
     const int count = shv_feature_meet(obstacle, feature, &shape, reach, points);
     if (count == 0) {
-        const double apart = shv_feature_distance(obstacle, feature, &shape);
-        if (apart > reach) *distance = apart;
+        const double between = shv_feature_distance(obstacle, feature, &shape);
+        if (between > reach) *distance = between;
         return false;
     }
     int nearest = 0;
@@ -254,22 +255,25 @@ static bool detect_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceCandi
     return true;
 }
 
-static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate, double reach,
-                            ShvFacetPair *pair, double *distance)
+static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
+                            const ShvSurfaceCandidate *candidate, double reach, ShvFacetPair *pair, double *distance)
 {
+    const ShvSurfaceNode *node = &list->nodes[candidate->slot];
     ShvSurfacePoint at;
-    ShvVec3 x;
     *distance = 0.0;
-    if (candidate->feature > 0) {
-        if (!detect_feature(bodies, candidate, reach, &at, distance)) return false;
-        x = shv_madd(at.point, at.gap, at.normal);
+    if (candidate->own_facet >= 0) {
+        const ShvSurfaceFacet *facet = &list->facets[candidate->own_facet];
+        if (!detect_feature(bodies, list, candidate, reach, &at, distance)) return false;
+        name_pair(pair, node, candidate->facet, 4 * facet->element + facet->face, candidate->facet,
+                  shv_madd(at.point, at.gap, at.normal));
+        pair->feature = candidate->feature;
     } else {
-        x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
-        at = shv_obstacle_closest(obstacle_of(bodies, candidate->element), x, reach);
+        const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+        at = shv_obstacle_closest(obstacle_of(bodies, candidate->facet), x, reach);
         if (at.gap > reach) *distance = reach;
         if (at.gap > reach) return false;
+        name_pair(pair, node, candidate->facet, -1, candidate->facet, x);
     }
-    name_pair(pair, candidate, x);
     pair->gap = pair->height = at.gap;
     pair->normal = pair->facet_normal = at.normal;
     pair->centre = at.point;
@@ -282,17 +286,21 @@ static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceCand
     return true;
 }
 
-bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                           double step, double reach, ShvFacetPair *pair, double *distance)
+bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
+                           const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
+                           double *distance)
 {
     pair->step = step;
-    if (candidate->element < 0) return detect_obstacle(bodies, candidate, reach, pair, distance);
+    if (candidate->facet < 0) return detect_obstacle(bodies, list, candidate, reach, pair, distance);
     ShvVec3 corners[3], velocities[3];
     Place place;
-    const int32_t fragment = candidate->fragments[1];
-    const ShvVec3 x = shv_bodies_position(bodies, candidate->node, candidate->fragments[0]);
-    shv_surface_corners(bodies->state, candidate->element, candidate->face, pair->corners);
-    for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, pair->corners[k], fragment);
+    const ShvSurfaceNode *node = &list->nodes[candidate->slot];
+    const ShvSurfaceFacet *facet = &list->facets[candidate->facet];
+    const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+    for (int k = 0; k < 3; k++) {
+        pair->corners[k] = list->nodes[facet->slots[k]].node;
+        corners[k] = shv_bodies_position(bodies, pair->corners[k], facet->fragment);
+    }
     *distance = 0.0;
     if (!shv_facet_plane_make(corners, &place.plane)) return false;
     stand(&place, x);
@@ -300,14 +308,14 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model
     *distance = distance_from(place.gap, side);
     if (*distance > reach) return false;
     *distance = 0.0;
-    const ShvVec3 v = node_velocity(bodies, candidate->node, candidate->fragments[0], x);
-    for (int k = 0; k < 3; k++) velocities[k] = node_velocity(bodies, pair->corners[k], fragment, corners[k]);
+    const ShvVec3 v = node_velocity(bodies, node->node, node->fragment, x);
+    for (int k = 0; k < 3; k++) velocities[k] = node_velocity(bodies, pair->corners[k], facet->fragment, corners[k]);
     if (place.gap > 0.0) {
         if (side > 0.0 && !will_be_over(x, v, corners, velocities, step)) return false;
     } else {
-        if (side > 0.0 || !within_tet(bodies, model, candidate, x, &place)) return false;
+        if (side > 0.0 || !within_tet(bodies, list->model, facet, x, &place)) return false;
     }
-    name_pair(pair, candidate, x);
+    name_pair(pair, node, facet->element, facet->face, facet->fragment, x);
     shv_facet_pair_stand(pair, &place.plane);
     pair->gap = pair->height;
     pair->normal = pair->facet_normal;

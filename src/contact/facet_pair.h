@@ -25,10 +25,12 @@ typedef struct ShvFacetPair {
     int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
     int32_t end;                 /* of an edge: its other node; −1: a node alone */
     int32_t edge;                /* of an edge: that of the facet which it meets, from corner `edge` to the next */
-    int32_t feature;             /* as in ShvSurfaceCandidate */
-    int32_t fragments[2];        /* of the node, of the facet */
-    int32_t corners[3];          /* nodes of the facet */
-    double step;                 /* s: up to the next time that it is looked at */
+    int32_t
+        feature; /* of an obstacle, that a coupled body's facet meets: then `face` is that facet, element × 4 + face,
+                                    and `node` a corner of it */
+    int32_t fragments[2]; /* of the node, of the facet */
+    int32_t corners[3];   /* nodes of the facet */
+    double step;          /* s: up to the next time that it is looked at */
     double share;         /* of `end` in the point: (1 − share) x(node) + share x(end); 0 where there is none */
     double gap;           /* m, along the contact normal; negative: inside */
     double height;        /* m, of the point over the facet's plane: the gap, but for an edge */
@@ -39,7 +41,6 @@ typedef struct ShvFacetPair {
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
     ShvVec3 relative;         /* velocity of the point against the facet before any response, m/s */
-    double speed;             /* sum of its components */
     double inverse_mass;      /* 1/kg, along the normal */
     double slip_inverse_mass; /* 1/kg, the largest across it */
     double normal_impulse;    /* N·s on the point along the normal, ≥ 0 */
@@ -53,18 +54,16 @@ typedef struct ShvFacetPair {
     bool deforming; /* both sides are */
 } ShvFacetPair;
 
-/* A pair worth looking at. */
+/* A pair worth looking at: a node and a facet or an obstacle; or an edge and an edge of a facet, or a facet and a feature of an
+   obstacle. Places are those in ShvSurfaceList. */
 typedef struct ShvSurfaceCandidate {
-    int32_t node, element, face;
-    int32_t feature; /* of an obstacle (shape/feature.h), + 1, that a coupled body's facet may meet: then `face` is that
-                             facet, element × 4 + face, and `node` a corner of it; 0: none */
-    int32_t fragments[2]; /* of the node, of the facet */
-    int32_t slot;         /* of the node in ShvSurfaceList */
-    int32_t facet;        /* place in ShvSurfaceList, −1: an obstacle */
-    int32_t copy_corner;  /* of the facet's tet: a copy of the same node of the mesh; −1: none */
-    int32_t
-        half_edge; /* + 1, of an edge that may meet an edge of the facet (surface_edge.h): `node` is its start; 0: none */
-    int32_t edge; /* then: that edge of the facet */
+    int32_t slot;             /* of the node, the edge's start or a corner of the facet */
+    int32_t facet;            /* −1 − obstacle where it is one */
+    int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
+    int32_t feature;          /* of the obstacle (shape/feature.h) */
+    int32_t renewal;          /* in which it was found: one that a side of it has had since makes it void */
+    int8_t own_edge, edge;    /* of own_facet and of the facet */
+    int16_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
 } ShvSurfaceCandidate;
 
 /* False for a facet without area. */
@@ -78,8 +77,9 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far
    any two can come closer in the step. */
-bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceCandidate *candidate,
-                           double step, double reach, ShvFacetPair *pair, double *distance);
+bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
+                           const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
+                           double *distance);
 /* Sets where pair->point stands over a facet. */
 void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane);
 /* What follows from place and velocities; no impulses so far. */

@@ -7,23 +7,16 @@ enum { MOST_SWEEPS = 64, MOST_ROUNDS = 4 };
    unresolved. */
 static const double unresolved_of_speed = 1e-6;
 
-ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
-                                  ShvError *error)
+void shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory)
 {
-    const size_t starts = (size_t)obstacles->count + 1;
-    *contact =
-        (ShvNodeContact){.memory = memory, .obstacle_count = obstacles->count, .stale = true, .next_time = (double)NAN};
-    contact->candidate_start = shv_allocate(memory, SHV_PART_CONTACT, starts, sizeof(int32_t));
-    return contact->candidate_start ? SHV_OK : shv_fail_memory(error, "contact", starts * sizeof(int32_t));
+    *contact = (ShvNodeContact){.memory = memory, .stale = true, .next_time = (double)NAN};
 }
 
 void shv_node_contact_release(ShvNodeContact *contact)
 {
     shv_release(contact->candidates);
-    shv_release(contact->candidate_start);
     shv_release(contact->boundary);
     shv_release(contact->facets);
-    shv_release(contact->before);
     shv_release(contact->last_touch);
     shv_release(contact->pairs);
     shv_release(contact->touches);
@@ -41,19 +34,18 @@ void shv_node_contact_invalidate(ShvNodeContact *contact)
     contact->stale = true;
 }
 
+void shv_node_contact_follow(ShvNodeContact *contact)
+{
+    contact->split = true;
+}
+
 /* ---- pairs ---- */
 
 /* Copies have touched when their origin has. */
 static ShvStatus know_nodes(ShvNodeContact *contact, const ShvState *state, ShvError *error)
 {
-    if (contact->node_capacity < state->node_count) {
-        const size_t capacity = (size_t)state->node_capacity;
-        int64_t *grown =
-            shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->last_touch, capacity, sizeof(int64_t));
-        if (!grown) return shv_fail_memory(error, "contact", capacity * sizeof(int64_t));
-        contact->last_touch = grown;
-        contact->node_capacity = state->node_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->last_touch, contact->node_capacity, state->node_count,
+                "contact", error);
     for (; contact->known_nodes < state->node_count; contact->known_nodes++)
         contact->last_touch[contact->known_nodes] = contact->last_touch[state->origin[contact->known_nodes]];
     return SHV_OK;
@@ -85,7 +77,7 @@ typedef struct ContactStep {
     ShvNodeContact *contact;
     ShvState *state;
     ShvObstacles *obstacles;
-    double kick, step;
+    double step;
     ShvVec3 gravity;
 } ContactStep;
 
@@ -143,21 +135,12 @@ static bool make_pair(const ContactStep *now, int32_t node, int32_t index, doubl
     return true;
 }
 
-static ShvVec3 velocity_before(const ContactStep *now, int32_t node)
-{
-    const int64_t i = 3 * (int64_t)node;
-    const ShvVec3 acceleration = shv_madd(now->gravity, 1.0 / now->state->mass[node], shv_load3(now->state->force + i));
-    return shv_madd(shv_load3(now->state->velocity + i), -now->kick, acceleration);
-}
-
 static ShvStatus append_pair(const ContactStep *now, const ShvNodePair *pair, ShvError *error)
 {
     ShvNodeContact *contact = now->contact;
     const ShvNodePair copy = *pair; /* may lie in the block that moves */
-    void *block = contact->pairs;
-    SHV_TRY(
-        shv_candidates_grow(contact->memory, &block, &contact->pair_capacity, contact->pair_count, sizeof copy, error));
-    contact->pairs = block;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, contact->pair_count, "contact",
+             error);
     contact->pairs[contact->pair_count++] = copy;
     weigh(now, &contact->pairs[contact->pair_count - 1]);
     return SHV_OK;
@@ -167,16 +150,14 @@ static ShvStatus list_pairs(const ContactStep *now, ShvError *error)
 {
     ShvNodeContact *contact = now->contact;
     contact->pair_count = 0;
-    for (int32_t i = 0; i < now->obstacles->count; i++) {
-        const double speed =
-            shv_candidates_obstacle_speed(&now->obstacles->items[i]) + now->step * shv_norm(now->gravity);
-        for (int32_t k = contact->candidate_start[i]; k < contact->candidate_start[i + 1]; k++) {
-            ShvNodePair pair;
-            if (!make_pair(now, contact->candidates[k], i, speed, &pair)) continue;
-            pair.before[0] = contact->begun ? shv_load3(contact->before + 3 * (int64_t)k)
-                                            : velocity_before(now, contact->candidates[k]);
-            SHV_TRY(append_pair(now, &pair, error));
-        }
+    for (int32_t k = 0; k < contact->candidate_count; k++) {
+        const ShvNodeCandidate *candidate = &contact->candidates[k];
+        const ShvObstacle *obstacle = &now->obstacles->items[candidate->obstacle];
+        const double speed = shv_candidates_obstacle_speed(obstacle) + now->step * shv_norm(now->gravity);
+        ShvNodePair pair;
+        if (!make_pair(now, candidate->node, candidate->obstacle, speed, &pair)) continue;
+        pair.before[0] = candidate->before;
+        SHV_TRY(append_pair(now, &pair, error));
     }
     return SHV_OK;
 }
@@ -201,7 +182,7 @@ static ShvStatus list_facet_pairs(const ContactStep *now, const ShvFacetCandidat
         for (int c = 0; c < 3; c++) {
             pair.nodes[c] = candidate->nodes[c];
             pair.weights[c] = points[k].weights[c];
-            pair.before[c] = now->contact->begun ? candidate->before[c] : velocity_before(now, candidate->nodes[c]);
+            pair.before[c] = candidate->before[c];
         }
         SHV_TRY(append_pair(now, &pair, error));
     }
@@ -342,10 +323,8 @@ static ShvStatus respond(const ContactStep *now, ShvError *error)
 
 static ShvStatus append_touch(ShvNodeContact *contact, const ShvNodePair *pair, int corner, ShvError *error)
 {
-    void *block = contact->touches;
-    SHV_TRY(shv_candidates_grow(contact->memory, &block, &contact->touch_capacity, contact->touching,
-                                sizeof(ShvNodeTouch), error));
-    contact->touches = block;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->touches, contact->touch_capacity, contact->touching, "contact",
+             error);
     const ShvNodeTouch touch = {.node = pair->nodes[corner],
                                 .obstacle = pair->obstacle,
                                 .fresh = contact->last_touch[pair->nodes[corner]] + 1 < contact->step_number,
@@ -381,39 +360,26 @@ ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state,
                                  const int32_t *nodes, int32_t count, double step, const double gravity[3],
                                  ShvError *error)
 {
-    contact->begun = false;
     SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(shv_load3(gravity)), error));
-    if (contact->before_capacity < contact->capacity) {
-        const size_t wanted = 3 * (size_t)contact->capacity;
-        double *grown = shv_reallocate(contact->memory, SHV_PART_CONTACT, contact->before, wanted, sizeof(double));
-        if (!grown) return shv_fail_memory(error, "contact", wanted * sizeof(double));
-        contact->before = grown;
-        contact->before_capacity = contact->capacity;
-    }
-    for (int32_t k = 0; k < contact->candidate_start[contact->obstacle_count]; k++)
-        shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k]));
+    for (int32_t k = 0; k < contact->candidate_count; k++)
+        contact->candidates[k].before = shv_load3(state->velocity + 3 * (int64_t)contact->candidates[k].node);
     for (int32_t k = 0; k < contact->facet_count; k++)
         for (int c = 0; c < 3; c++)
             contact->facets[k].before[c] = shv_load3(state->velocity + 3 * (int64_t)contact->facets[k].nodes[c]);
-    contact->begun = true;
     return SHV_OK;
 }
 
-ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
-                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
-                                 ShvError *error)
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles, double step,
+                                 const double gravity[3], ShvError *error)
 {
-    const ContactStep now = {contact, state, obstacles, kick, step, shv_load3(gravity)};
+    const ContactStep now = {contact, state, obstacles, step, shv_load3(gravity)};
     contact->obstacle_work[0] = contact->obstacle_work[1] = 0.0;
     /* After a pause every touch is fresh: a number is left out. */
     contact->step_number += fabs(state->time - contact->next_time) <= 0.5 * step ? 1 : 2;
     contact->next_time = state->time + step;
     SHV_TRY(know_nodes(contact, state, error));
-    if (!contact->begun)
-        SHV_TRY(shv_candidates_refresh(contact, state, obstacles, nodes, count, step, shv_norm(now.gravity), error));
     SHV_TRY(list_pairs(&now, error));
     for (int32_t k = 0; k < contact->facet_count; k++) SHV_TRY(list_facet_pairs(&now, &contact->facets[k], error));
-    contact->begun = false;
     SHV_TRY(respond(&now, error));
     SHV_TRY(list_touches(contact, error));
     shv_node_contact_book(contact, state);

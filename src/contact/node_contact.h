@@ -26,6 +26,12 @@ typedef struct ShvNodeTouch {
     ShvVec3 before;        /* velocity of the node before the kick, m/s */
 } ShvNodeTouch;
 
+/* A node that an obstacle may meet. */
+typedef struct ShvNodeCandidate {
+    int32_t node, obstacle;
+    ShvVec3 before; /* velocity before the kick, m/s */
+} ShvNodeCandidate;
+
 /* A facet that a feature of an obstacle may meet. */
 typedef struct ShvFacetCandidate {
     int32_t obstacle, feature;
@@ -42,26 +48,22 @@ typedef struct ShvNodeSurface {
 
 typedef struct ShvNodeContact {
     ShvMemory *memory;
-    int32_t obstacle_count;
     ShvNodeSurface surface;
     int32_t *boundary; /* faces of the model's mesh, 4 × element + face; found once they are needed */
     int32_t boundary_count;
     double facet_radius;       /* m: of the largest facet of the mesh */
     ShvFacetCandidate *facets; /* chosen with the nodes */
     int32_t facet_count, facet_capacity;
-    /* nodes near each obstacle, rebuilt when motion since then may exceed the skin */
-    int32_t *candidates;      /* node indices in the order given, per obstacle one after another */
-    int32_t *candidate_start; /* obstacle_count + 1 */
-    int32_t capacity;
-    double *before; /* 3 per candidate: velocity before the kick, m/s */
-    int32_t before_capacity;
-    bool begun;         /* `before` is of this step */
+    /* nodes near obstacles, chosen anew when motion since then may exceed the skin; of each obstacle in the order given, then copies */
+    ShvNodeCandidate *candidates;
+    int32_t candidate_count, candidate_capacity;
     double skin, moved; /* m */
-    bool stale;
-    int32_t listed;    /* number of nodes the candidates were chosen from */
-    int32_t since;     /* steps since the nodes' speeds were last looked at */
-    double node_speed; /* largest then, m/s */
-    double next_time;  /* s: end of the last step */
+    bool stale, split;  /* they no longer hold; nodes have been duplicated since they were chosen */
+    int32_t listed;     /* number of nodes they were chosen from, */
+    int32_t of_nodes;   /* and of those of the state then */
+    int32_t since;      /* steps since the nodes' speeds were last looked at */
+    double node_speed;  /* largest then, m/s */
+    double next_time;   /* s: end of the last step */
     int64_t step_number;
     int64_t *last_touch; /* per node: number of the step of its last touch; 0: never */
     int32_t known_nodes, node_capacity;
@@ -78,25 +80,24 @@ typedef struct ShvNodeContact {
     int32_t unresolved;           /* pairs still closing when the sweeps were used up */
 } ShvNodeContact;
 
-ShvStatus shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory, const ShvObstacles *obstacles,
-                                  ShvError *error);
+/* Allocates nothing. */
+void shv_node_contact_create(ShvNodeContact *contact, ShvMemory *memory);
 void shv_node_contact_release(ShvNodeContact *contact);
 /* From now on facets of awake fragments meet obstacles as well. */
 void shv_node_contact_know_surface(ShvNodeContact *contact, ShvNodeSurface surface);
-/* Forces a rebuild of the candidates: nodes were duplicated, fragments woke or slept, velocities or poses were set. */
+/* Forces a rebuild of the candidates: fragments woke or slept, velocities or poses were set. */
 void shv_node_contact_invalidate(ShvNodeContact *contact);
-/* Before the kick of a step, once forces are known or not: remembers the velocities of nodes that may touch, from which the
-   first halves of the works come. The lists must be those of shv_node_contact_apply. */
+/* Awake nodes were duplicated, or cracks have separated: copies are candidates where they are near an obstacle. */
+void shv_node_contact_follow(ShvNodeContact *contact);
+/* Before the kick of a step: finds which of the awake nodes (surface nodes suffice) may touch, and remembers their velocities, from
+   which the first halves of the works come. */
 ShvStatus shv_node_contact_begin(ShvNodeContact *contact, const ShvState *state, const ShvObstacles *obstacles,
                                  const int32_t *nodes, int32_t count, double step, const double gravity[3],
                                  ShvError *error);
-/* One step (of length `step` = dt₊) for the listed awake nodes (surface nodes suffice), after the kick and whatever else
-   changes velocities but may be overruled. Obstacles are at time n: a free one's mean velocity over the step is taken as
-   velocity + ½ step gravity. Ends with shv_node_contact_book. Without shv_node_contact_begin the velocity before the kick
-   is taken to be v − kick (force/mass + gravity), kick = ½(dt₋ + dt₊): then nothing may have come between. */
-ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles,
-                                 const int32_t *nodes, int32_t count, double kick, double step, const double gravity[3],
-                                 ShvError *error);
+/* One step (of length `step` = dt₊), after the kick and whatever else changes velocities but may be overruled. Obstacles are at
+   time n: a free one's mean velocity over the step is taken as velocity + ½ step gravity. Ends with shv_node_contact_book. */
+ShvStatus shv_node_contact_apply(ShvNodeContact *contact, ShvState *state, ShvObstacles *obstacles, double step,
+                                 const double gravity[3], ShvError *error);
 /* Works of this step's impulses with the velocities as they are now; call it again when something (a support) has changed
    velocities since, so that second halves use the final ones. */
 void shv_node_contact_book(ShvNodeContact *contact, const ShvState *state);

@@ -2,14 +2,68 @@
 
 #include "contact/surface_edge.h"
 
+/* ---- one candidate ---- */
+
+static ShvStatus watch(ShvSurfaceContact *contact, int32_t slot, ShvError *error)
+{
+    if (contact->list.nodes[slot].watch >= 0) return SHV_OK;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->watched, contact->watched_capacity, contact->watched_count,
+             "contact", error);
+    contact->list.nodes[slot].watch = contact->watched_count;
+    contact->watched[contact->watched_count++] = slot;
+    return SHV_OK;
+}
+
+static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, const ShvSurfaceCandidate *candidate,
+                        double due, uint8_t movers, ShvError *error)
+{
+    int32_t room = list->capacity;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->due, room, list->count, "contact", error);
+    room = list->capacity;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->movers, room, list->count, "contact", error);
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->items, list->capacity, list->count, "contact", error);
+    list->items[list->count] = *candidate;
+    list->items[list->count].renewal = contact->renewal;
+    list->due[list->count] = due;
+    list->movers[list->count++] = movers;
+    return SHV_OK;
+}
+
+ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                                    const ShvSurfaceCandidate *candidate, double distance, ShvError *error)
+{
+    const ShvSurfaceNode *node = &contact->list.nodes[candidate->slot];
+    const ShvSurfaceFacet *facet = candidate->facet >= 0 ? &contact->list.facets[candidate->facet] : NULL;
+    const ShvSurfaceFacet *own = candidate->own_facet >= 0 ? &contact->list.facets[candidate->own_facet] : NULL;
+    const int first = own ? own->speed_class : node->speed_class;
+    const int second = facet ? facet->speed_class : SHV_SURFACE_OBSTACLES;
+    const bool rigid = shv_bodies_coupled_body(bodies, node->fragment);
+    const bool other_rigid = facet && shv_bodies_coupled_body(bodies, facet->fragment);
+    SHV_TRY(append(contact, &contact->candidates[rigid && other_rigid], candidate,
+                   contact->path[first] + contact->path[second] + distance,
+                   (uint8_t)(first * SHV_SURFACE_MOVERS + second), error));
+    if (!rigid) SHV_TRY(watch(contact, candidate->slot, error));
+    if (!rigid && own) SHV_TRY(watch(contact, own->slots[(candidate->own_edge + 1) % 3], error));
+    for (int k = 0; facet && !other_rigid && k < 3; k++) SHV_TRY(watch(contact, facet->slots[k], error));
+    return SHV_OK;
+}
+
+bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
+{
+    const ShvSurfaceFacet *facets = contact->list.facets;
+    return contact->list.nodes[candidate->slot].renewal > candidate->renewal ||
+           (candidate->facet >= 0 && facets[candidate->facet].renewal > candidate->renewal) ||
+           (candidate->own_facet >= 0 && facets[candidate->own_facet].renewal > candidate->renewal);
+}
+
 /* ---- whether anything can meet ---- */
 
 static bool find_idle(const ShvSurfaceBodies *bodies)
 {
     int32_t active = 0;
     for (int32_t i = 0; i < bodies->fragment_count && active < 2; i++) active += shv_bodies_active(bodies, i);
-    const bool parted = bodies->cohesive && bodies->cohesive->live_count < bodies->cohesive->count;
-    return active == 0 || (active == 1 && !parted);
+    const bool failed = bodies->cohesive && bodies->cohesive->live_count < bodies->cohesive->count;
+    return active == 0 || (active == 1 && !failed);
 }
 
 /* Insertions, splits, coupled bodies that woke. */
@@ -30,70 +84,58 @@ static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 
 /* ---- the whole ---- */
 
-static void mark_fragments(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error)
 {
-    const ShvSurfaceList *list = &contact->list;
-    for (int32_t i = 0; i < bodies->fragment_count; i++)
-        contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_coupled_body(bodies, i)};
-    for (int32_t k = 0; k < list->crack_count; k++) {
-        const int64_t facet = bodies->cohesive->facet[list->cracks[k].index];
-        for (int side = 0; side < 2; side++) {
-            const int32_t element = contact->model->adjacency.facet_elements[2 * facet + side];
-            contact->fragments[bodies->state->element_fragment[element]].cracked = true;
-        }
-    }
-    for (int32_t k = 0; k < list->facet_count; k++)
-        if (list->facets[k].crack) contact->fragments[list->facets[k].fragment].cracked = true;
-}
-
-static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool changed, double step,
-                         ShvError *error)
-{
-    const ShvState *state = bodies->state;
-    contact->candidates[0].count = contact->candidates[1].count = contact->watched_count = 0;
-    contact->nodes_out_of_skin.count = contact->facets_out_of_skin.count = 0;
-    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
-    for (int32_t k = 0; k < contact->list.node_count; k++) {
-        contact->list.nodes[k].watch = -1;
-        contact->list.nodes[k].out_of_skin = contact->list.nodes[k].incomplete = false;
-    }
-    contact->incomplete = false;
-    if (changed)
-        SHV_TRY(shv_surface_list_build(&contact->list, bodies, error));
-    else {
-        SHV_TRY(shv_surface_list_part(&contact->list, bodies, error));
-        shv_surface_list_measure(&contact->list, bodies);
-    }
-    mark_fragments(contact, bodies);
-    shv_surface_speed_choose(contact, bodies, state->last_step > 0.0 ? state->last_step : step);
-    shv_surface_find_regions(contact, bodies);
-    SHV_TRY(shv_surface_fill_grid(contact, error));
-    for (int32_t k = 0; k < contact->list.facet_count; k++)
-        SHV_TRY(shv_surface_pair_facet(contact, bodies, &contact->list.facets[k], error));
-    for (int32_t k = 0; k < contact->list.facet_count; k++) shv_surface_edges_mark(&contact->list, bodies, k);
-    for (int32_t k = 0; k < contact->list.facet_count; k++) SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
-    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
-        SHV_TRY(shv_surface_pair_obstacle(contact, bodies, k, error));
-    contact->rebuilds++;
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity, count, "contact",
+                error);
     return SHV_OK;
 }
 
-/* Of cracks that have failed or parted since. */
-static ShvStatus add_late(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
+static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, ShvError *error)
 {
-    if (!bodies->cohesive) return SHV_OK;
     ShvSurfaceList *list = &contact->list;
-    const int32_t facets = list->facet_count, nodes = list->node_count;
-    SHV_TRY(shv_surface_list_part(list, bodies, error));
-    for (int32_t k = nodes; k < list->node_count; k++) shv_surface_speed_node(contact, bodies, &list->nodes[k], step);
-    for (int32_t k = facets; k < list->facet_count; k++) shv_surface_speed_facet(contact, bodies, &list->facets[k]);
-    for (int32_t k = nodes; k < list->node_count; k++)
-        SHV_TRY(shv_surface_pair_late_node(contact, bodies, k, facets, error));
-    for (int32_t k = facets; k < list->facet_count; k++) {
-        SHV_TRY(shv_surface_pair_late_facet(contact, bodies, &list->facets[k], error));
-        shv_surface_edges_mark(list, bodies, k);
-        SHV_TRY(shv_surface_pair_late_edges(contact, bodies, k, k, error));
+    if (lost)
+        SHV_TRY(shv_surface_list_build(list, bodies, error));
+    else if (bodies->cohesive)
+        SHV_TRY(shv_surface_list_update(list, bodies, error));
+    if (!lost) shv_surface_list_measure(list, bodies);
+    list->incomplete.count = 0;
+    for (int32_t k = 0; k < list->node_count; k++) {
+        list->nodes[k].watch = -1;
+        list->nodes[k].incomplete = false;
     }
+    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
+    for (int32_t i = 0; i < bodies->fragment_count; i++)
+        contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_coupled_body(bodies, i)};
+    shv_surface_mark_cracked(contact, bodies, 0);
+    for (int32_t i = 0; i < bodies->fragment_count; i++) contact->fragments[i].opened = false;
+    return SHV_OK;
+}
+
+static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, double step,
+                         ShvError *error)
+{
+    ShvSurfaceList *list = &contact->list;
+    const double last = bodies->state->last_step;
+    SHV_TRY(update_list(contact, bodies, lost, error));
+    for (int kind = 0; kind < 2; kind++) contact->candidates[kind].count = contact->candidates[kind].held = 0;
+    contact->watched_count = contact->renewed_nodes = 0;
+    contact->paired_facets = list->facet_count;
+    shv_surface_speed_choose(contact, bodies, last > 0.0 ? last : step);
+    SHV_TRY(shv_surface_fill_grids(contact, bodies, error));
+    contact->renewal++;
+    for (int32_t k = 0; k < list->facet_count; k++) {
+        shv_surface_edges_mark(list, bodies, k);
+        if (!contact->fragments[list->facets[k].fragment].rigid) list->facets[k].renewal = contact->renewal;
+    }
+    for (int32_t k = 0; k < list->facet_count; k++) {
+        SHV_TRY(shv_surface_pair_facet(contact, bodies, k, error));
+        if (!contact->fragments[list->facets[k].fragment].rigid)
+            SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
+    }
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
+        SHV_TRY(shv_surface_pair_obstacle(contact, bodies, k, error));
+    contact->rebuilds++;
     return SHV_OK;
 }
 
@@ -105,10 +147,9 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     if (!lost && has_changed(contact, bodies)) SHV_TRY(shv_surface_follow(contact, bodies, &lost, error));
     const bool outdated = !lost && shv_surface_speed_count(contact, bodies, gravity);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
-    SHV_TRY(add_late(contact, bodies, step, error));
-    if (contact->rest > 0 && !contact->incomplete) return SHV_OK;
+    if (bodies->cohesive) SHV_TRY(shv_surface_list_update(&contact->list, bodies, error));
     bool many;
-    SHV_TRY(shv_surface_renew_out_of_skin(contact, bodies, step, gravity, &many, error));
+    SHV_TRY(shv_surface_renew(contact, bodies, step, gravity, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 

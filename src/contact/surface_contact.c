@@ -16,7 +16,7 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
                                    .idle = true,
                                    .list = {.memory = memory, .model = model},
                                    .detection_interval = SHV_SURFACE_DETECTION_INTERVAL,
-                                   .grid = {.memory = memory},
+                                   .node_grid = {.memory = memory},
                                    .facet_grid = {.memory = memory}};
     return SHV_OK;
 }
@@ -24,20 +24,17 @@ ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memo
 void shv_surface_contact_release(ShvSurfaceContact *contact)
 {
     shv_surface_list_release(&contact->list);
-    shv_node_grid_release(&contact->grid);
-    shv_node_grid_release(&contact->facet_grid);
-    shv_release(contact->nodes_out_of_skin.items);
-    shv_release(contact->facets_out_of_skin.items);
-    shv_release(contact->own);
-    shv_release(contact->near);
-    shv_release(contact->order);
+    shv_hash_grid_release(&contact->node_grid);
+    shv_hash_grid_release(&contact->facet_grid);
+    shv_release(contact->renewed_facets.items);
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
         shv_release(contact->candidates[k].movers);
     }
     shv_release(contact->fragments);
-    shv_narrow_phase_release(&contact->narrow);
+    shv_release(contact->found);
+    shv_release(contact->keys);
     shv_release(contact->watched);
     shv_release(contact->before);
     shv_release(contact->coupled_body_before);
@@ -65,12 +62,8 @@ void shv_surface_contact_recheck(ShvSurfaceContact *contact)
 
 static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *state, ShvError *error)
 {
-    if (contact->before_capacity < contact->watched_capacity) {
-        const size_t wanted = 3 * (size_t)contact->watched_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->before, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->before, error);
-        contact->before_capacity = contact->watched_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->before, contact->before_capacity,
+                3 * (int64_t)contact->watched_count, "contact", error);
     for (int32_t k = 0; k < contact->watched_count; k++) {
         const int32_t node = contact->list.nodes[contact->watched[k]].node;
         shv_store3(contact->before + 3 * (int64_t)k, shv_load3(state->velocity + 3 * (int64_t)node));
@@ -81,12 +74,8 @@ static ShvStatus remember_nodes(ShvSurfaceContact *contact, const ShvState *stat
 static ShvStatus remember_coupled_bodies(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     if (!bodies->coupled_bodies) return SHV_OK;
-    if (contact->coupled_body_capacity < bodies->fragment_count) {
-        const size_t wanted = (size_t)bodies->fragment_count + (size_t)bodies->fragment_count / 2;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->coupled_body_before, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->coupled_body_before, error);
-        contact->coupled_body_capacity = (int32_t)wanted;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->coupled_body_before, contact->coupled_body_capacity,
+                bodies->fragment_count, "contact", error);
     for (int32_t i = 0; i < bodies->fragment_count; i++) {
         const ShvCoupledBody *coupled_body = bodies->coupled_bodies[i];
         if (coupled_body)
@@ -120,21 +109,6 @@ ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurface
 }
 
 /* ---- pairs ---- */
-
-static ShvStatus list_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
-{
-    const ShvNarrowPhase *narrow = &contact->narrow;
-    SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
-    if (contact->pair_capacity < narrow->key_count) {
-        const size_t wanted = (size_t)narrow->key_count + (size_t)narrow->key_count / 2;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->pairs, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->pairs, error);
-        contact->pair_capacity = (int32_t)wanted;
-    }
-    for (int32_t k = 0; k < narrow->key_count; k++) contact->pairs[k] = narrow->drafts[narrow->keys[k].draft];
-    contact->pair_count = narrow->key_count;
-    return SHV_OK;
-}
 
 /* Facets are in one plane when 1 − cosine of their normals, and the relative difference of their gaps, are round-off; one rises
    above the plane of another by more than this share of the distance between them. */
@@ -226,12 +200,8 @@ static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 
 static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
 {
-    if (contact->visit_capacity < contact->list.node_capacity) {
-        const size_t wanted = (size_t)contact->list.node_capacity;
-        SHV_RESIZE(contact->memory, SHV_PART_CONTACT, contact->visits, wanted, "contact of surfaces",
-                   wanted * sizeof *contact->visits, error);
-        contact->visit_capacity = contact->list.node_capacity;
-    }
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->visits, contact->visit_capacity, contact->list.node_count,
+                "contact", error);
     for (int32_t i = 0; i < contact->pair_count; i++)
         for (int k = 0; k < 5; k++)
             if (contact->pairs[i].slots[k] >= 0) contact->visits[contact->pairs[i].slots[k]] = 0;
@@ -328,7 +298,7 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
 {
     clear_step(contact);
     if (is_quiet(contact) || !(step > 0.0)) return SHV_OK;
-    SHV_TRY(list_pairs(contact, bodies, step, error));
+    SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
     if (contact->pair_count == 0) return SHV_OK;
     exclude_deeper(contact);
     SHV_TRY(respond(contact, bodies, error));

@@ -6,7 +6,7 @@
    it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps
    from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
    node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
-   are left to shv_cohesive_close until they have parted (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
+   are left to shv_cohesive_close until they have separated (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
    SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
    flatter edges can pass until a node does, by a fiftieth of an edge. Edges of two coupled bodies do not.
 
@@ -26,14 +26,13 @@
        drift (coupled bodies too)
    A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
    of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
-   one fragment alone is awake and none of its cracks have parted. */
+   one fragment alone is awake and none of its cracks have failed. */
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 
-#include "contact/facet_pair.h"
-#include "contact/narrow_phase.h"
+#include "contact/edge_pair.h"
+#include "contact/hash_grid.h"
 #include "contact/node_contact.h"
-#include "contact/node_grid.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
@@ -61,6 +60,7 @@ typedef struct ShvSurfaceCandidates {
     double *due;     /* per candidate, m: sum of the paths of both sides at which they may meet */
     uint8_t *movers; /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
     int32_t count, capacity;
+    int32_t held; /* when void ones were last dropped */
 } ShvSurfaceCandidates;
 
 /* A fragment since candidates were chosen. */
@@ -68,50 +68,48 @@ typedef struct ShvSurfaceFragment {
     double path;         /* m: no node of a coupled body has gone farther in the frame */
     uint8_t speed_class; /* of all a coupled body's nodes */
     bool rigid;          /* it was a coupled body */
-    bool cracked;        /* it was cracked, or comes from such: its own surfaces are candidates of one another */
-    bool opened;         /* they are to be from now on */
+    bool cracked;        /* a crack runs in it: its own surfaces are candidates of one another */
+    bool opened;         /* its nodes are to look for what they may meet anew */
 } ShvSurfaceFragment;
 
-/* Places, in a list, of those in its grid that have left their skin since. */
-typedef struct ShvSurfacePlaces {
-    int32_t *items;
-    int32_t count, capacity;
-} ShvSurfacePlaces;
+/* Most steps from one time that the speeds of all nodes are read to the next. */
+enum { SHV_SURFACE_STEPS_BETWEEN_CHECKS = 4 };
+
+typedef struct ShvPairKey {
+    int32_t node, end, element, face, edge, feature, found;
+} ShvPairKey;
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
 enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
 
-struct ShvSurfaceContact {
+typedef struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
-    bool stale;      /* the lists must be made anew */
-    bool woken;      /* coupled bodies woke */
-    bool idle;       /* nothing can meet */
-    bool incomplete; /* candidates of some nodes are */
+    bool stale; /* the lists must be made anew */
+    bool woken; /* coupled bodies woke */
+    bool idle;  /* nothing can meet */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
-    ShvNodeGrid grid;
-    ShvBox *own, *near; /* per fragment: its box, and the part of it where it may meet something */
-    int32_t *order;     /* fragments by the low end of their boxes */
+    ShvHashGrid node_grid, facet_grid; /* facets by the centres of their boxes */
     ShvSurfaceFragment *fragments;
     int32_t fragment_capacity;
-    double size;            /* of facets, mean, m */
-    double built_time;      /* s: when candidates were chosen */
-    int32_t grid_nodes;     /* of the list, so many are in the grid */
-    ShvNodeGrid facet_grid; /* centres of the facets' boxes; their first grid_facets are in it */
-    int32_t grid_facets;
-    double half
-        [SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class in the grid reaches farther from its centre */
-    ShvSurfacePlaces nodes_out_of_skin, facets_out_of_skin;
-    ShvVec3 drift;                      /* velocity of the frame in which motion is measured, m/s */
-    double skin[SHV_SURFACE_MOVERS];    /* m: how far each may go until candidates are chosen anew */
-    double speed[SHV_SURFACE_MOVERS];   /* m/s: largest of candidates' nodes, and of obstacles */
-    double path[SHV_SURFACE_MOVERS];    /* m: how far the fastest has gone since */
-    int32_t rest;                       /* steps until the speeds of all nodes are read again */
-    double seen_time;                   /* s: time up to which motion has been counted */
-    ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
+    double size;       /* of facets, mean, m */
+    double built_time; /* s: when candidates were chosen */
+    double
+        half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
+    int32_t renewal;                     /* number of the present or last one */
+    int32_t renewed_nodes;               /* since candidates were chosen */
+    int32_t paired_facets;               /* of the list, so many have looked for candidates */
+    ShvSurfacePlaces renewed_facets;     /* in the last renewal */
+    ShvVec3 drift;                       /* velocity of the frame in which motion is measured, m/s */
+    double skin[SHV_SURFACE_MOVERS];     /* m: how far each may go until candidates are chosen anew */
+    double speed[SHV_SURFACE_MOVERS];    /* m/s: largest of candidates' nodes, and of obstacles */
+    double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
+    int32_t rest;                        /* steps until the speeds of all nodes are read again */
+    double seen_time;                    /* s: time up to which motion has been counted */
+    ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */
     int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */
@@ -122,8 +120,9 @@ struct ShvSurfaceContact {
     int32_t coupled_body_capacity;
     /* this step */
     ShvFacetPair *pairs; /* by node, end, element, face, edge; those without an impulse included */
+    ShvFacetPair *found; /* the same as they are found, */
+    ShvPairKey *keys;    /* and their order */
     int32_t pair_count, pair_capacity;
-    ShvNarrowPhase narrow;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
     int32_t visit_capacity;
     int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
@@ -136,7 +135,7 @@ struct ShvSurfaceContact {
         unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
     double deepest;                    /* m: largest penetration of a pair */
     int64_t distance_checks, rebuilds; /* since the start */
-};
+} ShvSurfaceContact;
 
 /* Allocates nothing. `friction`: Coulomb coefficient between any two surfaces, ≥ 0. */
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,

@@ -9,7 +9,7 @@
 /* Degrees between the normals of two facets from which a convex edge between them meets other edges. */
 #define SHV_SHARP_EDGE 5.0
 
-/* Finds the facets across the edges of one that has been listed, on the other side of the body: cracks that have not parted do not
+/* Finds the facets across the edges of one that has been listed, on the other side of the body: cracks that have not separated do not
    bound it. For models with adjacency. */
 void shv_surface_edges_link(ShvSurfaceList *list, int32_t place);
 /* Of all facets, for models without. */

@@ -1,6 +1,5 @@
 #include "contact/surface_list.h"
 
-#include "contact/candidates.h"
 #include "contact/surface_edge.h"
 #include "mesh/facets.h"
 
@@ -12,6 +11,7 @@ void shv_surface_list_release(ShvSurfaceList *list)
     shv_release(list->slot);
     shv_release(list->cracks);
     shv_release(list->place);
+    shv_release(list->incomplete.items);
     *list = (ShvSurfaceList){0};
 }
 
@@ -21,9 +21,8 @@ static ShvStatus reserve_slots(ShvSurfaceList *list, const ShvState *state, ShvE
 {
     if (list->slot_capacity >= state->node_capacity) return SHV_OK;
     const size_t capacity = (size_t)state->node_capacity;
-    int32_t *grown = shv_reallocate(list->memory, SHV_PART_CONTACT, list->slot, capacity, sizeof(int32_t));
-    if (!grown) return shv_fail_memory(error, "contact of surfaces", capacity * sizeof(int32_t));
-    list->slot = grown;
+    SHV_RESIZE(list->memory, SHV_PART_CONTACT, list->slot, capacity, "contact of surfaces", capacity * sizeof(int32_t),
+               error);
     for (int32_t i = list->slot_capacity; i < state->node_capacity; i++) list->slot[i] = -1;
     list->slot_capacity = state->node_capacity;
     return SHV_OK;
@@ -53,16 +52,23 @@ static ShvStatus find_boundary(ShvSurfaceList *list, ShvError *error)
 
 /* ---- entries ---- */
 
+ShvStatus shv_surface_list_incomplete(ShvSurfaceList *list, int32_t slot, ShvError *error)
+{
+    if (list->nodes[slot].incomplete) return SHV_OK;
+    list->nodes[slot].incomplete = true;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->incomplete.items, list->incomplete.capacity, list->incomplete.count,
+             "contact", error);
+    list->incomplete.items[list->incomplete.count++] = slot;
+    return SHV_OK;
+}
+
 static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, ShvError *error)
 {
     if (list->slot[node] >= 0) return SHV_OK;
-    void *block = list->nodes;
-    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->node_capacity, list->node_count, sizeof(ShvSurfaceNode),
-                                error));
-    list->nodes = block;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->nodes, list->node_capacity, list->node_count, "contact", error);
     list->slot[node] = list->node_count;
     list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
-    return SHV_OK;
+    return shv_surface_list_incomplete(list, list->node_count - 1, error);
 }
 
 static ShvStatus add_nodes(ShvSurfaceList *list, const ShvState *state, int32_t element, int32_t face, ShvError *error)
@@ -112,20 +118,16 @@ void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 }
 
 static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t element, int32_t face,
-                           bool crack, ShvError *error)
+                           ShvError *error)
 {
     const int32_t fragment = bodies->state->element_fragment[element];
     if (!shv_bodies_active(bodies, fragment)) return SHV_OK;
     SHV_TRY(add_nodes(list, bodies->state, element, face, error));
     if (shv_bodies_alone(bodies, fragment)) return SHV_OK;
-    void *block = list->facets;
-    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->facet_capacity, list->facet_count, sizeof(ShvSurfaceFacet),
-                                error));
-    list->facets = block;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->facets, list->facet_capacity, list->facet_count, "contact", error);
     if (list->place) list->place[4 * (int64_t)element + face] = list->facet_count;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
-    *facet = (ShvSurfaceFacet){
-        .element = element, .face = face, .fragment = fragment, .crack = crack, .across = {-1, -1, -1}};
+    *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .across = {-1, -1, -1}};
     int32_t nodes[3];
     shv_surface_corners(bodies->state, element, face, nodes);
     for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
@@ -142,7 +144,7 @@ static ShvStatus add_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     const int64_t facet = bodies->cohesive->facet[index];
     for (int side = 0; side < 2; side++)
         SHV_TRY(add_facet(list, bodies, adjacency->facet_elements[2 * facet + side],
-                          adjacency->facet_faces[2 * facet + side], true, error));
+                          adjacency->facet_faces[2 * facet + side], error));
     return SHV_OK;
 }
 
@@ -152,10 +154,7 @@ static ShvStatus add_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     const int32_t *fragment = bodies->state->element_fragment;
     if (!shv_bodies_active(bodies, fragment[elements[0]]) && !shv_bodies_active(bodies, fragment[elements[1]]))
         return SHV_OK;
-    void *block = list->cracks;
-    SHV_TRY(shv_candidates_grow(list->memory, &block, &list->crack_capacity, list->crack_count, sizeof(ShvSurfaceCrack),
-                                error));
-    list->cracks = block;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->cracks, list->crack_capacity, list->crack_count, "contact", error);
     list->cracks[list->crack_count++] = (ShvSurfaceCrack){.index = index};
     return SHV_OK;
 }
@@ -173,7 +172,7 @@ static ShvStatus open_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies
     return SHV_OK;
 }
 
-/* Whether a crack that has not parted lies between a node and another copy of it. */
+/* Whether a crack that has not separated lies between a node and another copy of it. */
 static bool is_held(const ShvCohesive *cohesive, const ShvState *state, const ShvAdjacency *adjacency, int32_t node)
 {
     for (int32_t i = 0; i < state->corner_count[node]; i++) {
@@ -192,21 +191,23 @@ static bool is_held(const ShvCohesive *cohesive, const ShvState *state, const Sh
     return false;
 }
 
-static void hold_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node)
+static ShvStatus hold_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
     const int32_t slot = list->slot[node];
-    if (slot < 0) return;
+    if (slot < 0) return SHV_OK;
     const bool held = is_held(bodies->cohesive, bodies->state, &list->model->adjacency, node);
-    list->released |= list->nodes[slot].held && !held;
+    if (list->nodes[slot].held && !held) SHV_TRY(shv_surface_list_incomplete(list, slot, error));
     list->nodes[slot].held = held;
+    return SHV_OK;
 }
 
-static void hold_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index)
+static ShvStatus hold_sides(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t index, ShvError *error)
 {
     for (int c = 0; c < 3; c++) {
-        hold_node(list, bodies, bodies->cohesive->sides[index].first[c]);
-        hold_node(list, bodies, bodies->cohesive->sides[index].second[c]);
+        SHV_TRY(hold_node(list, bodies, bodies->cohesive->sides[index].first[c], error));
+        SHV_TRY(hold_node(list, bodies, bodies->cohesive->sides[index].second[c], error));
     }
+    return SHV_OK;
 }
 
 static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceCrack *crack,
@@ -220,8 +221,8 @@ static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     return SHV_OK;
 }
 
-/* Nodes that have come, and those of cracks that have parted, may be held or not. */
-ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+/* Nodes that have come, and those of cracks that have separated, may be held or not. */
+ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     int32_t kept = 0;
     const int32_t nodes = list->node_count;
@@ -229,12 +230,12 @@ ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bo
         const int32_t index = list->cracks[k].index;
         SHV_TRY(follow_crack(list, bodies, &list->cracks[k], error));
         if (bodies->cohesive->phase[index] == SHV_COHESIVE_SEPARATED)
-            hold_sides(list, bodies, index);
+            SHV_TRY(hold_sides(list, bodies, index, error));
         else
             list->cracks[kept++] = list->cracks[k];
     }
     list->crack_count = kept;
-    for (int32_t k = nodes; k < list->node_count; k++) hold_node(list, bodies, list->nodes[k].node);
+    for (int32_t k = nodes; k < list->node_count; k++) SHV_TRY(hold_node(list, bodies, list->nodes[k].node, error));
     return SHV_OK;
 }
 
@@ -296,13 +297,13 @@ static void sum_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int
 }
 
 /* A node that was split, or a copy: it has fewer facets now, and neighbours that it may meet. */
-static void part_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node)
+static ShvStatus split_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
     const int32_t slot = list->slot[node];
-    if (slot < 0) return;
+    if (slot < 0) return SHV_OK;
     sum_normal(list, bodies, slot);
-    list->nodes[slot].incomplete = list->released = true;
-    hold_node(list, bodies, node);
+    SHV_TRY(shv_surface_list_incomplete(list, slot, error));
+    return hold_node(list, bodies, node, error);
 }
 
 static void name_fragments(ShvSurfaceList *list, const ShvState *state)
@@ -324,8 +325,8 @@ ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *
     if (known.fragments != bodies->fragment_count) name_fragments(list, state);
     for (int32_t i = known.cohesive; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
     for (int32_t node = known.nodes; node < state->node_count; node++) {
-        part_node(list, bodies, node);
-        part_node(list, bodies, shv_state_split_from(state, node));
+        SHV_TRY(split_node(list, bodies, node, error));
+        SHV_TRY(split_node(list, bodies, shv_state_split_from(state, node), error));
     }
     return SHV_OK;
 }
@@ -336,9 +337,9 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 {
     const ShvAdjacency *adjacency = &list->model->adjacency;
     for (int32_t k = 0; k < list->boundary_count; k++)
-        SHV_TRY(add_facet(list, bodies, list->boundary[k] / 4, list->boundary[k] % 4, false, error));
+        SHV_TRY(add_facet(list, bodies, list->boundary[k] / 4, list->boundary[k] % 4, error));
     for (int64_t k = adjacency->interior_count; k < adjacency->facet_count; k++)
-        SHV_TRY(add_facet(list, bodies, adjacency->facet_elements[2 * k], adjacency->facet_faces[2 * k], false, error));
+        SHV_TRY(add_facet(list, bodies, adjacency->facet_elements[2 * k], adjacency->facet_faces[2 * k], error));
     return SHV_OK;
 }
 
@@ -346,13 +347,13 @@ ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *b
 {
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
     if (bodies->cohesive) SHV_TRY(reserve_places(list, error));
-    list->node_count = list->facet_count = list->crack_count = 0;
+    list->node_count = list->facet_count = list->crack_count = list->incomplete.count = 0;
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
     if (!bodies->cohesive) return shv_surface_edges_link_all(list, error);
     for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
-    SHV_TRY(shv_surface_list_part(list, bodies, error));
-    for (int32_t k = 0; k < list->node_count; k++) hold_node(list, bodies, list->nodes[k].node);
+    SHV_TRY(shv_surface_list_update(list, bodies, error));
+    for (int32_t k = 0; k < list->node_count; k++) SHV_TRY(hold_node(list, bodies, list->nodes[k].node, error));
     return SHV_OK;
 }

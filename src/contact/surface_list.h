@@ -1,5 +1,5 @@
 /* The surfaces that may meet one another: boundary facets of the awake fragments and of coupled bodies, faces of cracks that
-   have parted, and the nodes of both and of cracks that have failed. Cracks that still carry are closed within a few
+   have separated, and the nodes of both and of cracks that have failed. Cracks that still carry are closed within a few
    micrometres, so that nothing gets at their nodes. Facets are named by element and face. */
 #ifndef SHV_CONTACT_SURFACE_LIST_H
 #define SHV_CONTACT_SURFACE_LIST_H
@@ -29,10 +29,7 @@ enum { SHV_SURFACE_SPEED_CLASSES = 8 };
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
     int32_t slots[3];    /* of its nodes */
-    bool crack;          /* face of a crack that has parted */
-    bool out_of_skin;    /* of a node that has left its skin */
-    bool leaves_skin;    /* of one that does just now */
-    int64_t seen;        /* pass of the last search that met it */
+    int32_t renewal;     /* in which its candidates were last chosen anew */
     uint8_t speed_class; /* the largest of its nodes */
     uint8_t sharp;       /* bits: the sharp edges that it names (surface_edge.h) */
     int32_t across[3];   /* half-edge on the other side of each edge, −1: none */
@@ -41,23 +38,26 @@ typedef struct ShvSurfaceFacet {
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
-    int32_t watch; /* place among the nodes of candidates, −1: of none */
+    int32_t watch;   /* place among the nodes of candidates, −1: of none */
+    int32_t renewal; /* as of a facet */
     uint8_t speed_class;
-    bool out_of_skin; /* it has left the way that its place in the grid of all nodes allows for */
-    bool leaves_skin; /* it does just now */
-    bool incomplete;  /* its candidates are no longer all, wherever it is */
-    bool held;        /* one of a pair of copies that a crack keeps from passing each other: its facet has not parted */
-    ShvVec3 from;     /* where it was when its speed class was chosen, m */
-    ShvVec3 at;       /* where it was when last looked at, m */
-    int64_t seen;     /* pass of that */
-    ShvVec3 normal;   /* sum of the area vectors of its facets when last measured, × 2, m² */
+    bool incomplete; /* its candidates are no longer all, wherever it is */
+    bool held;    /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
+    ShvVec3 from; /* where it was when its speed class was chosen, m */
+    ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
-/* A cohesive facet whose faces have not parted. */
+/* A cohesive facet whose faces have not separated. */
 typedef struct ShvSurfaceCrack {
     int32_t index;
     bool open; /* it has failed, its nodes are listed */
 } ShvSurfaceCrack;
+
+/* Places in a list. */
+typedef struct ShvSurfacePlaces {
+    int32_t *items;
+    int32_t count, capacity;
+} ShvSurfacePlaces;
 
 typedef struct ShvSurfaceList {
     ShvMemory *memory;
@@ -72,8 +72,8 @@ typedef struct ShvSurfaceList {
     int32_t slot_capacity;
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
-    int32_t *place; /* per element × 4 + face: its place in `facets`, −1: none */
-    bool released;  /* cracks may no longer hold some of the nodes that they held when candidates were last looked at */
+    int32_t *place;              /* per element × 4 + face: its place in `facets`, −1: none */
+    ShvSurfacePlaces incomplete; /* nodes that are */
 } ShvSurfaceList;
 
 static inline ShvCoupledBody *shv_bodies_coupled_body(const ShvSurfaceBodies *bodies, int32_t fragment)
@@ -115,11 +115,14 @@ typedef struct ShvSurfaceKnown {
     int32_t nodes, cohesive, fragments;
 } ShvSurfaceKnown;
 
-/* Goes on after insertions: copies of nodes are appended, and what was split is marked, since it may meet its neighbours now;
+/* The candidates of a node are no longer all. */
+ShvStatus shv_surface_list_incomplete(ShvSurfaceList *list, int32_t slot, ShvError *error);
+/* Goes on after insertions: copies of nodes are appended, and what was split is incomplete, since it may meet its neighbours now;
    fragments are named anew where there are new ones, and new cohesive facets are followed. */
 ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
                                   ShvError *error);
-/* Appends the nodes of cracks that have failed since and the faces of those that have parted. */
-ShvStatus shv_surface_list_part(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+/* Appends the nodes of cracks that have failed since and the faces of those that have separated, whose nodes are incomplete where no
+   other crack holds them. */
+ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 
 #endif

@@ -2,7 +2,7 @@
 #include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
-enum { MOST_STEPS_BETWEEN_CHECKS = 4, STEPS_TO_LAST = 256 };
+enum { STEPS_TO_LAST = 256 };
 
 /* ---- motion ---- */
 
@@ -80,19 +80,6 @@ int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfa
     return most;
 }
 
-/* Of the node that can be left for the fewest. */
-static int32_t steps_of_nodes(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                              double gravity)
-{
-    int32_t steps = MOST_STEPS_BETWEEN_CHECKS;
-    for (int32_t k = 0; k < contact->list.node_count && steps > 0; k++) {
-        const ShvSurfaceNode *node = &contact->list.nodes[k];
-        if (!shv_bodies_coupled_body(bodies, node->fragment))
-            steps = shv_surface_speed_steps(contact, bodies, node, step, gravity, steps);
-    }
-    return steps;
-}
-
 static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
 {
     return contact->path[SHV_SURFACE_OBSTACLES] + ahead * contact->speed[SHV_SURFACE_OBSTACLES] >
@@ -125,9 +112,8 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
         contact->detection_interval = beats_for(contact, state->last_step);
     }
     if (--contact->rest > 0) return false;
-    contact->rest = steps_of_nodes(contact, bodies, state->last_step, gravity);
     return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step, gravity) ||
-           obstacles_outrun(contact, 2.0 * MOST_STEPS_BETWEEN_CHECKS * state->last_step);
+           obstacles_outrun(contact, 2.0 * SHV_SURFACE_STEPS_BETWEEN_CHECKS * state->last_step);
 }
 
 /* ---- speed classes ---- */
@@ -157,7 +143,7 @@ static const double skin_margin = 4.0;
 static double skin_for(const ShvSurfaceContact *contact, double distance)
 {
     const double far = largest_skin * contact->size, wanted = STEPS_TO_LAST * distance,
-                 needed = skin_margin * MOST_STEPS_BETWEEN_CHECKS * distance;
+                 needed = skin_margin * SHV_SURFACE_STEPS_BETWEEN_CHECKS * distance;
     return fmax(needed, fmin(wanted, far));
 }
 

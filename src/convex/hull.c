@@ -378,11 +378,10 @@ static void round_to_grid(double *grid, const double *points, int32_t count)
 static ShvStatus reserve(ShvHullScratch *scratch, int32_t count, ShvError *error)
 {
     if (count <= scratch->capacity) return SHV_OK;
-    double *grid = shv_reallocate(scratch->memory, SHV_PART_RIGID, scratch->grid, 3 * (size_t)count, sizeof *grid);
-    if (grid) scratch->grid = grid;
-    int32_t *next = shv_reallocate(scratch->memory, SHV_PART_RIGID, scratch->next, (size_t)count, sizeof *next);
-    if (next) scratch->next = next;
-    if (!grid || !next) return shv_fail_memory(error, "a convex hull", 28 * (size_t)count);
+    SHV_RESIZE(scratch->memory, SHV_PART_RIGID, scratch->grid, 3 * (size_t)count, "a convex hull", 28 * (size_t)count,
+               error);
+    SHV_RESIZE(scratch->memory, SHV_PART_RIGID, scratch->next, (size_t)count, "a convex hull", 28 * (size_t)count,
+               error);
     scratch->capacity = count;
     return SHV_OK;
 }

@@ -144,10 +144,8 @@ static ShvStatus fill(ShvHullClusters *clusters, const ShvFragmentTets *tets, Sh
     SHV_TRY(set_cluster(clusters, &clusters->items[0], tets, scratch, error));
     const int32_t limit = hull_limit(tets, shv_hull_cluster_concavity(&clusters->items[0]));
     if (limit == 1) return SHV_OK;
-    ShvHullCluster *items =
-        shv_reallocate(scratch->memory, SHV_PART_RIGID, clusters->items, (size_t)limit, sizeof *items);
-    if (!items) return shv_fail_memory(error, "the convex pieces of a fragment", (size_t)limit * sizeof *items);
-    clusters->items = items;
+    SHV_RESIZE(scratch->memory, SHV_PART_RIGID, clusters->items, (size_t)limit, "the convex pieces of a fragment",
+               (size_t)limit * sizeof *clusters->items, error);
     while (clusters->count < limit) {
         const int32_t worst = emptiest(clusters, NEGLIGIBLE * tets->volume);
         if (worst < 0) break;

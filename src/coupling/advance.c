@@ -17,13 +17,8 @@ static int by_time(const void *a, const void *b)
 
 static ShvStatus reserve_wakes(ShvHybrid *hybrid, ShvError *error)
 {
-    if (hybrid->wakes.capacity >= hybrid->fragments.alive) return SHV_OK;
-    const int32_t capacity = hybrid->fragments.capacity;
-    ShvRigidContact *wakes =
-        shv_reallocate(hybrid->memory, SHV_PART_RIGID, hybrid->wakes.items, (size_t)capacity, sizeof(ShvRigidContact));
-    if (!wakes) return shv_fail_memory(error, "the list of impacts", (size_t)capacity * sizeof(ShvRigidContact));
-    hybrid->wakes.items = wakes;
-    hybrid->wakes.capacity = capacity;
+    SHV_RESERVE(hybrid->memory, SHV_PART_RIGID, hybrid->wakes.items, hybrid->wakes.capacity, hybrid->fragments.alive,
+                "impacts", error);
     return SHV_OK;
 }
 

@@ -1,6 +1,14 @@
 /* What a mode switch did, and whether the scene allows it. */
 #include "coupling/hybrid.h"
 
+ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error)
+{
+    ShvEventLog *log = &hybrid->log;
+    SHV_GROW(hybrid->memory, SHV_PART_RECORD, log->items, log->capacity, log->count, "the event log", error);
+    log->items[log->count++] = *event;
+    return SHV_OK;
+}
+
 void shv_audit_hulls(const ShvFragment *fragment, ShvEventView *event)
 {
     event->hulls = fragment->hulls;

@@ -5,20 +5,10 @@
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error)
 {
     ShvAwake *awake = &hybrid->awake;
-    if (awake->flag_capacity < hybrid->fragments.capacity) {
-        uint8_t *flags =
-            shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->flags, (size_t)hybrid->fragments.capacity, 1);
-        if (!flags) return shv_fail_memory(error, "the list of awake fragments", (size_t)hybrid->fragments.capacity);
-        awake->flags = flags;
-        awake->flag_capacity = hybrid->fragments.capacity;
-    }
-    if (awake->node_capacity < hybrid->state.node_capacity) {
-        int32_t *nodes = shv_reallocate(hybrid->memory, SHV_PART_STATE, awake->nodes,
-                                        (size_t)hybrid->state.node_capacity, sizeof(int32_t));
-        if (!nodes) return shv_fail_memory(error, "the list of awake nodes", (size_t)hybrid->state.node_capacity * 4);
-        awake->nodes = nodes;
-        awake->node_capacity = hybrid->state.node_capacity;
-    }
+    SHV_RESERVE(hybrid->memory, SHV_PART_STATE, awake->flags, awake->flag_capacity, hybrid->fragments.capacity,
+                "awake fragments", error);
+    SHV_RESERVE(hybrid->memory, SHV_PART_STATE, awake->nodes, awake->node_capacity, hybrid->state.node_capacity,
+                "awake nodes", error);
     return SHV_OK;
 }
 
@@ -71,7 +61,7 @@ ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL) /* whose nodes are other ones now */
         shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
-    shv_node_contact_invalidate(&hybrid->contact);
+    shv_node_contact_follow(&hybrid->contact);
     hybrid->stabiliser.stale = true;
     return SHV_OK;
 }

@@ -6,9 +6,8 @@ static ShvStatus reserve_nodal(ShvHybrid *hybrid, ShvError *error)
 {
     if (hybrid->check.nodal_capacity >= hybrid->state.node_capacity) return SHV_OK;
     const size_t count = 6 * (size_t)hybrid->state.node_capacity;
-    double *nodal = shv_reallocate(hybrid->memory, SHV_PART_STRESS, hybrid->check.nodal, count, sizeof(double));
-    if (!nodal) return shv_fail_memory(error, "nodal stress", count * sizeof(double));
-    hybrid->check.nodal = nodal;
+    SHV_RESIZE(hybrid->memory, SHV_PART_STRESS, hybrid->check.nodal, count, "nodal stress", count * sizeof(double),
+               error);
     hybrid->check.nodal_capacity = hybrid->state.node_capacity;
     return SHV_OK;
 }
@@ -83,10 +82,11 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
 }
 
 /* Components of one awake fragment; its children carry on with its record. */
-static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvParting *parting, ShvError *error)
+static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvConnectivityChange *change,
+                                  ShvError *error)
 {
     int32_t parts = 0;
-    SHV_TRY(shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, parting, &parts, error));
+    SHV_TRY(shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, change, &parts, error));
     if (parts < 2) return SHV_OK;
     const ShvEventView event = {
         .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
@@ -98,14 +98,14 @@ static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvPar
 static ShvStatus relabel_cracked(ShvHybrid *hybrid, int32_t first_copy, ShvError *error)
 {
     const int32_t count = hybrid->fragments.count;
-    const ShvParting parting = {.first_copy = first_copy};
+    const ShvConnectivityChange change = {.first_copy = first_copy};
     for (int32_t i = 0; i < count; i++)
         if (hybrid->awake.flags[i] && hybrid->fragments.items[i].last_insertion == hybrid->state.time)
-            SHV_TRY(relabel_fragment(hybrid, i, &parting, error));
+            SHV_TRY(relabel_fragment(hybrid, i, &change, error));
     return shv_awake_follow(hybrid, error);
 }
 
-ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
+ShvStatus shv_hybrid_split(ShvHybrid *hybrid, ShvError *error)
 {
     if (!hybrid->model.can_break) return SHV_OK;
     const double start = shv_now();
@@ -113,7 +113,7 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
     shv_cohesive_find_failed(cohesive, &hybrid->state, hybrid->awake.flags, &hybrid->observer.ledger);
     if (!hybrid->fragments.bonds) return SHV_OK; /* failed facets are counted, but it is nodes that join */
     const int32_t before = hybrid->fragments.count;
-    const ShvParting parting = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
+    const ShvConnectivityChange change = {hybrid->state.node_count, cohesive->failed, cohesive->failed_count};
     for (int32_t i = 0; i < cohesive->failed_count; i++) {
         const int32_t *elements = cohesive->sides[cohesive->failed[i]].elements;
         const int32_t *fragment = hybrid->state.element_fragment;
@@ -125,7 +125,7 @@ ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error)
         ShvFragment *whole = &hybrid->fragments.items[fragment[elements[0]]];
         if (whole->searched == hybrid->state.step + 1) continue;
         whole->searched = hybrid->state.step + 1;
-        SHV_TRY(relabel_fragment(hybrid, fragment[elements[0]], &parting, error));
+        SHV_TRY(relabel_fragment(hybrid, fragment[elements[0]], &change, error));
     }
     if (hybrid->fragments.count > before) SHV_TRY(shv_awake_follow(hybrid, error));
     shv_costs_add(&hybrid->costs, SHV_COST_PARTS, start);

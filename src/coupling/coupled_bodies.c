@@ -273,7 +273,9 @@ void shv_coupled_bodies_kick(ShvHybrid *hybrid, double kick)
 
 void shv_coupled_bodies_drift(ShvHybrid *hybrid, double step)
 {
+    enum { WORTH_THREADS = 64 };
     ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
+#pragma omp parallel for schedule(static) num_threads(hybrid->model.threads) if (coupled_bodies->count > WORTH_THREADS)
     for (int32_t i = 0; i < coupled_bodies->count; i++) {
         ShvCoupledBody *coupled_body = &coupled_bodies->items[i];
         ShvFragment *fragment = &hybrid->fragments.items[coupled_bodies->fragments[i]];

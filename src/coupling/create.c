@@ -103,7 +103,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(require_stable(hybrid, error));
     if (hybrid->model.can_break) SHV_TRY(create_fracture(hybrid, error));
     SHV_TRY(shv_obstacles_create(&hybrid->obstacles, hybrid->memory, scene, folder, error));
-    SHV_TRY(shv_node_contact_create(&hybrid->contact, hybrid->memory, &hybrid->obstacles, error));
+    shv_node_contact_create(&hybrid->contact, hybrid->memory);
     shv_node_contact_know_surface(&hybrid->contact,
                                   (ShvNodeSurface){.model = &hybrid->model,
                                                    .cohesive = hybrid->model.can_break ? &hybrid->cohesive : NULL,

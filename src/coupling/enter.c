@@ -137,11 +137,11 @@ ShvStatus shv_hybrid_leave_obstacle(ShvHybrid *hybrid, int32_t index, ShvError *
 /* Its nodes' places in the reference mesh hold the placement of the scene, from which it is turned and moved to the new one. */
 void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvPlacement *placement)
 {
-    const double degree = 0.017453292519943295;
     const ShvPlacement *start = &hybrid->scene->objects[fragment->object].placement;
-    const ShvQuat first = shv_quat_from_axis_angle(shv_load3(start->rotation_axis), start->rotation_degrees * degree);
+    const ShvQuat first =
+        shv_quat_from_axis_angle(shv_load3(start->rotation_axis), start->rotation_degrees * radians_a_degree);
     const ShvQuat wanted =
-        shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), placement->rotation_degrees * degree);
+        shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), placement->rotation_degrees * radians_a_degree);
     fragment->orientation = shv_quat_unit(shv_quat_multiply(wanted, shv_quat_conjugate(first)));
     const ShvVec3 arm = shv_sub(fragment->reference_centre, shv_load3(start->position));
     fragment->position = shv_add(shv_load3(placement->position), shv_rotate(fragment->orientation, arm));

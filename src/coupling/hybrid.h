@@ -298,7 +298,7 @@ double shv_hybrid_edge_strain(const ShvHybrid *hybrid);
 /* check.c: stress, criterion, insertion, when due; what has come apart is labelled at once. */
 ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error);
 /* Fragments come apart where their last bonds have failed; once a step, when its forces have been found. */
-ShvStatus shv_hybrid_part(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_split(ShvHybrid *hybrid, ShvError *error);
 /* The clock of a body that has just woken. */
 void shv_check_clock_start(ShvCheckClock *clock);
 /* time_line.c: scene events that are due. */
@@ -330,7 +330,7 @@ void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvP
 void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement);
 /* squeeze.c: events of bodies that obstacles which hold their place leave no room; asked at the end of a rigid interval. */
 ShvStatus shv_hybrid_find_squeeze(ShvHybrid *hybrid, ShvError *error);
-/* event_log.c */
+/* audit.c: one more event. */
 ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);
 /* observe.c: mean of the velocities around the present time into state.velocity, those of n − 1/2 into ghost.before; and the
    latter back again. */

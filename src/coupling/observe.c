@@ -10,15 +10,11 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     ShvGhost *ghost = &hybrid->observer.ghost;
     if (ghost->capacity < hybrid->state.node_capacity) {
         const size_t count = 3 * (size_t)hybrid->state.node_capacity;
-        double *before = shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->before, count, sizeof(double));
-        if (!before) return shv_fail_memory(error, "velocities around a time", count * sizeof(double));
-        ghost->before = before;
-        if (hybrid->stabiliser.active) {
-            double *displacement =
-                shv_reallocate(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, sizeof(double));
-            if (!displacement) return shv_fail_memory(error, "displacements at a time", count * sizeof(double));
-            ghost->displacement = displacement;
-        }
+        SHV_RESIZE(hybrid->memory, SHV_PART_STATE, ghost->before, count, "velocities around a time",
+                   count * sizeof(double), error);
+        if (hybrid->stabiliser.active)
+            SHV_RESIZE(hybrid->memory, SHV_PART_STATE, ghost->displacement, count, "displacements at a time",
+                       count * sizeof(double), error);
         ghost->capacity = hybrid->state.node_capacity;
     }
     if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;

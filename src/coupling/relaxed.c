@@ -16,10 +16,8 @@ static ShvStatus mark_fixed(ShvHybrid *hybrid, ShvError *error)
     const ShvImposed *imposed = &hybrid->imposed;
     if (imposed->count == 0) return SHV_OK;
     if (hybrid->stabiliser.fixed_capacity < hybrid->state.node_capacity) {
-        uint8_t *fixed = shv_reallocate(hybrid->memory, SHV_PART_BARS, hybrid->stabiliser.fixed,
-                                        (size_t)hybrid->state.node_capacity, 1);
-        if (!fixed) return shv_fail_memory(error, "imposed components", (size_t)hybrid->state.node_capacity);
-        hybrid->stabiliser.fixed = fixed;
+        const size_t count = (size_t)hybrid->state.node_capacity;
+        SHV_RESIZE(hybrid->memory, SHV_PART_BARS, hybrid->stabiliser.fixed, count, "imposed components", count, error);
         hybrid->stabiliser.fixed_capacity = hybrid->state.node_capacity;
     }
     memset(hybrid->stabiliser.fixed, 0, (size_t)hybrid->state.node_count);

@@ -88,8 +88,7 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     SHV_TRY(shv_hybrid_resolve_contact(hybrid, after, error));
     start = shv_now();
-    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, kick,
-                                   after, hybrid->gravity, error));
+    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, after, hybrid->gravity, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
@@ -163,7 +162,7 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     const double step = shv_hybrid_choose_step(hybrid, limit);
     shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
-    SHV_TRY(shv_hybrid_part(hybrid, error));
+    SHV_TRY(shv_hybrid_split(hybrid, error));
     SHV_TRY(sampled_kick(hybrid, step, error));
     count_contact(hybrid, step);
     shv_waking_contact_follow(hybrid);

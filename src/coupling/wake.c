@@ -161,10 +161,10 @@ static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
 }
 
 /* Where a fragment's nodes stand deepest in an obstacle; the way out of it. */
-static ShvVec3 separation(const ShvHybrid *hybrid, const ShvFragment *fragment)
+static ShvVec3 find_way_out(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     double deepest = 0.0;
-    ShvVec3 apart = {0.0, 0.0, 0.0};
+    ShvVec3 way_out = {0.0, 0.0, 0.0};
     for (int32_t o = 0; o < hybrid->obstacles.count; o++)
         for (int32_t k = 0; k < fragment->node_count; k++) {
             const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
@@ -172,9 +172,9 @@ static ShvVec3 separation(const ShvHybrid *hybrid, const ShvFragment *fragment)
                 shv_obstacle_closest(&hybrid->obstacles.items[o], shv_state_position(&hybrid->state, node), 0.0);
             if (!(at.gap < deepest)) continue;
             deepest = at.gap;
-            apart = shv_scale(at.normal, -at.gap);
+            way_out = shv_scale(at.normal, -at.gap);
         }
-    return apart;
+    return way_out;
 }
 
 /* Bars push out what is inside an obstacle, at once and with all the energy that takes; those of rigid mode when the body has
@@ -184,12 +184,13 @@ static void stand_outside(ShvHybrid *hybrid, ShvFragment *fragment)
 {
     const double largest_share = 0.1; /* of the radius; deeper overlaps are the scene's */
     if (hybrid->stabiliser.active == hybrid->backend->keeps_nodes) return;
-    const ShvVec3 apart = separation(hybrid, fragment);
-    if (!(shv_norm(apart) > 0.0) || shv_norm(apart) > largest_share * fragment->radius) return;
+    const ShvVec3 way_out = find_way_out(hybrid, fragment);
+    if (!(shv_norm(way_out) > 0.0) || shv_norm(way_out) > largest_share * fragment->radius) return;
     for (int32_t k = 0; k < fragment->node_count; k++)
-        shv_add_to3(hybrid->state.displacement + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k], apart);
-    fragment->position = shv_add(fragment->position, apart);
-    hybrid->observer.ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), apart);
+        shv_add_to3(hybrid->state.displacement + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k],
+                    way_out);
+    fragment->position = shv_add(fragment->position, way_out);
+    hybrid->observer.ledger.booked[SHV_WORK_CONTACT] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), way_out);
 }
 
 double shv_hybrid_kinetic_in_flight(const ShvHybrid *hybrid, const ShvFragment *fragment)

@@ -235,17 +235,12 @@ static ShvStatus reserve_scratch(ShvFragments *fragments, const ShvState *state,
 {
     if (state->node_count <= fragments->scratch_capacity) return SHV_OK;
     const int32_t capacity = state->node_capacity > state->node_count ? state->node_capacity : state->node_count;
-    int32_t *root =
-        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->root, (size_t)capacity, sizeof(int32_t));
-    if (root) fragments->root = root;
-    int32_t *label =
-        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->label, (size_t)capacity, sizeof(int32_t));
-    if (label) fragments->label = label;
-    int32_t *found =
-        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->found, (size_t)capacity, sizeof(int32_t));
-    if (found) fragments->found = found;
-    if (!root || !label || !found)
-        return shv_fail_memory(error, "the node labels of fragments", (size_t)capacity * sizeof(int32_t));
+    const size_t count = (size_t)capacity, bytes = count * sizeof(int32_t);
+    SHV_RESIZE(fragments->memory, SHV_PART_RIGID, fragments->root, count, "the node labels of fragments", bytes, error);
+    SHV_RESIZE(fragments->memory, SHV_PART_RIGID, fragments->label, count, "the node labels of fragments", bytes,
+               error);
+    SHV_RESIZE(fragments->memory, SHV_PART_RIGID, fragments->found, count, "the node labels of fragments", bytes,
+               error);
     fragments->scratch_capacity = capacity;
     return SHV_OK;
 }
@@ -258,10 +253,8 @@ static ShvStatus reserve_items(ShvFragments *fragments, int32_t more, ShvError *
         return shv_fail(error, SHV_UNSUPPORTED, "More than %d fragments: use a coarser mesh or a stronger material.",
                         INT32_MAX / 2);
     const int64_t capacity = wanted + wanted / 2;
-    ShvFragment *items =
-        shv_reallocate(fragments->memory, SHV_PART_RIGID, fragments->items, (size_t)capacity, sizeof *items);
-    if (!items) return shv_fail_memory(error, "the fragments", (size_t)capacity * sizeof *items);
-    fragments->items = items;
+    SHV_RESIZE(fragments->memory, SHV_PART_RIGID, fragments->items, (size_t)capacity, "the fragments",
+               (size_t)capacity * sizeof *fragments->items, error);
     fragments->capacity = (int32_t)capacity;
     return SHV_OK;
 }
@@ -494,16 +487,16 @@ static ShvStatus extend(ShvFragments *fragments, const ShvState *state, int32_t 
 }
 
 ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
-                                 const ShvParting *parting, int32_t *parts, ShvError *error)
+                                 const ShvConnectivityChange *change, int32_t *parts, ShvError *error)
 {
     ShvSevered severed;
     Parts found = {0};
     *parts = 1;
     SHV_TRY(reserve_scratch(fragments, state, error));
-    SHV_TRY(shv_severed_find(fragments, state, fragment, parting, &severed, error));
-    if (severed.count == 0) return extend(fragments, state, fragment, parting->first_copy, severed.copies, error);
+    SHV_TRY(shv_severed_find(fragments, state, fragment, change, &severed, error));
+    if (severed.count == 0) return extend(fragments, state, fragment, change->first_copy, severed.copies, error);
     ShvStatus status =
-        find_severed_parts(&found, fragments, state, &fragments->items[fragment], &severed, parting->first_copy, error);
+        find_severed_parts(&found, fragments, state, &fragments->items[fragment], &severed, change->first_copy, error);
     shv_severed_clear(fragments, &severed);
     if (status == SHV_OK) status = replace(fragments, model, state, fragment, &found, error);
     *parts = found.count;

@@ -106,15 +106,15 @@ ShvStatus shv_fragments_split(ShvFragments *fragments, const ShvModel *model, Sh
 
 /* What has changed since a fragment's lists were made: nodes from `first_copy` on were split off it (shv_cohesive_insert), and
    these cohesive facets have lost their bond. */
-typedef struct ShvParting {
+typedef struct ShvConnectivityChange {
     int32_t first_copy;
     const int32_t *failed;
     int32_t failed_count;
-} ShvParting;
+} ShvConnectivityChange;
 
 /* The same as shv_fragments_split from what has changed alone: searches from there, and no farther than the smaller part goes. */
 ShvStatus shv_fragments_split_by(ShvFragments *fragments, const ShvModel *model, ShvState *state, int32_t fragment,
-                                 const ShvParting *parting, int32_t *parts, ShvError *error);
+                                 const ShvConnectivityChange *change, int32_t *parts, ShvError *error);
 /* How many pieces there would be if a facet bonded above another share of its normal strength (shv_cohesive_residual): how
    sharp the number of fragments is. Counts across facets alone. */
 ShvStatus shv_fragments_count_at(ShvFragments *fragments, const ShvCohesive *cohesive, const ShvState *state,

@@ -180,11 +180,11 @@ static int32_t plant(Search *search, int32_t fragment, int32_t first_copy)
 }
 
 /* Both sides of a facet that bonds no more hung together through it. */
-static void plant_failed(Search *search, int32_t fragment, const ShvParting *parting)
+static void plant_failed(Search *search, int32_t fragment, const ShvConnectivityChange *change)
 {
     const ShvCohesive *cohesive = search->fragments->bonds;
-    for (int32_t i = 0; i < parting->failed_count; i++) {
-        const int32_t *elements = cohesive->sides[parting->failed[i]].elements;
+    for (int32_t i = 0; i < change->failed_count; i++) {
+        const int32_t *elements = cohesive->sides[change->failed[i]].elements;
         if (search->state->element_fragment[elements[0]] != fragment) continue;
         const int32_t first = seed_of(search, shv_state_node(search->state, elements[0], 0));
         tie(search->seeds, seed_of(search, shv_state_node(search->state, elements[1], 0)), first);
@@ -205,18 +205,18 @@ static void number(Search *search, int32_t *number_of, ShvSevered *severed)
     }
 }
 
-ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, const ShvParting *parting,
-                           ShvSevered *severed, ShvError *error)
+ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment,
+                           const ShvConnectivityChange *change, ShvSevered *severed, ShvError *error)
 {
-    const size_t most = 2 * ((size_t)(state->node_count - parting->first_copy) + (size_t)parting->failed_count);
+    const size_t most = 2 * ((size_t)(state->node_count - change->first_copy) + (size_t)change->failed_count);
     Search search = {.fragments = fragments, .state = state};
     *severed = (ShvSevered){0};
     search.seeds = shv_allocate(fragments->memory, SHV_PART_RIGID, most, sizeof *search.seeds);
     int32_t *of_seed = shv_allocate(fragments->memory, SHV_PART_RIGID, most, sizeof *of_seed);
     const bool room = search.seeds && of_seed;
     if (room) {
-        severed->copies = plant(&search, fragment, parting->first_copy);
-        plant_failed(&search, fragment, parting);
+        severed->copies = plant(&search, fragment, change->first_copy);
+        plant_failed(&search, fragment, change);
         flood_all(&search, of_seed);
         number(&search, of_seed, severed);
     }

@@ -14,8 +14,8 @@ typedef struct ShvSevered {
 /* Searches from both sides of all that has changed; all else of the fragment hangs together.
    fragments->found then holds for each node of it its part, from 1 on, and 0 for the rest: shv_severed_clear puts it back.
    On failure there is nothing to clear. The fragments' scratch arrays must have room for all nodes. */
-ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment, const ShvParting *parting,
-                           ShvSevered *severed, ShvError *error);
+ShvStatus shv_severed_find(ShvFragments *fragments, const ShvState *state, int32_t fragment,
+                           const ShvConnectivityChange *change, ShvSevered *severed, ShvError *error);
 void shv_severed_clear(ShvFragments *fragments, const ShvSevered *severed);
 
 #endif

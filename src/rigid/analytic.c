@@ -30,28 +30,14 @@ static ShvMemory *memory_of(const Analytic *analytic)
     return analytic->backend.world.fragments->memory;
 }
 
-static ShvStatus reserve_body(Analytic *analytic, ShvError *error)
-{
-    if (analytic->count < analytic->capacity) return SHV_OK;
-    const int32_t capacity = 2 * analytic->capacity + 16;
-    ShvFlightBody **bodies =
-        shv_reallocate(memory_of(analytic), SHV_PART_RIGID, analytic->bodies, (size_t)capacity, sizeof *bodies);
-    if (!bodies) return shv_fail_memory(error, "the fragments in flight", (size_t)capacity * sizeof *bodies);
-    analytic->bodies = bodies;
-    analytic->capacity = capacity;
-    return SHV_OK;
-}
-
 static ShvStatus reserve_touches(Analytic *analytic, int32_t surface_nodes, ShvError *error)
 {
     const int64_t obstacles = analytic->backend.world.obstacles->count;
     const int64_t wanted = SHV_TOUCHES_AN_OBSTACLE * (obstacles + 1) + surface_nodes;
     if (wanted <= analytic->touch_capacity) return SHV_OK;
     if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "Too many obstacles: remove some.");
-    ShvTouch *touches =
-        shv_reallocate(memory_of(analytic), SHV_PART_RIGID, analytic->touches, (size_t)wanted, sizeof *touches);
-    if (!touches) return shv_fail_memory(error, "the touches of a fragment", (size_t)wanted * sizeof *touches);
-    analytic->touches = touches;
+    SHV_RESIZE(memory_of(analytic), SHV_PART_RIGID, analytic->touches, (size_t)wanted, "the touches of a fragment",
+               (size_t)wanted * sizeof *analytic->touches, error);
     analytic->touch_capacity = (int32_t)wanted;
     return SHV_OK;
 }
@@ -69,7 +55,8 @@ static ShvFlightStep step_of(Analytic *analytic, ShvFlightBody *body)
 static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error)
 {
     Analytic *analytic = (Analytic *)backend;
-    SHV_TRY(reserve_body(analytic, error));
+    SHV_GROW(memory_of(analytic), SHV_PART_RIGID, analytic->bodies, analytic->capacity, analytic->count,
+             "the fragments in flight", error);
     ShvFlightBody *body;
     SHV_TRY(shv_flight_body_create(&body, &backend->world, fragment, error));
     const ShvStatus status = reserve_touches(analytic, body->arms.count, error);

@@ -68,18 +68,9 @@ struct ShvRigidBackend {
                               contacts' impulses, and the caller moves them over the same step (shv_obstacles_advance) */
 };
 
-/* Room for `wanted` items of `size` bytes in a backend's block that has `room`, with some to spare; new items are zero. More than
-   indices can number is SHV_UNSUPPORTED. The macro returns from the calling function when there is none. */
-ShvStatus shv_backend_reserve(const ShvRigidBackend *backend, void **block, int32_t *room, int64_t wanted, size_t size,
-                              const char *what, ShvError *error);
+/* Room in a block of a backend. */
 #define SHV_BACKEND_RESERVE(backend, block, room, wanted, what, error)                                                 \
-    do {                                                                                                               \
-        void *grown_ = (block);                                                                                        \
-        const ShvStatus grow_ =                                                                                        \
-            shv_backend_reserve((backend), &grown_, &(room), (wanted), sizeof *(block), (what), (error));              \
-        (block) = grown_;                                                                                              \
-        if (grow_ != SHV_OK) return grow_;                                                                             \
-    } while (0)
+    SHV_RESERVE((backend)->world.fragments->memory, SHV_PART_RIGID, (block), (room), (wanted), (what), (error))
 
 /* Exact ballistic motion and free rotation (L constant, energy to round-off) between impacts; nodes of the fragments' surfaces
    against obstacles (a small obstacle may slip between the nodes of a coarse face), answered at their time of impact by

@@ -78,16 +78,6 @@ void shv_bullet_body_release(ShvBulletRigidBody *body, ShvBulletWorld *bullet)
 
 /* ---- records ---- */
 
-static bool same_vector(ShvVec3 a, ShvVec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_quaternion(ShvQuat a, ShvQuat b)
-{
-    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 bool shv_bullet_body_read(ShvBulletRigidBody *body, const ShvRigidWorld *world)
 {
     const ShvFragment *fragment = body->fragment >= 0 ? &world->fragments->items[body->fragment] : NULL;
@@ -96,8 +86,8 @@ bool shv_bullet_body_read(ShvBulletRigidBody *body, const ShvRigidWorld *world)
     const ShvVec3 velocity = fragment ? fragment->velocity : obstacle->velocity;
     const ShvVec3 spin = fragment ? fragment->angular_velocity : obstacle->angular_velocity;
     const ShvQuat orientation = fragment ? fragment->orientation : obstacle->orientation;
-    const bool turned = !same_vector(spin, body->seen_spin) || !same_quaternion(orientation, body->seen_orientation);
-    const bool moved = !same_vector(position, body->seen_position) || !same_vector(velocity, body->seen_velocity);
+    const bool turned = !shv_same3(spin, body->seen_spin) || !shv_same_quat(orientation, body->seen_orientation);
+    const bool moved = !shv_same3(position, body->seen_position) || !shv_same3(velocity, body->seen_velocity);
     body->position = body->seen_position = position;
     body->velocity = body->seen_velocity = velocity;
     body->orientation = body->seen_orientation = orientation;

@@ -190,17 +190,16 @@ static void find_slow_impact(const ShvBullet *bullet, ShvContactPair *contact_pa
     }
 }
 
-/* Whether the balls around two bodies touch on their way. */
-static bool paths_meet(const ShvBullet *bullet, const ShvContactPair *contact_pair)
+bool shv_bullet_paths_meet(const ShvBullet *bullet, const ShvBulletRigidBody *a, const ShvBulletRigidBody *b,
+                           double time)
 {
-    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-    const double radii = a->radius + b->radius + 2.0 * shv_norm(bullet->gravity) * bullet->step * bullet->step;
+    const double radii = a->radius + b->radius + 2.0 * shv_norm(bullet->gravity) * time * time;
     if (!isfinite(radii)) return true;
-    const ShvVec3 apart = shv_sub(a->position, b->position);
-    const ShvVec3 displacement = shv_scale(shv_sub(a->velocity, b->velocity), bullet->step);
+    const ShvVec3 between = shv_sub(a->position, b->position);
+    const ShvVec3 displacement = shv_scale(shv_sub(a->velocity, b->velocity), time);
     const double length = shv_dot(displacement, displacement);
-    const double share = length > 0.0 ? fmin(1.0, fmax(0.0, -shv_dot(apart, displacement) / length)) : 0.0;
-    return shv_norm(shv_madd(apart, share, displacement)) <= radii;
+    const double share = length > 0.0 ? fmin(1.0, fmax(0.0, -shv_dot(between, displacement) / length)) : 0.0;
+    return shv_norm(shv_madd(between, share, displacement)) <= radii;
 }
 
 /* Of the smaller piece: gap that counts as contact for times of impact (impact_time.h). */
@@ -210,7 +209,9 @@ static const double impact_tolerance = 1e-6;
    the contacts of the start say nothing of what they will meet. */
 static ShvStatus find_fast_impact(ShvBullet *bullet, ShvContactPair *contact_pair, ShvError *error)
 {
-    if (!paths_meet(bullet, contact_pair)) return SHV_OK;
+    if (!shv_bullet_paths_meet(bullet, &bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b],
+                               bullet->step))
+        return SHV_OK;
     ShvImpactBody bodies[2];
     const ShvRigidWorld *world = &bullet->backend.world;
     SHV_TRY(shv_bullet_body_impact_body(&bullet->bodies[contact_pair->a], world, bullet->gravity, &bodies[0], error));

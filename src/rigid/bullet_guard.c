@@ -1,7 +1,7 @@
 #include "rigid/bullet_step.h"
 
 /* Of the smaller radius: motion after an impact that is looked at again; and of two that have met each other in it. */
-static const double small_motion_of_radius = 0.2, parting_motion_of_radius = 0.5;
+static const double small_motion_of_radius = 0.2, separating_motion_of_radius = 0.5;
 
 /* Of the smaller body's size: so near to what it would meet a body waits. It need not touch: half the cost of a pile at 10 ms
    went into the last digits of where it does. */
@@ -37,18 +37,6 @@ static ShvBulletRigidBody from_time(const ShvBullet *bullet, const ShvBulletRigi
     return later;
 }
 
-/* Whether the balls around two bodies touch on their ways. */
-static bool paths_meet(const ShvBullet *bullet, const ShvBulletRigidBody *a, const ShvBulletRigidBody *b, double left)
-{
-    const double radii = a->radius + b->radius + shv_norm(bullet->gravity) * left * left;
-    if (!isfinite(radii)) return true;
-    const ShvVec3 apart = shv_sub(a->position, b->position),
-                  displacement = shv_scale(shv_sub(a->velocity, b->velocity), left);
-    const double length = shv_dot(displacement, displacement);
-    const double share = length > 0.0 ? fmin(1.0, fmax(0.0, -shv_dot(apart, displacement) / length)) : 0.0;
-    return shv_norm(shv_madd(apart, share, displacement)) <= radii;
-}
-
 /* Two bodies of which one has been struck, on their way to the step's end: where they meet again they wait. */
 static ShvStatus guard_pair(ShvBullet *bullet, ShvBulletRigidBody *a, ShvBulletRigidBody *b, ShvError *error)
 {
@@ -61,10 +49,10 @@ static ShvStatus guard_pair(ShvBullet *bullet, ShvBulletRigidBody *a, ShvBulletR
     for (int i = 0; i < 2; i++)
         if (!later[i].round && later[i].fastest > 0.0)
             displacement += fmin(2.0, later[i].fastest * left) * later[i].radius;
-    const bool parted = a->moves && b->moves && a->impact_time >= 0.0 && a->impact_time == b->impact_time;
-    const double share = parted ? parting_motion_of_radius : small_motion_of_radius;
+    const bool separate = a->moves && b->moves && a->impact_time >= 0.0 && a->impact_time == b->impact_time;
+    const double share = separate ? separating_motion_of_radius : small_motion_of_radius;
     if (displacement <= share * fmin(a->radius, b->radius)) return SHV_OK;
-    if (!paths_meet(bullet, &later[0], &later[1], left)) return SHV_OK;
+    if (!shv_bullet_paths_meet(bullet, &later[0], &later[1], left)) return SHV_OK;
     ShvImpactBody bodies[2];
     for (int i = 0; i < 2; i++) {
         SHV_TRY(shv_bullet_body_impact_body(&later[i], &bullet->backend.world, bullet->gravity, &bodies[i], error));

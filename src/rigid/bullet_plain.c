@@ -48,16 +48,6 @@ static ShvObstacle *obstacle_of(const BulletPlain *plain, int32_t number)
     return number < obstacle_count(plain) ? &plain->backend.world.obstacles->items[number] : NULL;
 }
 
-static bool same_vector(ShvVec3 a, ShvVec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_quaternion(ShvQuat a, ShvQuat b)
-{
-    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 /* Whether somebody has changed the record since it was left. */
 static bool read_record(const BulletPlain *plain, int32_t number)
 {
@@ -69,11 +59,10 @@ static bool read_record(const BulletPlain *plain, int32_t number)
     body->velocity = fragment ? fragment->velocity : obstacle->velocity;
     body->spin = fragment ? fragment->angular_velocity : obstacle->angular_velocity;
     body->orientation = fragment ? fragment->orientation : obstacle->orientation;
-    const bool turned =
-        !same_vector(body->spin, before.spin) || !same_quaternion(body->orientation, before.orientation);
+    const bool turned = !shv_same3(body->spin, before.spin) || !shv_same_quat(body->orientation, before.orientation);
     if (turned && body->moves)
         body->angular_momentum = shv_free_rotation_momentum(&body->rotation, body->orientation, body->spin);
-    return turned || !same_vector(body->position, before.position) || !same_vector(body->velocity, before.velocity);
+    return turned || !shv_same3(body->position, before.position) || !shv_same3(body->velocity, before.velocity);
 }
 
 static void write_record(const BulletPlain *plain, int32_t number)
@@ -252,7 +241,7 @@ static ShvStatus check_motion(const BulletPlain *plain, int32_t number, ShvError
 
 static ShvStatus begin(BulletPlain *plain, ShvVec3 gravity, ShvError *error)
 {
-    if (!same_vector(gravity, plain->gravity)) shv_dynamics_world_wake_all(plain->bullet);
+    if (!shv_same3(gravity, plain->gravity)) shv_dynamics_world_wake_all(plain->bullet);
     plain->gravity = gravity;
     for (int32_t i = 0; i < plain->body_count; i++) {
         if (!plain->bodies[i].present || !read_record(plain, i)) continue;

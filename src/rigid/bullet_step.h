@@ -87,6 +87,9 @@ ShvVec3 shv_bullet_relative(const ShvBulletContact *contact, ShvVec3 velocity_a,
                             ShvVec3 spin_b);
 /* Acceleration of a's centre against b's, without contacts. */
 ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletRigidBody *a, const ShvBulletRigidBody *b);
+/* Whether the balls around two bodies touch on their ways, s. */
+bool shv_bullet_paths_meet(const ShvBullet *bullet, const ShvBulletRigidBody *a, const ShvBulletRigidBody *b,
+                           double time);
 
 /* Whether the pair is somebody else's to keep apart, or nobody's. */
 bool shv_bullet_leaves_pair(const ShvBulletRigidBody *a, const ShvBulletRigidBody *b);

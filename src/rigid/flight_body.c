@@ -90,20 +90,10 @@ void shv_flight_body_destroy(ShvFlightBody *body)
     shv_release(body);
 }
 
-static bool same_vector(ShvVec3 a, ShvVec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_quaternion(ShvQuat a, ShvQuat b)
-{
-    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 void shv_flight_body_read(ShvFlightBody *body, const ShvFragment *fragment)
 {
-    if (same_vector(body->seen_spin, fragment->angular_velocity) &&
-        same_quaternion(body->seen_orientation, fragment->orientation))
+    if (shv_same3(body->seen_spin, fragment->angular_velocity) &&
+        shv_same_quat(body->seen_orientation, fragment->orientation))
         return;
     body->angular_momentum =
         shv_free_rotation_momentum(&body->rotation, fragment->orientation, fragment->angular_velocity);

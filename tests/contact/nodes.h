@@ -29,7 +29,7 @@ static inline void nodes_create(Nodes *nodes, const ShvObstacleDefinition *defin
         nodes->state.mass[i] = 1.0;
         nodes->state.origin[i] = nodes->list[i] = i;
     }
-    check_ok(shv_node_contact_create(&nodes->contact, NULL, &nodes->obstacles, &nodes->error), nodes->error);
+    shv_node_contact_create(&nodes->contact, NULL);
 }
 
 static inline void nodes_release(Nodes *nodes)
@@ -50,6 +50,12 @@ static inline ShvVec3 node_velocity(const Nodes *nodes, int32_t node)
     return shv_load3(nodes->state.velocity + 3 * node);
 }
 
+static inline void nodes_begin(Nodes *nodes, double step)
+{
+    check_ok(shv_node_contact_begin(&nodes->contact, &nodes->state, &nodes->obstacles, nodes->list,
+                                    nodes->state.node_count, step, nodes->gravity, &nodes->error),
+             nodes->error);
+}
 static inline void nodes_kick(Nodes *nodes, double kick)
 {
     for (int32_t i = 0; i < nodes->state.node_count; i++) {
@@ -58,11 +64,11 @@ static inline void nodes_kick(Nodes *nodes, double kick)
         shv_add_to3(nodes->state.velocity + 3 * (int64_t)i, shv_scale(a, kick));
     }
 }
-static inline void nodes_answer(Nodes *nodes, double kick, double step)
+static inline void nodes_answer(Nodes *nodes, double step)
 {
-    check_ok(shv_node_contact_apply(&nodes->contact, &nodes->state, &nodes->obstacles, nodes->list,
-                                    nodes->state.node_count, kick, step, nodes->gravity, &nodes->error),
-             nodes->error);
+    check_ok(
+        shv_node_contact_apply(&nodes->contact, &nodes->state, &nodes->obstacles, step, nodes->gravity, &nodes->error),
+        nodes->error);
 }
 static inline void nodes_drift(Nodes *nodes, double step)
 {
@@ -76,8 +82,9 @@ static inline void nodes_drift(Nodes *nodes, double step)
 static inline void nodes_step(Nodes *nodes, double step)
 {
     const double kick = 0.5 * (nodes->state.last_step + step);
+    nodes_begin(nodes, step);
     nodes_kick(nodes, kick);
-    nodes_answer(nodes, kick, step);
+    nodes_answer(nodes, step);
     nodes_drift(nodes, step);
 }
 

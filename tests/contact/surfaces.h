@@ -130,7 +130,7 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
     ShvObstacleDefinition plane = plane_definition("floor", shv_vec3(0.0, 0.0, 1.0), 0.0);
     plane.friction = friction;
     s->obstacles = make_obstacles(&plane, floor ? 1 : 0);
-    check_ok(shv_node_contact_create(&s->floor_contact, s->memory, &s->obstacles, &s->error), s->error);
+    shv_node_contact_create(&s->floor_contact, s->memory);
     check_ok(shv_surface_contact_create(&s->contact, s->memory, &s->model, friction, &s->error), s->error);
     for (int32_t i = 0; i < s->model.object_count; i++) {
         s->awake[i] = 1;
@@ -324,9 +324,7 @@ static inline void surfaces_kick(Surfaces *s, double step)
     check_ok(shv_surface_contact_apply(&s->contact, &s->bodies, step, &s->error), s->error);
     s->gain = fmax(s->gain, surfaces_kinetic(s, state->velocity) + coupled_bodies_kinetic(s) - kinetic);
     s->deepest = fmax(s->deepest, s->contact.deepest);
-    check_ok(shv_node_contact_apply(&s->floor_contact, state, &s->obstacles, s->nodes, s->node_count, kick, step,
-                                    s->gravity, &s->error),
-             s->error);
+    check_ok(shv_node_contact_apply(&s->floor_contact, state, &s->obstacles, step, s->gravity, &s->error), s->error);
     if (s->model.can_break) shv_cohesive_pull(&s->cohesive, state, kick, step);
     shv_surface_contact_book(&s->contact, &s->bodies);
     double gravity_work = 0.0;

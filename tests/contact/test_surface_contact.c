@@ -506,15 +506,12 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
         for (int32_t i = 0; i < list->node_count; i++) {
             const ShvSurfaceFacet *facet = &list->facets[f];
             const ShvSurfaceNode *node = &list->nodes[i];
-            const ShvSurfaceCandidate candidate = {.node = node->node,
-                                                   .element = facet->element,
-                                                   .face = facet->face,
-                                                   .fragments = {node->fragment, facet->fragment}};
+            const ShvSurfaceCandidate candidate = {.slot = i, .facet = f, .own_facet = -1};
             ShvFacetPair pair;
             double distance;
             if (facet->fragment == node->fragment ||
                 (node->held && are_neighbours(&s->state, facet->element, node->node)) ||
-                !shv_facet_pair_detect(&s->bodies, &s->model, &candidate, step, reach, &pair, &distance))
+                !shv_facet_pair_detect(&s->bodies, list, &candidate, step, reach, &pair, &distance))
                 continue;
             const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
             if (shv_dot(node->normal, pair.normal) > 0.25 * shv_norm(node->normal) && inside < 1e-3) continue;

@@ -106,7 +106,7 @@ static int32_t fail_bonds(Cracking *cracking, double share, uint64_t *index)
 /* Splits of all fragments that live, from what was inserted or from the whole. */
 static int32_t split_all(Cracking *cracking, int32_t first_copy, bool search_all)
 {
-    const ShvParting parting = {first_copy, cracking->cohesive.failed, cracking->cohesive.failed_count};
+    const ShvConnectivityChange change = {first_copy, cracking->cohesive.failed, cracking->cohesive.failed_count};
     World *world = &cracking->world;
     const int32_t before = world->fragments.count;
     int32_t split = 0;
@@ -115,7 +115,7 @@ static int32_t split_all(Cracking *cracking, int32_t first_copy, bool search_all
         ShvError error = {0};
         if (world->fragments.items[i].mode == SHV_MODE_DEAD) continue;
         check_ok(search_all ? shv_fragments_split(&world->fragments, &world->model, &world->state, i, &parts, &error)
-                            : shv_fragments_split_by(&world->fragments, &world->model, &world->state, i, &parting,
+                            : shv_fragments_split_by(&world->fragments, &world->model, &world->state, i, &change,
                                                      &parts, &error),
                  error);
         split += parts > 1;
@@ -214,7 +214,7 @@ static void test_halves_that_a_part_joined_come_apart(void **unused)
     ShvError error = {0};
     const int32_t first = insert(&cracking, facets, count);
     check_ok(shv_fragments_split_by(&cracking.world.fragments, model, &cracking.world.state, 0,
-                                    &(ShvParting){.first_copy = first}, &parts, &error),
+                                    &(ShvConnectivityChange){.first_copy = first}, &parts, &error),
              error);
     assert_true(parts >= 3);
     int32_t sizes[3] = {0};
@@ -248,7 +248,7 @@ static void test_memory_runs_out(void **unused)
         shv_memory_fail_after(cracking.world.memory, allowed);
         const ShvStatus status =
             shv_fragments_split_by(&cracking.world.fragments, &cracking.world.model, &cracking.world.state, 0,
-                                   &(ShvParting){.first_copy = first}, &parts, &error);
+                                   &(ShvConnectivityChange){.first_copy = first}, &parts, &error);
         shv_memory_fail_after(cracking.world.memory, -1);
         done = status == SHV_OK;
         if (!done) assert_int_equal(status, SHV_NO_MEMORY);
