@@ -11,6 +11,9 @@ enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
 static const double news_share = 1e-3;
+/* Changes of two sweeps lead on (still_to_come) where their cosine and their ratio are larger than these; the ratio counts as no larger
+   than the last. */
+static const double least_cosine = 0.6, least_ratio = 0.2, largest_ratio = 0.9;
 
 /* One pull of a step. */
 typedef struct Pull {
@@ -89,6 +92,13 @@ static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
     return shv_sub(rate, point->rotation_rate);
 }
 
+/* What a sweep did, and how its changes of forces lie to those of the sweep before. */
+typedef struct Sweep {
+    double largest;        /* change, in units of the point's peak */
+    double square, before; /* of the changes of all points: now, and in the sweep before */
+    double product;        /* of the ones with the others */
+} Sweep;
+
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
    neighbours that have hardly moved, needs no new evaluation. */
@@ -111,35 +121,74 @@ static double want(const Pull *pull, int32_t index)
     return shv_norm(point->change) / peak;
 }
 
+/* Of a point, from the change that it had before. */
+static double want_beside(const Pull *pull, int32_t index, Sweep *sums)
+{
+    const ShvCohesivePoint *point = &pull->cohesive->points[index];
+    const ShvVec3 before = point->change;
+    const double change = want(pull, index);
+    sums->before += shv_dot(before, before);
+    if (change > 0.0) {
+        sums->product += shv_dot(point->change, before);
+        sums->square += shv_dot(point->change, point->change);
+    }
+    return change;
+}
+
+static void change_pull(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
+{
+    point->pull = shv_add(point->pull, change);
+    move(pull, point, change);
+}
+
 /* Pairs one after another, each with the others' forces as they are. */
-static double sweep(const Pull *pull, int32_t start, int32_t end)
+static Sweep sweep(const Pull *pull, int32_t start, int32_t end)
 {
     ShvCohesivePoint *points = pull->cohesive->points;
-    double largest = 0.0;
+    Sweep sums = {0.0, 0.0, 0.0, 0.0};
     for (int32_t block = start, stop; block < end; block = stop) {
         stop = block + points[block].block;
         double change = 0.0;
-        for (int32_t i = block; i < stop; i++) change = shv_larger(change, want(pull, i));
+        for (int32_t i = block; i < stop; i++) change = shv_larger(change, want_beside(pull, i, &sums));
         if (!(change > 0.0)) continue;
-        for (int32_t i = block; i < stop; i++) {
-            points[i].pull = shv_add(points[i].pull, points[i].change);
-            move(pull, &points[i], points[i].change);
-        }
-        largest = shv_larger(largest, change);
+        for (int32_t i = block; i < stop; i++) change_pull(pull, &points[i], points[i].change);
+        sums.largest = shv_larger(sums.largest, change);
     }
-    return largest;
+    return sums;
 }
 
-/* Returns the sweeps that found something to do. */
+/* Changes of two sweeps that point the same way fall by a ratio, and by it in the sweeps to come: how much of the last change is
+   still to come; 0 where they do not fall like that. */
+static double still_to_come(const Sweep *sums)
+{
+    const double product = sums->product, least = least_cosine * least_cosine * sums->square * sums->before;
+    if (!(product > least_ratio * sums->before && product * product > least)) return 0.0;
+    const double ratio = shv_smaller(product / sums->before, largest_ratio);
+    return ratio / (1.0 - ratio);
+}
+
+/* Goes on by a multiple of the last change. */
+static void go_on(const Pull *pull, int32_t start, int32_t end, double more)
+{
+    ShvCohesivePoint *points = pull->cohesive->points;
+    for (int32_t i = start; i < end; i++)
+        if (points[i].peak > 0.0) change_pull(pull, &points[i], shv_scale(points[i].change, more));
+}
+
+/* Sweeps that find less and less to do in one direction are spared by going all that way at once; two plain sweeps lie between.
+   Returns the sweeps that found something to do. */
 static int32_t settle(const Pull *pull, int32_t start, int32_t end)
 {
-    int32_t sweeps = 0;
-    double change;
-    do {
-        change = sweep(pull, start, end);
-        sweeps += change > 0.0;
-    } while (end - start > 1 && change > settled_share && sweeps < MOST_SWEEPS);
-    return sweeps;
+    int32_t sweeps = 0, plain = 0;
+    for (;;) {
+        const Sweep sums = sweep(pull, start, end);
+        sweeps += sums.largest > 0.0;
+        if (end - start == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
+        const double more = ++plain > 1 ? still_to_come(&sums) : 0.0;
+        if (!(more > 0.0)) continue;
+        go_on(pull, start, end, more);
+        plain = 0;
+    }
 }
 
 /* ---- limits ---- */
