@@ -358,8 +358,9 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
     return true;
 }
 
-/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. */
-static void answer_within_limits(const Pull *pull)
+/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. Returns
+   whether rates of turn are those of the velocities now. */
+static bool answer_within_limits(const Pull *pull)
 {
     const ShvCohesive *cohesive = pull->cohesive;
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
@@ -373,6 +374,7 @@ static void answer_within_limits(const Pull *pull)
         for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
         if (limited) spin = answer_couples(pull);
     }
+    return spin >= 0.0;
 }
 
 /* ---- news ---- */
@@ -436,7 +438,7 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
         if (first) repeat_last(&pull, start, end);
         sweeps += pull_cluster(&pull, c);
     }
-    answer_within_limits(&pull);
+    cohesive->rates_known = answer_within_limits(&pull);
     memcpy(cohesive->pulled_velocity, state->velocity, 3 * (size_t)state->node_count * sizeof *state->velocity);
     cohesive->pull_kick = kick;
     cohesive->pull_step = step;
