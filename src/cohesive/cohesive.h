@@ -62,12 +62,13 @@ typedef struct ShvCohesiveCorner {
 typedef struct ShvFacetRotation {
     int32_t index; /* cohesive facet */
     int32_t first[3], second[3];
-    bool carries; /* its points are listed */
-    bool rotates; /* couples are answered */
-    bool news;    /* nodes of it have other velocities since the last pull */
-    bool answers; /* `answer` is not zero */
-    bool known;   /* what follows its constants is that of the present step */
-    double area;  /* m², as all of its constants those of its two sides */
+    int32_t cluster[3]; /* of its corners, where it carries */
+    bool carries;       /* its points are listed */
+    bool rotates;       /* couples are answered */
+    bool news;          /* nodes of it have other velocities since the last pull */
+    bool answers;       /* `answer` is not zero */
+    bool known;         /* what follows its constants is that of the present step */
+    double area;        /* m², as all of its constants those of its two sides */
     double returned, friction;
     ShvVec3 reference[2];
     ShvVec3 normal; /* of the mean of both faces, from the first to the second */
@@ -92,10 +93,12 @@ typedef struct ShvFacetGaps {
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
 typedef struct ShvClusterBudget {
-    double left;   /* stored + work of the pulls, round-off granted; J */
-    double force;  /* Σ |pull|, N */
-    double couple; /* Σ |pull| |opening|, N m */
-    double shift;  /* bound of the changes of rates by the answers to couples, m/s */
+    double left;         /* stored + work of the pulls, round-off granted; J */
+    double force;        /* Σ |pull|, N */
+    double couple;       /* Σ |pull| |opening|, N m */
+    double shift;        /* bound of the changes of rates by the answers to couples, m/s */
+    bool limited;        /* in the last check of it */
+    bool pushed, turned; /* listed (below); false between pulls */
 } ShvClusterBudget;
 
 /* The two faces of a facet as they are joined to the mesh now. */
@@ -169,8 +172,8 @@ typedef struct ShvCohesive {
     ShvFacetRotation *rotations;
     ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps; /* as `rotations` */
-    double *apart;   /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
-    int32_t *closed; /* as `rotations`: strikes before it was looked at last, of the present closing */
+    double *apart;    /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
+    int32_t *closed;  /* as `rotations`: strikes before it was looked at last, of the present closing */
     bool pushed;      /* some closing forces are not zero */
     bool rates_known; /* rates of turn of facets that carry are those of the velocities that the last pull left */
     double booked_time;  /* s: of the time whose step was booked last */
@@ -182,13 +185,16 @@ typedef struct ShvCohesive {
     int32_t *cluster;        /* cluster_count + 1, into `points`: those between copies of one node of the mesh */
     int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
     ShvCohesiveCorner *corners;
-    ShvClusterBudget *budget;    /* cluster_count */
-    double pull_kick, pull_step; /* what `pairs` were made for; 0: nothing yet */
-    double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
-    uint8_t *node_news;          /* node_capacity: it has another velocity since */
-    int32_t *struck;             /* node_capacity: number of its last strike by closing faces; 0: none in the step */
-    int32_t *origin_fill;        /* mesh.node_count; zero between steps */
-    double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
+    ShvClusterBudget *budget; /* cluster_count */
+    int32_t pushed_count,
+        turned_count; /* as far as `cluster_count`, in one pull: clusters whose nodes answers to couples have pushed, */
+    int32_t *pushed_clusters, *turned_clusters; /* and those of whose facets some turn otherwise since */
+    double pull_kick, pull_step;                /* what `pairs` were made for; 0: nothing yet */
+    double *pulled_velocity;                    /* 3 × node_capacity: as the last pull left it */
+    uint8_t *node_news;                         /* node_capacity: it has another velocity since */
+    int32_t *struck;      /* node_capacity: number of its last strike by closing faces; 0: none in the step */
+    int32_t *origin_fill; /* mesh.node_count; zero between steps */
+    double *overdrawn;    /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */

@@ -314,6 +314,14 @@ static double change_of(ShvVec3 rate, ShvVec3 before)
     return fabs(rate.x - before.x) + fabs(rate.y - before.y) + fabs(rate.z - before.z);
 }
 
+/* Finds the rate of turn anew; returns by how much it is another. */
+static double turn(const Pull *pull, ShvFacetRotation *rotation)
+{
+    const ShvVec3 before = rotation->rate;
+    rotation->rate = shv_facet_rotation_rate(rotation, pull->state);
+    return change_of(rotation->rate, before);
+}
+
 /* What the pulls' couples have become since they were last answered. Nodes of a cluster are in no other. Returns the largest
    change of a rate of turn, negative without answers. */
 static double answer_couples(const Pull *pull)
@@ -337,12 +345,8 @@ static double answer_couples(const Pull *pull)
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))      \
     reduction(max                                                                                                      \
               : spin)
-    for (int32_t k = 0; k < rotations; k++) {
-        if (!cohesive->rotations[k].carries) continue;
-        const ShvVec3 rate = shv_facet_rotation_rate(&cohesive->rotations[k], pull->state);
-        spin = shv_larger(spin, change_of(rate, cohesive->rotations[k].rate));
-        cohesive->rotations[k].rate = rate;
-    }
+    for (int32_t k = 0; k < rotations; k++)
+        if (cohesive->rotations[k].carries) spin = shv_larger(spin, turn(pull, &cohesive->rotations[k]));
     return spin;
 }
 
@@ -351,30 +355,113 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
 {
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
+    budget->shift = 0.0;
+    budget->limited = false;
     if (budget->left >= 0.0) return false;
     note_rotation(pull->cohesive, cluster);
-    if (!limit_given(pull, cluster)) return false;
-    leave_couples(pull, cluster);
-    return true;
+    budget->limited = limit_given(pull, cluster);
+    if (budget->limited) leave_couples(pull, cluster);
+    return budget->limited;
 }
 
-/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. Returns
-   whether rates of turn are those of the velocities now. */
-static bool answer_within_limits(const Pull *pull)
+static bool check_limits(const Pull *pull, double spin)
 {
     const ShvCohesive *cohesive = pull->cohesive;
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-    bool limited = true;
-    double spin = answer_couples(pull);
-    for (int round = 0; limited && spin >= 0.0 && round < MOST_ROUNDS; round++) {
-        limited = false;
+    bool limited = false;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(||                                                                                                       \
               : limited)
-        for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
-        if (limited) spin = answer_couples(pull);
+    for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
+    return limited;
+}
+
+/* ---- couples of few clusters ---- */
+
+static void note_push(ShvCohesive *cohesive, int32_t cluster)
+{
+    if (cohesive->budget[cluster].pushed) return;
+    cohesive->budget[cluster].pushed = true;
+    cohesive->pushed_clusters[cohesive->pushed_count++] = cluster;
+}
+
+static void note_turn(ShvCohesive *cohesive, int32_t cluster)
+{
+    if (cohesive->budget[cluster].turned) return;
+    cohesive->budget[cluster].turned = true;
+    cohesive->turned_clusters[cohesive->turned_count++] = cluster;
+}
+
+static void push_facet(const Pull *pull, ShvFacetRotation *rotation)
+{
+    for (int i = 0; i < 3; i++) {
+        const ShvVec3 half = shv_cross(rotation->answer, rotation->arm[i]);
+        const double shift = push(pull, rotation->first[i], half) + push(pull, rotation->second[i], half);
+        pull->cohesive->budget[rotation->cluster[i]].shift += shift;
+        note_push(pull->cohesive, rotation->cluster[i]);
     }
-    return spin >= 0.0;
+}
+
+/* As answer_couples, where the couples of a few clusters alone are new: those in `turned_clusters` that were limited. Finds there the
+   clusters of whose facets some turn otherwise now. */
+static double answer_limited(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    double spin = 0.0;
+    cohesive->pushed_count = 0;
+    for (int32_t n = 0; n < cohesive->turned_count; n++) {
+        const int32_t c = cohesive->turned_clusters[n];
+        note_push(cohesive, c);
+        for (int32_t i = cohesive->cluster[c]; i < cohesive->cluster[c + 1]; i++) {
+            const int32_t k = cohesive->points[i].rotation;
+            shv_facet_rotation_answer(&cohesive->rotations[k], cohesive->couple + 3 * (int64_t)k);
+            if (cohesive->rotations[k].answers) push_facet(pull, &cohesive->rotations[k]);
+        }
+    }
+    cohesive->turned_count = 0;
+    for (int32_t n = 0; n < cohesive->pushed_count; n++) {
+        const int32_t c = cohesive->pushed_clusters[n];
+        cohesive->budget[c].pushed = false;
+        for (int32_t i = cohesive->cluster_corner[c]; i < cohesive->cluster_corner[c + 1]; i++) {
+            ShvFacetRotation *rotation = &cohesive->rotations[cohesive->corners[i].slot / 3];
+            spin = shv_larger(spin, turn(pull, rotation));
+            for (int corner = 0; corner < 3; corner++) note_turn(cohesive, rotation->cluster[corner]);
+        }
+    }
+    return spin;
+}
+
+/* Leaves those of the turned clusters that were limited. */
+static void check_turned(const Pull *pull, double spin)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    const int32_t count = cohesive->turned_count;
+    cohesive->turned_count = 0;
+    for (int32_t n = 0; n < count; n++) {
+        const int32_t c = cohesive->turned_clusters[n];
+        cohesive->budget[c].turned = false;
+        if (check_limit(pull, c, spin)) cohesive->turned_clusters[cohesive->turned_count++] = c;
+    }
+}
+
+/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that: few, round
+   which alone answers and limits go on. Returns whether rates of turn are those of the velocities now. */
+static bool answer_within_limits(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    double spin = answer_couples(pull);
+    if (!(spin >= 0.0)) return false;
+    if (!check_limits(pull, spin)) return true;
+    cohesive->turned_count = 0;
+    for (int32_t c = 0; c < cohesive->cluster_count; c++)
+        if (cohesive->budget[c].limited) cohesive->turned_clusters[cohesive->turned_count++] = c;
+    for (int round = 1; round < MOST_ROUNDS && cohesive->turned_count > 0; round++) {
+        spin = answer_limited(pull);
+        check_turned(pull, spin);
+    }
+    if (cohesive->turned_count > 0) answer_limited(pull);
+    for (int32_t n = 0; n < cohesive->turned_count; n++) cohesive->budget[cohesive->turned_clusters[n]].turned = false;
+    return true;
 }
 
 /* ---- news ---- */
