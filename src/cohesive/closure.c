@@ -17,18 +17,13 @@ typedef struct Closing {
     double friction; /* tan φ */
 } Closing;
 
-static void find_rotation_rate(Closing *closing, const ShvState *state)
-{
-    closing->rotation->rate = shv_facet_rotation_rate(closing->rotation, state);
-    closing->known = true;
-}
-
 /* Of opening, seen by one who turns with the facet. */
-static inline ShvVec3 rate_of(Closing *closing, const ShvState *state)
+static ShvVec3 rate_of(Closing *closing, const ShvState *state)
 {
-    const ShvFacetRotation *rotation = closing->rotation;
+    ShvFacetRotation *rotation = closing->rotation;
     const int i = closing->corner;
-    if (!closing->known) find_rotation_rate(closing, state);
+    if (!closing->known) rotation->rate = shv_facet_rotation_rate(rotation, state);
+    closing->known = true;
     const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)rotation->second[i]),
                                  shv_load3(state->velocity + 3 * (int64_t)rotation->first[i]));
     return shv_sub(rate, shv_cross(rotation->rate, closing->gaps->opening[i]));
@@ -149,26 +144,9 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
     return true;
 }
 
-/* After so many strikes. */
-static bool was_struck(const ShvCohesive *cohesive, int32_t k, int32_t before)
-{
-    const ShvFacetRotation *rotation = &cohesive->rotations[k];
-    const int32_t *struck = cohesive->struck;
-    for (int i = 0; i < 3; i++)
-        if (struck[rotation->first[i]] > before || struck[rotation->second[i]] > before) return true;
-    return false;
-}
-
-/* The last pull left the rates of turn of facets that carry as they are, until one of their nodes is struck. */
-static bool knows_rate(const ShvCohesive *cohesive, int32_t k)
-{
-    return cohesive->rates_known && cohesive->rotations[k].carries && !was_struck(cohesive, k, 0);
-}
-
 static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, double kick, double step)
 {
     Closing closing = {.rotation = &cohesive->rotations[k], .gaps = &cohesive->gaps[k]};
-    closing.known = knows_rate(cohesive, k);
     closing.elastic = closing.rotation->returned > 0.0;
     closing.friction = closing.rotation->friction;
     bool any = false;
@@ -180,6 +158,16 @@ static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, doubl
         if (closing.friction > 0.0) any = rub(&closing, state, kick, step) || any;
     }
     return any;
+}
+
+/* What a facet finds to do hangs on the velocities of its nodes alone: it is asked again once one of them was struck. */
+static bool has_news(const ShvCohesive *cohesive, int32_t k)
+{
+    const ShvFacetRotation *rotation = &cohesive->rotations[k];
+    const int32_t *struck = cohesive->struck, before = cohesive->closed[k];
+    for (int i = 0; i < 3; i++)
+        if (struck[rotation->first[i]] > before || struck[rotation->second[i]] > before) return true;
+    return false;
 }
 
 static bool may_meet(const ShvCohesive *cohesive, const ShvState *state, int32_t k, double step)
@@ -204,8 +192,7 @@ void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, dou
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
         again = false;
         for (int32_t k = 0; k < cohesive->rotation_count; k++) {
-            /* what a facet finds to do hangs on the velocities of its nodes alone */
-            if (pass > 0 && !was_struck(cohesive, k, cohesive->closed[k])) continue;
+            if (pass > 0 && !has_news(cohesive, k)) continue;
             cohesive->closed[k] = strikes;
             if (!may_meet(cohesive, state, k, step) || !close_facet(cohesive, state, k, kick, step)) continue;
             note_strike(cohesive, k, ++strikes);
@@ -213,5 +200,4 @@ void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, dou
         }
         cohesive->pushed = cohesive->pushed || again;
     }
-    cohesive->rates_known = cohesive->rates_known && strikes == 0;
 }

@@ -7,7 +7,7 @@
        shv_cohesive_begin    positions of n, velocities of n − 1/2
        kick by the other forces
        shv_cohesive_pull     cohesive impulses
-       shv_cohesive_close    closing faces, with the velocities that the pull left
+       shv_cohesive_close    closing faces
        contact, supports
        shv_cohesive_book     with the velocities that the drift will use
        drift
@@ -172,10 +172,9 @@ typedef struct ShvCohesive {
     ShvFacetRotation *rotations;
     ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps; /* as `rotations` */
-    double *apart;    /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
-    int32_t *closed;  /* as `rotations`: strikes before it was looked at last, of the present closing */
-    bool pushed;      /* some closing forces are not zero */
-    bool rates_known; /* rates of turn of facets that carry are those of the velocities that the last pull left */
+    double *apart;   /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
+    int32_t *closed; /* as `rotations`: strikes before it was looked at last, of the present closing */
+    bool pushed;     /* some closing forces are not zero */
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;

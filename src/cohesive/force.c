@@ -310,7 +310,6 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
     begin_facets(cohesive, state);
     pass_clusters(cohesive, state, !anew, true);
     cohesive->pull_kick = cohesive->pull_step = 0.0;
-    cohesive->rates_known = false;
 }
 
 /* ---- book ---- */

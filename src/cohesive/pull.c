@@ -121,17 +121,15 @@ static double want(const Pull *pull, int32_t index)
     return shv_norm(point->change) / peak;
 }
 
-/* Of a point, from the change that it had before. */
-static double want_beside(const Pull *pull, int32_t index, Sweep *sums)
+/* The same, where the changes of the sweep before still stand. */
+static double want_again(const Pull *pull, int32_t index, Sweep *sums)
 {
     const ShvCohesivePoint *point = &pull->cohesive->points[index];
     const ShvVec3 before = point->change;
     const double change = want(pull, index);
     sums->before += shv_dot(before, before);
-    if (change > 0.0) {
-        sums->product += shv_dot(point->change, before);
-        sums->square += shv_dot(point->change, point->change);
-    }
+    sums->product += shv_dot(point->change, before);
+    sums->square += shv_dot(point->change, point->change);
     return change;
 }
 
@@ -142,14 +140,15 @@ static void change_pull(const Pull *pull, ShvCohesivePoint *point, ShvVec3 chang
 }
 
 /* Pairs one after another, each with the others' forces as they are. */
-static Sweep sweep(const Pull *pull, int32_t start, int32_t end)
+static Sweep sweep(const Pull *pull, int32_t start, int32_t end, bool again)
 {
     ShvCohesivePoint *points = pull->cohesive->points;
     Sweep sums = {0.0, 0.0, 0.0, 0.0};
     for (int32_t block = start, stop; block < end; block = stop) {
         stop = block + points[block].block;
         double change = 0.0;
-        for (int32_t i = block; i < stop; i++) change = shv_larger(change, want_beside(pull, i, &sums));
+        for (int32_t i = block; i < stop; i++)
+            change = shv_larger(change, again ? want_again(pull, i, &sums) : want(pull, i));
         if (!(change > 0.0)) continue;
         for (int32_t i = block; i < stop; i++) change_pull(pull, &points[i], points[i].change);
         sums.largest = shv_larger(sums.largest, change);
@@ -181,13 +180,12 @@ static int32_t settle(const Pull *pull, int32_t start, int32_t end)
 {
     int32_t sweeps = 0, plain = 0;
     for (;;) {
-        const Sweep sums = sweep(pull, start, end);
+        const Sweep sums = sweep(pull, start, end, plain > 0);
         sweeps += sums.largest > 0.0;
         if (end - start == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
-        const double more = ++plain > 1 ? still_to_come(&sums) : 0.0;
-        if (!(more > 0.0)) continue;
-        go_on(pull, start, end, more);
-        plain = 0;
+        const double more = plain > 0 ? still_to_come(&sums) : 0.0;
+        if (more > 0.0) go_on(pull, start, end, more);
+        plain = more > 0.0 ? 0 : plain + 1;
     }
 }
 
@@ -445,7 +443,7 @@ static void check_turned(const Pull *pull, double spin)
 }
 
 /* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that: few, round
-   which alone answers and limits go on. Returns whether rates of turn are those of the velocities now. */
+   which alone answers and limits go on. */
 static bool answer_within_limits(const Pull *pull)
 {
     ShvCohesive *cohesive = pull->cohesive;
@@ -525,7 +523,7 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
         if (first) repeat_last(&pull, start, end);
         sweeps += pull_cluster(&pull, c);
     }
-    cohesive->rates_known = answer_within_limits(&pull);
+    answer_within_limits(&pull);
     memcpy(cohesive->pulled_velocity, state->velocity, 3 * (size_t)state->node_count * sizeof *state->velocity);
     cohesive->pull_kick = kick;
     cohesive->pull_step = step;
