@@ -71,13 +71,14 @@ typedef struct ShvFacetRotation {
     double area;        /* m², as all of its constants those of its two sides */
     double returned, friction;
     ShvVec3 reference[2];
-    ShvVec3 normal; /* of the mean of both faces, from the first to the second */
-    ShvVec3 rate;   /* of turn, rad/s */
-    ShvVec3 arm[3]; /* of the middles from their mean, m */
-    double spread;  /* 1/Σ |arm|², 1/m² */
-    double tilt;    /* 3/(twice the area)², 1/m⁴ */
-    ShvVec3 couple; /* N m: of the pulls, answered so far */
-    ShvVec3 answer; /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
+    ShvVec3 normal;    /* of the mean of both faces, from the first to the second */
+    ShvVec3 rate;      /* of turn, rad/s */
+    ShvVec3 arm[3];    /* of the middles from their mean, m */
+    double spread;     /* 1/Σ |arm|², 1/m² */
+    double tilt;       /* 3/(twice the area)², 1/m⁴ */
+    double inverse[6]; /* of Σ |arm|² − arm armᵀ: xx, xy, xz, yy, yz, zz; 1/m² */
+    ShvVec3 couple;    /* N m: of the pulls, answered so far */
+    ShvVec3 answer;    /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
 } ShvFacetRotation;
 
 /* Of the three pairs of a facet; zero where they are not split. */
