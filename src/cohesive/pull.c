@@ -193,6 +193,8 @@ static int32_t settle(const Pull *pull, int32_t start, int32_t end)
 
 /* Of a sum of works, as a share of their magnitudes. */
 static const double rounding = 1e-13;
+/* By this share pulls that are limited stay below what may be given: a and b (limit_given) may be 1e8 times their difference. */
+static const double spared_pull = 1e-14;
 
 /* What pulls do on the way they lead, J. */
 static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
@@ -244,7 +246,8 @@ static bool limit_given(const Pull *pull, int32_t cluster)
         a += shv_dot(points[i].change, shv_sub(free, points[i].from));
     }
     const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
-    const double scale = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    const double whole = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    const double scale = whole * (1.0 - spared_pull);
     for (int32_t i = start; i < end; i++) {
         points[i].pull = shv_scale(points[i].change, scale);
         move(pull, &points[i], points[i].pull);

@@ -19,7 +19,7 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 872),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 896),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvNodeContact, "contact/contact_archive.c", 312),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1176),
@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 112),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5120),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5144),
 };
 
 static void test_no_field_is_new(void **state)
