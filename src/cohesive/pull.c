@@ -193,13 +193,16 @@ static int32_t settle(const Pull *pull, int32_t start, int32_t end)
 
 /* Of a sum of works, as a share of their magnitudes. */
 static const double rounding = 1e-13;
+/* Besides, of the energy of the rigid start, 1e-14 of the work of separation: what noise of velocities does that others have brought
+   to rest, with the sign of which a cluster would begin anew or not. */
+static const double noise_share = 1e-6;
 /* By this share pulls that are limited stay below what may be given: a and b (limit_given) may be 1e8 times their difference. */
 static const double spared_pull = 1e-14;
 
 /* What pulls do on the way they lead, J. */
 static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
 {
-    double work = 0.0, size = 0.0;
+    double work = 0.0, granted = 0.0;
     *budget = (ShvClusterBudget){0};
     *stored = 0.0;
     for (int32_t i = start; i < end; i++) {
@@ -209,11 +212,11 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
         const double own = shv_dot(point->pull, displacement), force = shv_norm(point->pull);
         *stored += point->stored;
         work += own;
-        size += point->stored + fabs(own);
+        granted += rounding * (point->stored + fabs(own)) + noise_share * point->start_energy;
         budget->force += force;
         budget->couple += force * shv_norm(point->opening);
     }
-    budget->left = *stored + work + rounding * size;
+    budget->left = *stored + work + granted;
     return work;
 }
 
