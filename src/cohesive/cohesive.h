@@ -62,21 +62,23 @@ typedef struct ShvCohesiveCorner {
 typedef struct ShvFacetRotation {
     int32_t index; /* cohesive facet */
     int32_t first[3], second[3];
-    bool carries; /* its points are listed */
-    bool rotates; /* couples are answered */
-    bool news;    /* nodes of it have other velocities since the last pull */
-    bool answers; /* `answer` is not zero */
-    bool known;   /* what follows its constants is that of the present step */
-    double area;  /* m², as all of its constants those of its two sides */
+    int32_t cluster[3]; /* of its corners, where it carries */
+    bool carries;       /* its points are listed */
+    bool rotates;       /* couples are answered */
+    bool news;          /* nodes of it have other velocities since the last pull */
+    bool answers;       /* `answer` is not zero */
+    bool known;         /* what follows its constants is that of the present step */
+    double area;        /* m², as all of its constants those of its two sides */
     double returned, friction;
     ShvVec3 reference[2];
-    ShvVec3 normal; /* of the mean of both faces, from the first to the second */
-    ShvVec3 rate;   /* of turn, rad/s */
-    ShvVec3 arm[3]; /* of the middles from their mean, m */
-    double spread;  /* 1/Σ |arm|², 1/m² */
-    double tilt;    /* 3/(twice the area)², 1/m⁴ */
-    ShvVec3 couple; /* N m: of the pulls, answered so far */
-    ShvVec3 answer; /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
+    ShvVec3 normal;    /* of the mean of both faces, from the first to the second */
+    ShvVec3 rate;      /* of turn, rad/s */
+    ShvVec3 arm[3];    /* of the middles from their mean, m */
+    double spread;     /* 1/Σ |arm|², 1/m² */
+    double tilt;       /* 3/(twice the area)², 1/m⁴ */
+    double inverse[6]; /* of Σ |arm|² − arm armᵀ: xx, xy, xz, yy, yz, zz; 1/m² */
+    ShvVec3 couple;    /* N m: of the pulls, answered so far */
+    ShvVec3 answer;    /* to what of it is new: half the force on a middle is answer × arm; zero: nothing is */
 } ShvFacetRotation;
 
 /* Of the three pairs of a facet; zero where they are not split. */
@@ -92,10 +94,12 @@ typedef struct ShvFacetGaps {
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
 typedef struct ShvClusterBudget {
-    double left;   /* stored + work of the pulls, round-off granted; J */
-    double force;  /* Σ |pull|, N */
-    double couple; /* Σ |pull| |opening|, N m */
-    double shift;  /* bound of the changes of rates by the answers to couples, m/s */
+    double left;         /* stored + work of the pulls, round-off granted; J */
+    double force;        /* Σ |pull|, N */
+    double couple;       /* Σ |pull| |opening|, N m */
+    double shift;        /* bound of the changes of rates by the answers to couples, m/s */
+    bool limited;        /* in the last check of it */
+    bool pushed, turned; /* listed (below); false between pulls */
 } ShvClusterBudget;
 
 /* The two faces of a facet as they are joined to the mesh now. */
@@ -181,13 +185,16 @@ typedef struct ShvCohesive {
     int32_t *cluster;        /* cluster_count + 1, into `points`: those between copies of one node of the mesh */
     int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
     ShvCohesiveCorner *corners;
-    ShvClusterBudget *budget;    /* cluster_count */
-    double pull_kick, pull_step; /* what `pairs` were made for; 0: nothing yet */
-    double *pulled_velocity;     /* 3 × node_capacity: as the last pull left it */
-    uint8_t *node_news;          /* node_capacity: it has another velocity since */
-    int32_t *struck;             /* node_capacity: number of its last strike by closing faces; 0: none in the step */
-    int32_t *origin_fill;        /* mesh.node_count; zero between steps */
-    double *overdrawn;           /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
+    ShvClusterBudget *budget; /* cluster_count */
+    int32_t pushed_count,
+        turned_count; /* as far as `cluster_count`, in one pull: clusters whose nodes answers to couples have pushed, */
+    int32_t *pushed_clusters, *turned_clusters; /* and those of whose facets some turn otherwise since */
+    double pull_kick, pull_step;                /* what `pairs` were made for; 0: nothing yet */
+    double *pulled_velocity;                    /* 3 × node_capacity: as the last pull left it */
+    uint8_t *node_news;                         /* node_capacity: it has another velocity since */
+    int32_t *struck;      /* node_capacity: number of its last strike by closing faces; 0: none in the step */
+    int32_t *origin_fill; /* mesh.node_count; zero between steps */
+    double *overdrawn;    /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;
     int64_t sweeps; /* of the last pull, over all clusters */
     /* work space of insertion and criterion */

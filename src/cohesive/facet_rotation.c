@@ -4,6 +4,20 @@
    a triangle that has shrunk to this share of the facet's area is left out. */
 static const double smallest_share = 0.25;
 
+/* (Σ |r|² − r rᵀ)⁻¹ of three arms in one plane with no sum. In the plane Σ |r|² − Σ r rᵀ is the adjugate of Σ r rᵀ, whose
+   determinant is a third of the square of twice the area. */
+static void find_inverse(ShvFacetRotation *rotation)
+{
+    const ShvVec3 n = rotation->normal, *r = rotation->arm;
+    const double spread = rotation->spread, tilt = rotation->tilt;
+    rotation->inverse[0] = spread * n.x * n.x + tilt * (r[0].x * r[0].x + r[1].x * r[1].x + r[2].x * r[2].x);
+    rotation->inverse[1] = spread * n.x * n.y + tilt * (r[0].x * r[0].y + r[1].x * r[1].y + r[2].x * r[2].y);
+    rotation->inverse[2] = spread * n.x * n.z + tilt * (r[0].x * r[0].z + r[1].x * r[1].z + r[2].x * r[2].z);
+    rotation->inverse[3] = spread * n.y * n.y + tilt * (r[0].y * r[0].y + r[1].y * r[1].y + r[2].y * r[2].y);
+    rotation->inverse[4] = spread * n.y * n.z + tilt * (r[0].y * r[0].z + r[1].y * r[1].z + r[2].y * r[2].z);
+    rotation->inverse[5] = spread * n.z * n.z + tilt * (r[0].z * r[0].z + r[1].z * r[1].z + r[2].z * r[2].z);
+}
+
 /* Relative to the middle of corner 0, so that no digits are lost far from the origin. */
 void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvState *state)
 {
@@ -24,6 +38,7 @@ void shv_facet_rotation_begin(ShvFacetRotation *rotation, const ShvState *state)
     rotation->spread = 0.0;
     for (int i = 0; i < 3; i++) rotation->spread += shv_dot(rotation->arm[i], rotation->arm[i]);
     rotation->spread = 1.0 / rotation->spread;
+    find_inverse(rotation);
     rotation->couple = shv_vec3(0.0, 0.0, 0.0);
     rotation->rate = shv_facet_rotation_rate(rotation, state);
 }

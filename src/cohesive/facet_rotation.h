@@ -20,13 +20,12 @@ void shv_facet_rotation_answer(ShvFacetRotation *rotation, const ShvVec3 couple[
 
 /* What follows stands in the innermost loop of closing faces. */
 
-/* (Σ |r|² − r rᵀ)⁻¹ of three arms in one plane with no sum. In the plane Σ |r|² − Σ r rᵀ is the adjugate of Σ r rᵀ, whose
-   determinant is a third of the square of twice the area. */
+/* (Σ |r|² − r rᵀ)⁻¹ v */
 static inline ShvVec3 shv_facet_rotation_invert(const ShvFacetRotation *rotation, ShvVec3 v)
 {
-    ShvVec3 sum = shv_scale(rotation->normal, rotation->spread * shv_dot(rotation->normal, v));
-    for (int i = 0; i < 3; i++) sum = shv_madd(sum, rotation->tilt * shv_dot(rotation->arm[i], v), rotation->arm[i]);
-    return sum;
+    const double *m = rotation->inverse;
+    return shv_vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
+                    m[2] * v.x + m[4] * v.y + m[5] * v.z);
 }
 
 static inline ShvVec3 shv_facet_rotation_twice_middle(const ShvFacetRotation *rotation, int corner,
@@ -36,13 +35,14 @@ static inline ShvVec3 shv_facet_rotation_twice_middle(const ShvFacetRotation *ro
                    shv_load3(values + 3 * (int64_t)rotation->second[corner]));
 }
 
-/* ω at the present velocities, rad/s. */
+/* ω at the present velocities, rad/s. As the arms have no sum, velocities relative to those of corner 0 do. */
 static inline ShvVec3 shv_facet_rotation_rate(const ShvFacetRotation *rotation, const ShvState *state)
 {
-    ShvVec3 sum = {0.0, 0.0, 0.0};
-    if (!rotation->rotates) return sum;
-    for (int i = 0; i < 3; i++)
-        sum = shv_add(sum, shv_cross(rotation->arm[i], shv_facet_rotation_twice_middle(rotation, i, state->velocity)));
+    if (!rotation->rotates) return shv_vec3(0.0, 0.0, 0.0);
+    const ShvVec3 start = shv_facet_rotation_twice_middle(rotation, 0, state->velocity);
+    const ShvVec3 side = shv_sub(shv_facet_rotation_twice_middle(rotation, 1, state->velocity), start);
+    const ShvVec3 other = shv_sub(shv_facet_rotation_twice_middle(rotation, 2, state->velocity), start);
+    const ShvVec3 sum = shv_add(shv_cross(rotation->arm[1], side), shv_cross(rotation->arm[2], other));
     return shv_facet_rotation_invert(rotation, shv_scale(sum, 0.5));
 }
 

@@ -166,6 +166,7 @@ static void list_points(ShvCohesive *cohesive)
         cohesive->cluster[c] = cohesive->point_count;
         for (int32_t i = start; i < end; i++) {
             const ShvCohesiveCorner corner = cohesive->corners[i];
+            cohesive->rotations[corner.slot / 3].cluster[corner.slot % 3] = c;
             if (corner.first == corner.second) continue;
             cohesive->corners[i] = cohesive->corners[split];
             cohesive->corners[split++] = corner;

@@ -11,6 +11,9 @@ enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
 static const double news_share = 1e-3;
+/* Changes of two sweeps lead on (still_to_come) where their cosine and their ratio are larger than these; the ratio counts as no larger
+   than the last. */
+static const double least_cosine = 0.6, least_ratio = 0.2, largest_ratio = 0.9;
 
 /* One pull of a step. */
 typedef struct Pull {
@@ -89,6 +92,13 @@ static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
     return shv_sub(rate, point->rotation_rate);
 }
 
+/* What a sweep did, and how its changes of forces lie to those of the sweep before. */
+typedef struct Sweep {
+    double largest;        /* change, in units of the point's peak */
+    double square, before; /* of the changes of all points: now, and in the sweep before */
+    double product;        /* of the ones with the others */
+} Sweep;
+
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
    neighbours that have hardly moved, needs no new evaluation. */
@@ -111,46 +121,88 @@ static double want(const Pull *pull, int32_t index)
     return shv_norm(point->change) / peak;
 }
 
+/* The same, where the changes of the sweep before still stand. */
+static double want_again(const Pull *pull, int32_t index, Sweep *sums)
+{
+    const ShvCohesivePoint *point = &pull->cohesive->points[index];
+    const ShvVec3 before = point->change;
+    const double change = want(pull, index);
+    sums->before += shv_dot(before, before);
+    sums->product += shv_dot(point->change, before);
+    sums->square += shv_dot(point->change, point->change);
+    return change;
+}
+
+static void change_pull(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
+{
+    point->pull = shv_add(point->pull, change);
+    move(pull, point, change);
+}
+
 /* Pairs one after another, each with the others' forces as they are. */
-static double sweep(const Pull *pull, int32_t start, int32_t end)
+static Sweep sweep(const Pull *pull, int32_t start, int32_t end, bool again)
 {
     ShvCohesivePoint *points = pull->cohesive->points;
-    double largest = 0.0;
+    Sweep sums = {0.0, 0.0, 0.0, 0.0};
     for (int32_t block = start, stop; block < end; block = stop) {
         stop = block + points[block].block;
         double change = 0.0;
-        for (int32_t i = block; i < stop; i++) change = shv_larger(change, want(pull, i));
+        for (int32_t i = block; i < stop; i++)
+            change = shv_larger(change, again ? want_again(pull, i, &sums) : want(pull, i));
         if (!(change > 0.0)) continue;
-        for (int32_t i = block; i < stop; i++) {
-            points[i].pull = shv_add(points[i].pull, points[i].change);
-            move(pull, &points[i], points[i].change);
-        }
-        largest = shv_larger(largest, change);
+        for (int32_t i = block; i < stop; i++) change_pull(pull, &points[i], points[i].change);
+        sums.largest = shv_larger(sums.largest, change);
     }
-    return largest;
+    return sums;
 }
 
-/* Returns the sweeps that found something to do. */
+/* Changes of two sweeps that point the same way fall by a ratio, and by it in the sweeps to come: how much of the last change is
+   still to come; 0 where they do not fall like that. */
+static double still_to_come(const Sweep *sums)
+{
+    const double product = sums->product, least = least_cosine * least_cosine * sums->square * sums->before;
+    if (!(product > least_ratio * sums->before && product * product > least)) return 0.0;
+    const double ratio = shv_smaller(product / sums->before, largest_ratio);
+    return ratio / (1.0 - ratio);
+}
+
+/* Goes on by a multiple of the last change. */
+static void go_on(const Pull *pull, int32_t start, int32_t end, double more)
+{
+    ShvCohesivePoint *points = pull->cohesive->points;
+    for (int32_t i = start; i < end; i++)
+        if (points[i].peak > 0.0) change_pull(pull, &points[i], shv_scale(points[i].change, more));
+}
+
+/* Sweeps that find less and less to do in one direction are spared by going all that way at once; two plain sweeps lie between.
+   Returns the sweeps that found something to do. */
 static int32_t settle(const Pull *pull, int32_t start, int32_t end)
 {
-    int32_t sweeps = 0;
-    double change;
-    do {
-        change = sweep(pull, start, end);
-        sweeps += change > 0.0;
-    } while (end - start > 1 && change > settled_share && sweeps < MOST_SWEEPS);
-    return sweeps;
+    int32_t sweeps = 0, plain = 0;
+    for (;;) {
+        const Sweep sums = sweep(pull, start, end, plain > 0);
+        sweeps += sums.largest > 0.0;
+        if (end - start == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
+        const double more = plain > 0 ? still_to_come(&sums) : 0.0;
+        if (more > 0.0) go_on(pull, start, end, more);
+        plain = more > 0.0 ? 0 : plain + 1;
+    }
 }
 
 /* ---- limits ---- */
 
 /* Of a sum of works, as a share of their magnitudes. */
 static const double rounding = 1e-13;
+/* Besides, of the energy of the rigid start, 1e-14 of the work of separation: what noise of velocities does that others have brought
+   to rest, with the sign of which a cluster would begin anew or not. */
+static const double noise_share = 1e-6;
+/* By this share pulls that are limited stay below what may be given: a and b (limit_given) may be 1e8 times their difference. */
+static const double spared_pull = 1e-14;
 
 /* What pulls do on the way they lead, J. */
 static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
 {
-    double work = 0.0, size = 0.0;
+    double work = 0.0, granted = 0.0;
     *budget = (ShvClusterBudget){0};
     *stored = 0.0;
     for (int32_t i = start; i < end; i++) {
@@ -160,11 +212,11 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
         const double own = shv_dot(point->pull, displacement), force = shv_norm(point->pull);
         *stored += point->stored;
         work += own;
-        size += point->stored + fabs(own);
+        granted += rounding * (point->stored + fabs(own)) + noise_share * point->start_energy;
         budget->force += force;
         budget->couple += force * shv_norm(point->opening);
     }
-    budget->left = *stored + work + rounding * size;
+    budget->left = *stored + work + granted;
     return work;
 }
 
@@ -197,7 +249,8 @@ static bool limit_given(const Pull *pull, int32_t cluster)
         a += shv_dot(points[i].change, shv_sub(free, points[i].from));
     }
     const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
-    const double scale = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    const double whole = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
+    const double scale = whole * (1.0 - spared_pull);
     for (int32_t i = start; i < end; i++) {
         points[i].pull = shv_scale(points[i].change, scale);
         move(pull, &points[i], points[i].pull);
@@ -265,6 +318,14 @@ static double change_of(ShvVec3 rate, ShvVec3 before)
     return fabs(rate.x - before.x) + fabs(rate.y - before.y) + fabs(rate.z - before.z);
 }
 
+/* Finds the rate of turn anew; returns by how much it is another. */
+static double turn(const Pull *pull, ShvFacetRotation *rotation)
+{
+    const ShvVec3 before = rotation->rate;
+    rotation->rate = shv_facet_rotation_rate(rotation, pull->state);
+    return change_of(rotation->rate, before);
+}
+
 /* What the pulls' couples have become since they were last answered. Nodes of a cluster are in no other. Returns the largest
    change of a rate of turn, negative without answers. */
 static double answer_couples(const Pull *pull)
@@ -288,12 +349,8 @@ static double answer_couples(const Pull *pull)
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))      \
     reduction(max                                                                                                      \
               : spin)
-    for (int32_t k = 0; k < rotations; k++) {
-        if (!cohesive->rotations[k].carries) continue;
-        const ShvVec3 rate = shv_facet_rotation_rate(&cohesive->rotations[k], pull->state);
-        spin = shv_larger(spin, change_of(rate, cohesive->rotations[k].rate));
-        cohesive->rotations[k].rate = rate;
-    }
+    for (int32_t k = 0; k < rotations; k++)
+        if (cohesive->rotations[k].carries) spin = shv_larger(spin, turn(pull, &cohesive->rotations[k]));
     return spin;
 }
 
@@ -302,28 +359,113 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
 {
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
+    budget->shift = 0.0;
+    budget->limited = false;
     if (budget->left >= 0.0) return false;
     note_rotation(pull->cohesive, cluster);
-    if (!limit_given(pull, cluster)) return false;
-    leave_couples(pull, cluster);
-    return true;
+    budget->limited = limit_given(pull, cluster);
+    if (budget->limited) leave_couples(pull, cluster);
+    return budget->limited;
 }
 
-/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that. */
-static void answer_within_limits(const Pull *pull)
+static bool check_limits(const Pull *pull, double spin)
 {
     const ShvCohesive *cohesive = pull->cohesive;
     const int32_t count = cohesive->cluster_count, threads = cohesive->model->threads;
-    bool limited = true;
-    double spin = answer_couples(pull);
-    for (int round = 0; limited && spin >= 0.0 && round < MOST_ROUNDS; round++) {
-        limited = false;
+    bool limited = false;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(||                                                                                                       \
               : limited)
-        for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
-        if (limited) spin = answer_couples(pull);
+    for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
+    return limited;
+}
+
+/* ---- couples of few clusters ---- */
+
+static void note_push(ShvCohesive *cohesive, int32_t cluster)
+{
+    if (cohesive->budget[cluster].pushed) return;
+    cohesive->budget[cluster].pushed = true;
+    cohesive->pushed_clusters[cohesive->pushed_count++] = cluster;
+}
+
+static void note_turn(ShvCohesive *cohesive, int32_t cluster)
+{
+    if (cohesive->budget[cluster].turned) return;
+    cohesive->budget[cluster].turned = true;
+    cohesive->turned_clusters[cohesive->turned_count++] = cluster;
+}
+
+static void push_facet(const Pull *pull, ShvFacetRotation *rotation)
+{
+    for (int i = 0; i < 3; i++) {
+        const ShvVec3 half = shv_cross(rotation->answer, rotation->arm[i]);
+        const double shift = push(pull, rotation->first[i], half) + push(pull, rotation->second[i], half);
+        pull->cohesive->budget[rotation->cluster[i]].shift += shift;
+        note_push(pull->cohesive, rotation->cluster[i]);
     }
+}
+
+/* As answer_couples, where the couples of a few clusters alone are new: those in `turned_clusters` that were limited. Finds there the
+   clusters of whose facets some turn otherwise now. */
+static double answer_limited(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    double spin = 0.0;
+    cohesive->pushed_count = 0;
+    for (int32_t n = 0; n < cohesive->turned_count; n++) {
+        const int32_t c = cohesive->turned_clusters[n];
+        note_push(cohesive, c);
+        for (int32_t i = cohesive->cluster[c]; i < cohesive->cluster[c + 1]; i++) {
+            const int32_t k = cohesive->points[i].rotation;
+            shv_facet_rotation_answer(&cohesive->rotations[k], cohesive->couple + 3 * (int64_t)k);
+            if (cohesive->rotations[k].answers) push_facet(pull, &cohesive->rotations[k]);
+        }
+    }
+    cohesive->turned_count = 0;
+    for (int32_t n = 0; n < cohesive->pushed_count; n++) {
+        const int32_t c = cohesive->pushed_clusters[n];
+        cohesive->budget[c].pushed = false;
+        for (int32_t i = cohesive->cluster_corner[c]; i < cohesive->cluster_corner[c + 1]; i++) {
+            ShvFacetRotation *rotation = &cohesive->rotations[cohesive->corners[i].slot / 3];
+            spin = shv_larger(spin, turn(pull, rotation));
+            for (int corner = 0; corner < 3; corner++) note_turn(cohesive, rotation->cluster[corner]);
+        }
+    }
+    return spin;
+}
+
+/* Leaves those of the turned clusters that were limited. */
+static void check_turned(const Pull *pull, double spin)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    const int32_t count = cohesive->turned_count;
+    cohesive->turned_count = 0;
+    for (int32_t n = 0; n < count; n++) {
+        const int32_t c = cohesive->turned_clusters[n];
+        cohesive->budget[c].turned = false;
+        if (check_limit(pull, c, spin)) cohesive->turned_clusters[cohesive->turned_count++] = c;
+    }
+}
+
+/* Answers move the openings of other facets, a little, and clusters that give all they store would give more than that: few, round
+   which alone answers and limits go on. */
+static bool answer_within_limits(const Pull *pull)
+{
+    ShvCohesive *cohesive = pull->cohesive;
+    double spin = answer_couples(pull);
+    if (!(spin >= 0.0)) return false;
+    if (!check_limits(pull, spin)) return true;
+    cohesive->turned_count = 0;
+    for (int32_t c = 0; c < cohesive->cluster_count; c++)
+        if (cohesive->budget[c].limited) cohesive->turned_clusters[cohesive->turned_count++] = c;
+    for (int round = 1; round < MOST_ROUNDS && cohesive->turned_count > 0; round++) {
+        spin = answer_limited(pull);
+        check_turned(pull, spin);
+    }
+    if (cohesive->turned_count > 0) answer_limited(pull);
+    for (int32_t n = 0; n < cohesive->turned_count; n++) cohesive->budget[cohesive->turned_clusters[n]].turned = false;
+    return true;
 }
 
 /* ---- news ---- */

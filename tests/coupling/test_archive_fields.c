@@ -19,7 +19,7 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 872),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 896),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvNodeContact, "contact/contact_archive.c", 280),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1176),
@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 280),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5256),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5280),
 };
 
 static void test_no_field_is_new(void **state)
