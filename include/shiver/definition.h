@@ -45,7 +45,7 @@ typedef struct ShvMaterialDefinition {
     double youngs_modulus;          /* Pa, > 0 */
     double poissons_ratio;          /* −1 < ν < 0.5 */
     ShvKinematics kinematics;       /* Green strain */
-    ShvSmoothing smoothing;         /* by itself */
+    ShvSmoothing smoothing;         /* SHV_SMOOTHING_AUTO */
     bool breakable;                 /* false: no facet of it ever opens */
     ShvCohesiveLaw law;             /* PPR */
     double fracture_energy;         /* J/m², mode I, ≥ 0 */

@@ -106,6 +106,13 @@ static void put_force(const ShvSolid *solid, ShvState *state, int32_t node)
     shv_store3(state->force + 3 * (int64_t)node, sum);
 }
 
+static void put_forces(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count)
+{
+    const int32_t threads = solid->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int32_t k = 0; k < count; k++) put_force(solid, state, nodes[k]);
+}
+
 /* Nodes of the tets in domains that have been split. */
 static void mark_near_splits(const ShvSmoothedEdges *smoothing, const ShvState *state, uint8_t *marks)
 {
@@ -117,18 +124,31 @@ static void mark_near_splits(const ShvSmoothedEdges *smoothing, const ShvState *
     }
 }
 
+static void put_forces_near_splits(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count,
+                                   uint8_t *marks, int32_t *near)
+{
+    int32_t found = 0;
+    for (int32_t i = 0; i < count; i++) marks[nodes[i]] = 1;
+    mark_near_splits(&solid->smoothing, state, marks);
+    for (int32_t node = 0; node < state->node_count; node++)
+        if (marks[node]) near[found++] = node;
+    shv_smoothing_find_split(solid);
+    put_forces(solid, state, near, found);
+}
+
 ShvStatus shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count,
                                        ShvError *error)
 {
-    const int32_t all = state->node_count, threads = solid->model->threads;
-    uint8_t *marks = shv_allocate(solid->memory, SHV_PART_STATE, (size_t)all, 1);
-    if (!marks) return shv_fail_memory(error, "the nodes of an insertion", (size_t)all);
-    for (int32_t i = 0; i < count; i++) marks[nodes[i]] = 1;
-    shv_smoothing_find_split(solid);
-    mark_near_splits(&solid->smoothing, state, marks);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(threads) if (threads > 1)
-    for (int32_t node = 0; node < all; node++)
-        if (marks[node]) put_force(solid, state, node);
+    if (solid->smoothing.split_count == 0) {
+        put_forces(solid, state, nodes, count);
+        return SHV_OK;
+    }
+    const size_t all = (size_t)state->node_count;
+    uint8_t *marks = shv_allocate(solid->memory, SHV_PART_STATE, all, sizeof *marks);
+    int32_t *near = shv_allocate(solid->memory, SHV_PART_STATE, all, sizeof *near);
+    if (marks && near) put_forces_near_splits(solid, state, nodes, count, marks, near);
+    const ShvStatus status = marks && near ? SHV_OK : shv_fail_memory(error, "the nodes of an insertion", 5 * all);
     shv_release(marks);
-    return SHV_OK;
+    shv_release(near);
+    return status;
 }

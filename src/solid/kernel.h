@@ -21,21 +21,6 @@ typedef struct ShvElasticity {
     ShvWideMask green; /* only set for SHV_BATCH_BOTH */
 } ShvElasticity;
 
-static inline ShvElasticity shv_batch_mixed_elasticity(const ShvModel *model, int32_t batch)
-{
-    _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        int32_t element = batch * SHV_LANES + lane;
-        if (element >= model->mesh.element_count) element = model->mesh.element_count - 1;
-        const ShvMaterial *material = shv_model_material(model, element);
-        lambda[lane] = material->lambda;
-        mu[lane] = material->mu;
-        green[lane] = material->kinematics == SHV_GREEN_STRAIN ? 1.0 : 0.0;
-    }
-    return (ShvElasticity){SHV_BATCH_BOTH, shv_wide_load(lambda), shv_wide_load(mu),
-                           shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
-}
-
 static inline ShvElasticity shv_material_elasticity(const ShvMaterial *material)
 {
     ShvElasticity elasticity = {.kind = material->kinematics == SHV_GREEN_STRAIN ? SHV_BATCH_GREEN
@@ -43,6 +28,35 @@ static inline ShvElasticity shv_material_elasticity(const ShvMaterial *material)
     elasticity.lambda = shv_wide_set1(material->lambda);
     elasticity.mu = shv_wide_set1(material->mu);
     return elasticity;
+}
+
+/* A material for every lane. */
+static inline ShvElasticity shv_mixed_elasticity(const ShvMaterial *const materials[SHV_LANES])
+{
+    _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
+    int greens = 0;
+    for (int lane = 0; lane < SHV_LANES; lane++) {
+        const bool is_green = materials[lane]->kinematics == SHV_GREEN_STRAIN;
+        lambda[lane] = materials[lane]->lambda;
+        mu[lane] = materials[lane]->mu;
+        green[lane] = is_green ? 1.0 : 0.0;
+        greens += is_green;
+    }
+    const ShvBatchKind kind = greens == SHV_LANES ? SHV_BATCH_GREEN
+                              : greens == 0       ? SHV_BATCH_COROTATIONAL
+                                                  : SHV_BATCH_BOTH;
+    return (ShvElasticity){kind, shv_wide_load(lambda), shv_wide_load(mu),
+                           shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
+}
+
+static inline ShvElasticity shv_batch_mixed_elasticity(const ShvModel *model, int32_t batch)
+{
+    const ShvMaterial *materials[SHV_LANES];
+    for (int lane = 0; lane < SHV_LANES; lane++) {
+        const int32_t element = batch * SHV_LANES + lane, last = model->mesh.element_count - 1;
+        materials[lane] = shv_model_material(model, element < last ? element : last);
+    }
+    return shv_mixed_elasticity(materials);
 }
 
 static inline ShvElasticity shv_batch_elasticity(const ShvSolid *solid, int32_t batch)

@@ -75,27 +75,13 @@ static void read_starts(const ShvSmoothedEdges *smoothing, Domains *domains)
 
 static void read_elasticity(const ShvSolid *solid, Domains *domains)
 {
-    const int16_t *materials = solid->smoothing.material, first = materials[domains->index[0]];
+    const ShvMaterial *materials[SHV_LANES];
     bool same = true;
-    for (int lane = 1; lane < SHV_LANES; lane++) same = same && materials[domains->index[lane]] == first;
-    if (same) {
-        domains->elasticity = shv_material_elasticity(&solid->model->materials[first]);
-        return;
-    }
-    _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
-    int greens = 0;
     for (int lane = 0; lane < SHV_LANES; lane++) {
-        const ShvMaterial *material = &solid->model->materials[materials[domains->index[lane]]];
-        lambda[lane] = material->lambda;
-        mu[lane] = material->mu;
-        green[lane] = material->kinematics == SHV_GREEN_STRAIN ? 1.0 : 0.0;
-        greens += material->kinematics == SHV_GREEN_STRAIN;
+        materials[lane] = &solid->model->materials[solid->smoothing.material[domains->index[lane]]];
+        same = same && materials[lane] == materials[0];
     }
-    const ShvBatchKind kind = greens == SHV_LANES ? SHV_BATCH_GREEN
-                              : greens == 0       ? SHV_BATCH_COROTATIONAL
-                                                  : SHV_BATCH_BOTH;
-    domains->elasticity = (ShvElasticity){kind, shv_wide_load(lambda), shv_wide_load(mu),
-                                          shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
+    domains->elasticity = same ? shv_material_elasticity(materials[0]) : shv_mixed_elasticity(materials);
 }
 
 /* (I + H) (I + G) − I */

@@ -2,30 +2,6 @@
 
 /* ---- force against energy ---- */
 
-static const ShvKinematics both_kinematics[2] = {SHV_GREEN_STRAIN, SHV_COROTATIONAL};
-
-/* Central differences of U with step s miss by s² U'''/6 and by rounding of U over s. Units: displacements of 0.05
-   edges (strains near 0.1), forces near E edge² × 0.1. With s = 1e-5 edge: truncation (1e-5)² of the force, rounding
-   1e-16 U / s with U near 300 elements × E edge³ × 0.01, so 3e-11 E edge². */
-static void check_force_is_energy_slope(const BlockShape *shape)
-{
-    Block block;
-    block_create(&block, shape);
-    block_shake(&block, 0.05 * shape->edge, 11);
-    block_force(&block);
-    const double step = 1e-5 * shape->edge, unit = shape->youngs_modulus * shape->edge * shape->edge;
-    for (int64_t i = 0; i < 3 * (int64_t)block.state.node_count; i += 7) {
-        const double u = block.state.displacement[i];
-        block.state.displacement[i] = u + step;
-        const double above = shv_solid_strain_energy(&block.solid, &block.state);
-        block.state.displacement[i] = u - step;
-        const double below = shv_solid_strain_energy(&block.solid, &block.state);
-        block.state.displacement[i] = u;
-        check_near(block.state.force[i] / unit, -(above - below) / (2.0 * step) / unit, 1e-9);
-    }
-    block_release(&block);
-}
-
 static void force_is_the_slope_of_energy(void **unused)
 {
     (void)unused;
@@ -34,7 +10,7 @@ static void force_is_the_slope_of_energy(void **unused)
             BlockShape shape = block_shape(3, 4, 4);
             shape.kinematics = both_kinematics[i];
             shape.materials = materials;
-            check_force_is_energy_slope(&shape);
+            block_check_slope(&shape);
         }
 }
 
@@ -81,14 +57,6 @@ static void rest_gives_no_force_at_all(void **unused)
     }
 }
 
-static double largest_force(const Block *block)
-{
-    double largest = 0.0;
-    for (int64_t i = 0; i < 3 * (int64_t)block->state.node_count; i++)
-        largest = fmax(largest, fabs(block->state.force[i]));
-    return largest;
-}
-
 /* Rounding of u (1e-16 of |x|) over the edge is strain: coordinates up to 3 edges, gradients up to 3 over the edge. */
 static void quarter_turn_gives_no_stress(void **unused)
 {
@@ -113,7 +81,7 @@ static void quarter_turn_gives_no_stress(void **unused)
                 for (int c = 0; c < 6; c++)
                     check_near(stress[shv_stress_slot(e, c)] / shape.youngs_modulus, 0.0, 1e-12);
             block_force(&block);
-            check_near(largest_force(&block) / (shape.youngs_modulus * shape.edge * shape.edge), 0.0, 1e-12);
+            check_near(block_largest_force(&block) / (shape.youngs_modulus * shape.edge * shape.edge), 0.0, 1e-12);
             shv_release(stress);
             block_release(&block);
         }
@@ -130,7 +98,7 @@ static void forces_are_in_balance(void **unused)
         block_create(&block, &shape);
         block_shake(&block, 0.1 * shape.edge, 13);
         block_force(&block);
-        const double scale = 1.0 / largest_force(&block);
+        const double scale = 1.0 / block_largest_force(&block);
         ShvVec3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
         for (int32_t node = 0; node < block.state.node_count; node++) {
             const ShvVec3 f = shv_scale(shv_load3(block.state.force + 3 * (int64_t)node), scale);
@@ -303,7 +271,7 @@ static void sleeping_batches_are_left_out(void **unused)
     check_near(energy / sum, 1.0, 200 * 1.2e-16);
     /* Node 0 belongs to the six tets of the first cube alone, all of batch 0. */
     for (int c = 0; c < 3; c++) assert_true(block.state.force[c] == 0.0);
-    assert_true(largest_force(&block) > 0.0);
+    assert_true(block_largest_force(&block) > 0.0);
     memset(block.solid.batch_active, 0, (size_t)block.solid.batch_count);
     int32_t element = 0;
     assert_true(isinf(shv_solid_stable_step(&block.solid, &element)));
@@ -328,7 +296,7 @@ static void far_from_the_origin(void **unused)
     block_shake(&far, 1e-3 * shape.edge, 16);
     block_force(&near);
     block_force(&far);
-    const double scale = 1.0 / largest_force(&near);
+    const double scale = 1.0 / block_largest_force(&near);
     for (int64_t i = 0; i < 3 * (int64_t)near.state.node_count; i++)
         check_near(far.state.force[i] * scale, near.state.force[i] * scale, 1e-6);
     block_release(&near);

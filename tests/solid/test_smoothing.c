@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 
-static const ShvKinematics both_kinematics[2] = {SHV_GREEN_STRAIN, SHV_COROTATIONAL};
-
 static BlockShape smoothed_shape(int32_t x, int32_t y, int32_t z)
 {
     BlockShape shape = block_shape(x, y, z);
@@ -12,37 +10,15 @@ static BlockShape smoothed_shape(int32_t x, int32_t y, int32_t z)
     return shape;
 }
 
-static double largest_force(const Block *block)
-{
-    double largest = 0.0;
-    for (int64_t i = 0; i < 3 * (int64_t)block->state.node_count; i++)
-        largest = fmax(largest, fabs(block->state.force[i]));
-    return largest;
-}
-
-/* Central differences as in test_force.c. Batches of two materials and both kinematics, and the last one padded. */
+/* Batches of two materials and both kinematics, and the last one padded. */
 static void force_is_the_slope_of_energy(void **unused)
 {
     (void)unused;
     for (int i = 0; i < 4; i++) {
-        Block block;
         BlockShape shape = smoothed_shape(3, 3, 3);
         shape.kinematics = both_kinematics[i % 2];
         shape.materials = 1 + i / 2;
-        block_create(&block, &shape);
-        block_shake(&block, 0.05 * shape.edge, 11);
-        block_force(&block);
-        const double step = 1e-5 * shape.edge, unit = shape.youngs_modulus * shape.edge * shape.edge;
-        for (int64_t k = 0; k < 3 * (int64_t)block.state.node_count; k += 7) {
-            const double u = block.state.displacement[k];
-            block.state.displacement[k] = u + step;
-            const double above = shv_solid_strain_energy(&block.solid, &block.state);
-            block.state.displacement[k] = u - step;
-            const double below = shv_solid_strain_energy(&block.solid, &block.state);
-            block.state.displacement[k] = u;
-            check_near(block.state.force[k] / unit, -(above - below) / (2.0 * step) / unit, 1e-9);
-        }
-        block_release(&block);
+        block_check_slope(&shape);
     }
 }
 
@@ -84,7 +60,7 @@ static void uniform_strain_is_as_without(void **unused)
         block_map(&linear, a, shift);
         block_force(&smoothed);
         block_force(&linear);
-        const double unit = largest_force(&linear);
+        const double unit = block_largest_force(&linear);
         for (int64_t k = 0; k < 3 * (int64_t)linear.state.node_count; k++)
             check_near(smoothed.state.force[k] / unit, linear.state.force[k] / unit, 1e-13);
         check_near(shv_solid_strain_energy(&smoothed.solid, &smoothed.state) /
