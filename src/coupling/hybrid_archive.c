@@ -29,10 +29,10 @@ static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
         SHV_FIELD_OF(ShvSmoothedEdges, stress, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSmoothedEdges, stress_zz, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSmoothedEdges, energy, SHV_FIELD_ROOM),
-        SHV_FIELD_OF(ShvSmoothedEdges, start, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, offset, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, block_active, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, active, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSmoothedEdges, started, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, has_offset, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, material, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, split, SHV_FIELD_ROOM),
     };

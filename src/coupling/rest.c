@@ -228,7 +228,8 @@ static void bin(ShvHybrid *hybrid, ShvFragment *fragment, const ShvEventView *ev
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
-    shv_solid_straighten(&hybrid->solid, hybrid->fragments.elements + fragment->element_begin, fragment->element_count);
+    shv_solid_reset_offsets(&hybrid->solid, hybrid->fragments.elements + fragment->element_begin,
+                            fragment->element_count);
 }
 
 /* Of the fitted record; a rigid body has it from here on. */

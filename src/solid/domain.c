@@ -82,9 +82,9 @@ static ShvStatus reserve(ShvSolid *solid, int32_t count, ShvError *error)
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress, 8 * size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->stress_zz, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->energy, size, what, bytes, error);
-    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->start, 9 * size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->offset, 9 * size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->active, size, what, bytes, error);
-    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->started, size, what, bytes, error);
+    SHV_RESIZE(memory, SHV_PART_STATE, smoothing->has_offset, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->material, size, what, bytes, error);
     SHV_RESIZE(memory, SHV_PART_STATE, smoothing->split, size, what, bytes, error);
     smoothing->domain_capacity = count;
@@ -225,9 +225,9 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
     shv_release(smoothing->stress);
     shv_release(smoothing->stress_zz);
     shv_release(smoothing->energy);
-    shv_release(smoothing->start);
+    shv_release(smoothing->offset);
     shv_release(smoothing->active);
-    shv_release(smoothing->started);
+    shv_release(smoothing->has_offset);
     shv_release(smoothing->material);
     shv_release(smoothing->split);
     *smoothing = (ShvSmoothedEdges){0};
@@ -258,20 +258,20 @@ static ShvMat3 deformation(const double gradient[9])
 }
 
 /* G of a part: F (I + G) of the part as that of the whole, `gradient` less I. */
-static void set_start(ShvSmoothedEdges *smoothing, int32_t domain, const double whole[9])
+static void set_offset(ShvSmoothedEdges *smoothing, int32_t domain, const double whole[9])
 {
     double own[9], change[9];
-    double *start = smoothing->start + 9 * (int64_t)domain;
+    double *offset = smoothing->offset + 9 * (int64_t)domain;
     ShvMat3 inverse;
     shv_domain_gradient(smoothing, domain, own);
     for (int c = 0; c < 9; c++) change[c] = whole[c] - own[c];
     const ShvMat3 f = deformation(own);
-    smoothing->started[domain] = false;
-    memset(start, 0, 9 * sizeof *start);
+    smoothing->has_offset[domain] = false;
+    memset(offset, 0, 9 * sizeof *offset);
     if (!shv_invert(&f, &inverse)) return;
     for (int c = 0; c < 9; c++) {
-        for (int k = 0; k < 3; k++) start[c] += inverse.m[c / 3][k] * change[3 * k + c % 3];
-        smoothing->started[domain] = smoothing->started[domain] || start[c] != 0.0;
+        for (int k = 0; k < 3; k++) offset[c] += inverse.m[c / 3][k] * change[3 * k + c % 3];
+        smoothing->has_offset[domain] = smoothing->has_offset[domain] || offset[c] != 0.0;
     }
 }
 
@@ -279,11 +279,11 @@ static void set_start(ShvSmoothedEdges *smoothing, int32_t domain, const double 
 static void find_whole(const ShvSmoothedEdges *smoothing, int32_t domain, double whole[9])
 {
     double own[9];
-    const double *start = smoothing->start + 9 * (int64_t)domain;
+    const double *offset = smoothing->offset + 9 * (int64_t)domain;
     shv_domain_gradient(smoothing, domain, own);
     for (int c = 0; c < 9; c++) {
-        whole[c] = own[c] + start[c];
-        for (int k = 0; k < 3; k++) whole[c] += own[3 * (c / 3) + k] * start[3 * k + c % 3];
+        whole[c] = own[c] + offset[c];
+        for (int k = 0; k < 3; k++) whole[c] += own[3 * (c / 3) + k] * offset[3 * k + c % 3];
     }
 }
 
@@ -302,7 +302,7 @@ static ShvStatus split_domain(ShvSolid *solid, const ShvState *state, int32_t do
         smoothing->material[part] = smoothing->material[domain];
         smoothing->active[part] = smoothing->active[domain];
         set_domain(solid, part, begin, stop - begin);
-        set_start(smoothing, part, whole);
+        set_offset(smoothing, part, whole);
         smoothing->split[smoothing->split_count++] = part;
         if (stop == end) return SHV_OK;
         begin = stop;
@@ -329,7 +329,7 @@ ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t 
     return SHV_OK;
 }
 
-void shv_solid_straighten(const ShvSolid *solid, const int32_t *elements, int32_t count)
+void shv_solid_reset_offsets(const ShvSolid *solid, const int32_t *elements, int32_t count)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     for (int32_t i = 0; i < count && smoothing->block_count > 0; i++) {
@@ -338,8 +338,8 @@ void shv_solid_straighten(const ShvSolid *solid, const int32_t *elements, int32_
         const int32_t *domains =
             smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + elements[i] % SHV_LANES);
         for (int k = 0; k < SHV_TET_EDGES; k++) {
-            smoothing->started[domains[k]] = false;
-            memset(smoothing->start + 9 * (int64_t)domains[k], 0, 9 * sizeof *smoothing->start);
+            smoothing->has_offset[domains[k]] = false;
+            memset(smoothing->offset + 9 * (int64_t)domains[k], 0, 9 * sizeof *smoothing->offset);
         }
     }
 }

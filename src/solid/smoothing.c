@@ -34,9 +34,9 @@ static void find_gradient(const ShvSolid *solid, const ShvState *state, int32_t 
 /* Eight domains side by side. */
 typedef struct Domains {
     int32_t index[SHV_LANES];
-    bool started; /* any of them */
+    bool has_offset; /* any of them */
     ShvWide gradient[3][3];
-    ShvWide start[3][3];
+    ShvWide offset[3][3];
     ShvElasticity elasticity;
 } Domains;
 
@@ -61,16 +61,16 @@ static void read_gradients(const ShvSmoothedEdges *smoothing, Domains *domains)
     for (int c = 0; c < 9; c++) domains->gradient[c / 3][c % 3] = shv_wide_mul(scale, domains->gradient[c / 3][c % 3]);
 }
 
-static void read_starts(const ShvSmoothedEdges *smoothing, Domains *domains)
+static void read_offsets(const ShvSmoothedEdges *smoothing, Domains *domains)
 {
     _Alignas(64) double rows[9][SHV_LANES];
-    domains->started = false;
+    domains->has_offset = false;
     for (int lane = 0; lane < SHV_LANES; lane++)
-        domains->started = domains->started || smoothing->started[domains->index[lane]];
-    if (!domains->started) return;
+        domains->has_offset = domains->has_offset || smoothing->has_offset[domains->index[lane]];
+    if (!domains->has_offset) return;
     for (int lane = 0; lane < SHV_LANES; lane++)
-        for (int c = 0; c < 9; c++) rows[c][lane] = smoothing->start[9 * (int64_t)domains->index[lane] + c];
-    for (int c = 0; c < 9; c++) domains->start[c / 3][c % 3] = shv_wide_load(rows[c]);
+        for (int c = 0; c < 9; c++) rows[c][lane] = smoothing->offset[9 * (int64_t)domains->index[lane] + c];
+    for (int c = 0; c < 9; c++) domains->offset[c / 3][c % 3] = shv_wide_load(rows[c]);
 }
 
 static void read_elasticity(const ShvSolid *solid, Domains *domains)
@@ -85,23 +85,23 @@ static void read_elasticity(const ShvSolid *solid, Domains *domains)
 }
 
 /* (I + H) (I + G) − I */
-static void go_on_from_start(const Domains *domains, ShvWide h[3][3])
+static void apply_offset(const Domains *domains, ShvWide h[3][3])
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
-            ShvWide sum = shv_wide_add(domains->gradient[i][j], domains->start[i][j]);
-            for (int k = 0; k < 3; k++) sum = shv_wide_fma(domains->gradient[i][k], domains->start[k][j], sum);
+            ShvWide sum = shv_wide_add(domains->gradient[i][j], domains->offset[i][j]);
+            for (int k = 0; k < 3; k++) sum = shv_wide_fma(domains->gradient[i][k], domains->offset[k][j], sum);
             h[i][j] = sum;
         }
 }
 
 /* P (I + G)ᵀ: the slope over F of what depends on F (I + G). */
-static void turn_back(const Domains *domains, ShvWide p[3][3])
+static void pull_back_stress(const Domains *domains, ShvWide p[3][3])
 {
     for (int i = 0; i < 3; i++) {
         const ShvWide row[3] = {p[i][0], p[i][1], p[i][2]};
         for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 3; k++) p[i][j] = shv_wide_fma(row[k], domains->start[j][k], p[i][j]);
+            for (int k = 0; k < 3; k++) p[i][j] = shv_wide_fma(row[k], domains->offset[j][k], p[i][j]);
     }
 }
 
@@ -126,12 +126,12 @@ static void find_stress(const ShvSolid *solid, Domains *domains, bool with_energ
 {
     ShvWide h[3][3], p[3][3];
     read_gradients(&solid->smoothing, domains);
-    read_starts(&solid->smoothing, domains);
+    read_offsets(&solid->smoothing, domains);
     read_elasticity(solid, domains);
     memcpy(h, domains->gradient, sizeof h);
-    if (domains->started) go_on_from_start(domains, h);
+    if (domains->has_offset) apply_offset(domains, h);
     shv_batch_piola(&domains->elasticity, h, p);
-    if (domains->started) turn_back(domains, p);
+    if (domains->has_offset) pull_back_stress(domains, p);
     write_stress(&solid->smoothing, domains, p);
     if (with_energy) write_energy(&solid->smoothing, domains, h);
 }

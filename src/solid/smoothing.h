@@ -10,7 +10,8 @@
 
    A domain is the tets of one material that share both nodes of an edge. Where nodes are split, so is it, and a crack's faces know
    nothing of each other. That alone would make energy: shear of either sign, whose mean was nothing, would count from then on. So the
-   parts of a domain start from what the whole had, F of a part times (I + G), G found at the split: stress, and the energy, go on. */
+   parts of a domain go on from what the whole had, F of a part times (I + G), G, the offset, found at the split: stress and energy are
+   continuous. */
 #ifndef SHV_SOLID_SMOOTHING_H
 #define SHV_SOLID_SMOOTHING_H
 
@@ -38,9 +39,9 @@ typedef struct ShvSmoothedEdges {
     double *inverse_volume;     /* of the tets of a domain, 1/m³ */
     double *stress, *stress_zz; /* of a domain, first Piola-Kirchhoff, Pa */
     double *energy;             /* of a volume, J/m³, where it was asked for */
-    double *start;              /* 9 a domain: G */
+    double *offset;             /* 9 a domain: G */
     uint8_t *active;            /* some tet of it is in an active batch */
-    uint8_t *started;           /* G is not zero */
+    uint8_t *has_offset;        /* G is not zero */
     int16_t *material;
     int32_t *split, split_count; /* domains that the last shv_solid_split has parted; room for all */
 } ShvSmoothedEdges;

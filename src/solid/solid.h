@@ -40,7 +40,7 @@ void shv_solid_follow_active(const ShvSolid *solid);
 ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 
 /* Elements that stand in their shape at the start again have no stress, whatever their edges went on from when they were split. */
-void shv_solid_straighten(const ShvSolid *solid, const int32_t *elements, int32_t count);
+void shv_solid_reset_offsets(const ShvSolid *solid, const int32_t *elements, int32_t count);
 
 /* Adds −(internal force) of all active batches to state->force. */
 void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
