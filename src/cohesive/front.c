@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "cohesive/cohesive.h"
+#include "cohesive/frame.h"
 #include "cohesive/storage.h"
 
 /* What a facet that has opened still counts with at its node that is to split. With all of it strips grow at 1.1 to 1.5 times
@@ -23,6 +24,8 @@ static const double ahead_cosine = 0.5;
 static const double straight_cosine = 0.0;
 /* Between the pull and a crack's normal: cracks kink by 45° at most. */
 static const double across_cosine = 0.7;
+/* Of the solid angle round a node: what is left there when a crack has only cut an island out, whose two sides are not its flanks. */
+static const double blunt_share = 0.75;
 
 /* ---- strengths ---- */
 
@@ -124,10 +127,17 @@ static ShvVec3 into(const ShvCohesive *cohesive, int32_t facet, int corner, int 
     return shv_unit(shv_madd(side, -shv_dot(side, along), along));
 }
 
-/* Facets of a star, each from its first element. */
-typedef void Visit(ShvCohesive *cohesive, int32_t facet, int corner, void *context);
+/* Facets of a star, each once, whether or not both of their sides are in it. */
+typedef void Visit(const ShvCohesive *cohesive, int32_t facet, int corner, void *context);
 
-static void visit_star(ShvCohesive *cohesive, const ShvState *state, int32_t node, Visit *visit, void *context)
+static int mesh_corner_of(const ShvCohesive *cohesive, int32_t facet, int32_t mesh_node)
+{
+    for (int i = 0; i < 2; i++)
+        if (mesh_node_of(cohesive, facet, i) == mesh_node) return i;
+    return 2;
+}
+
+static void visit_star(const ShvCohesive *cohesive, const ShvState *state, int32_t node, Visit *visit, void *context)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     for (int32_t i = 0; i < state->corner_count[node]; i++) {
@@ -135,32 +145,63 @@ static void visit_star(ShvCohesive *cohesive, const ShvState *state, int32_t nod
         for (int k = 0; k < 4; k++) {
             const int32_t facet = adjacency->element_facets[4 * (int64_t)element + k];
             if (k == at % 4 || facet >= adjacency->interior_count) continue;
-            if (adjacency->facet_elements[2 * (int64_t)facet] != element) continue;
-            const int corner = corner_of(cohesive, state, facet, node);
-            if (corner >= 0) visit(cohesive, facet, corner, context);
+            const int corner = mesh_corner_of(cohesive, facet, cohesive->model->mesh.elements[at]);
+            const bool first = adjacency->facet_elements[2 * (int64_t)facet] == element;
+            if (first || node_of(cohesive, state, facet, corner) != node) visit(cohesive, facet, corner, context);
         }
     }
+}
+
+/* Of a tet at one of its corners (van Oosterom and Strackee). */
+static double solid_angle(const ShvMesh *mesh, int32_t corner)
+{
+    const int32_t *nodes = mesh->elements + 4 * (int64_t)(corner / 4);
+    const ShvVec3 apex = shv_mesh_position(mesh, nodes[corner % 4]);
+    ShvVec3 to[3];
+    for (int i = 0; i < 3; i++)
+        to[i] = shv_unit(shv_sub(shv_mesh_position(mesh, nodes[shv_face_corners[corner % 4][i]]), apex));
+    const double cosines = shv_dot(to[0], to[1]) + shv_dot(to[1], to[2]) + shv_dot(to[2], to[0]);
+    return 2.0 * atan2(fabs(shv_dot(to[0], shv_cross(to[1], to[2]))), 1.0 + cosines);
+}
+
+/* A crack has split the node, but left nearly all of the solid round it in one: it ends there, at an island that it cut out. */
+static bool is_blunt(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    const ShvModel *model = cohesive->model;
+    const int32_t *own = state->corners + state->corner_start[node], count = state->corner_count[node];
+    const int32_t mesh_node = model->mesh.elements[own[0]];
+    const int32_t *all = model->adjacency.corners + model->adjacency.corner_start[mesh_node];
+    const int32_t all_count = model->adjacency.corner_start[mesh_node + 1] - model->adjacency.corner_start[mesh_node];
+    double left = 0.0, whole = 0.0;
+    if (count == all_count) return false;
+    for (int32_t i = 0; i < count; i++) left += solid_angle(&model->mesh, own[i]);
+    for (int32_t i = 0; i < all_count; i++) whole += solid_angle(&model->mesh, all[i]);
+    return left > blunt_share * whole;
 }
 
 typedef struct Behind {
     const ShvState *state;
     int32_t node;
-    ShvVec3 sum;
+    bool blunt;
+    ShvVec3 sum, normal; /* of the opened facets: of their wings, and across them */
     int32_t count;
 } Behind;
 
-/* The crack reaches the node here, but has not split it. */
-static bool has_opened(const ShvCohesive *cohesive, int32_t facet, int corner)
+/* The crack reaches the node here, and ends. */
+static bool has_opened(const ShvCohesive *cohesive, int32_t facet, int corner, bool blunt)
 {
     const int32_t index = cohesive->facet_cohesive[facet];
     return index >= 0 && cohesive->opened[index] &&
-           cohesive->sides[index].first[corner] == cohesive->sides[index].second[corner];
+           (blunt || cohesive->sides[index].first[corner] == cohesive->sides[index].second[corner]);
 }
 
-static void add_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+static void add_opened(const ShvCohesive *cohesive, int32_t facet, int corner, void *context)
 {
     Behind *behind = context;
-    if (!has_opened(cohesive, facet, corner)) return;
+    if (!has_opened(cohesive, facet, corner, behind->blunt)) return;
+    const ShvVec3 area = shv_cohesive_reference_area(cohesive->model, facet);
+    const double sense = shv_dot(area, behind->normal) < 0.0 ? -1.0 : 1.0; /* either side counts */
+    behind->normal = shv_madd(behind->normal, sense, area);
     behind->sum = shv_add(behind->sum, wing(cohesive, facet, corner));
     behind->count++;
 }
@@ -168,13 +209,13 @@ static void add_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *c
 typedef struct Continuation {
     int32_t facet;
     int corner;
-    bool found;
+    bool blunt, found;
 } Continuation;
 
-static void compare_opened(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+static void compare_opened(const ShvCohesive *cohesive, int32_t facet, int corner, void *context)
 {
     Continuation *next = context;
-    if (!has_opened(cohesive, facet, corner)) return;
+    if (!has_opened(cohesive, facet, corner, next->blunt)) return;
     for (int i = 1; i < 3; i++)
         for (int k = 1; k < 3; k++)
             if (mesh_node_of(cohesive, facet, corner + i) == mesh_node_of(cohesive, next->facet, next->corner + k))
@@ -182,16 +223,16 @@ static void compare_opened(ShvCohesive *cohesive, int32_t facet, int corner, voi
                                                      into(cohesive, next->facet, next->corner, k)) < straight_cosine;
 }
 
-static bool is_ahead(ShvCohesive *cohesive, int32_t facet, int corner, const Behind *behind)
+static bool is_ahead(const ShvCohesive *cohesive, int32_t facet, int corner, const Behind *behind)
 {
     if (behind->count == 0) return false;
     if (shv_dot(wing(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum)) return true;
-    Continuation next = {facet, corner, false};
+    Continuation next = {facet, corner, behind->blunt, false};
     visit_star(cohesive, behind->state, behind->node, compare_opened, &next);
     return next.found;
 }
 
-static void lower(ShvCohesive *cohesive, int32_t facet, int corner, void *context)
+static void lower(const ShvCohesive *cohesive, int32_t facet, int corner, void *context)
 {
     if (cohesive->facet_cohesive[facet] >= 0) return;
     const bool ahead = is_ahead(cohesive, facet, corner, context);
@@ -211,15 +252,23 @@ static bool is_slit(const ShvCohesive *cohesive, const ShvState *state, int32_t 
     return shv_dot(normal, normal) > 0.0;
 }
 
-ShvVec3 shv_front_slit_normal(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+/* Of a crack that ends at the node, but for slits. */
+static Behind find_behind(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
-    return is_slit(cohesive, state, node) ? cohesive->front.slit[node].normal : shv_vec3(0.0, 0.0, 0.0);
+    Behind behind = {.state = state, .node = node, .blunt = is_blunt(cohesive, state, node)};
+    visit_star(cohesive, state, node, add_opened, &behind);
+    return behind;
+}
+
+ShvVec3 shv_front_normal(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    if (is_slit(cohesive, state, node)) return cohesive->front.slit[node].normal;
+    return is_blunt(cohesive, state, node) ? find_behind(cohesive, state, node).normal : shv_vec3(0.0, 0.0, 0.0);
 }
 
 void shv_front_update(ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
-    Behind behind = {.state = state, .node = node};
-    visit_star(cohesive, state, node, add_opened, &behind);
+    Behind behind = find_behind(cohesive, state, node);
     if (is_slit(cohesive, state, node)) {
         behind.count++;
         behind.sum = shv_add(behind.sum, cohesive->front.slit[node].wing);
@@ -262,8 +311,11 @@ void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
         least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
     if (least > opened_share) return;
     cohesive->opened[index] = true;
-    for (int i = 0; i < 3; i++)
-        if (sides->first[i] == sides->second[i]) shv_front_update(cohesive, state, sides->first[i]);
+    for (int i = 0; i < 3; i++) {
+        const int32_t first = sides->first[i], second = sides->second[i];
+        if (first == second || is_blunt(cohesive, state, first)) shv_front_update(cohesive, state, first);
+        if (first != second && is_blunt(cohesive, state, second)) shv_front_update(cohesive, state, second);
+    }
 }
 
 /* ---- slits ---- */

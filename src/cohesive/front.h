@@ -5,11 +5,12 @@
 
    A facet has opened once one of its points has lost a tenth of its normal strength, and a crack at half the speed of shear
    waves could have crossed it: stress of several σ_tip would else drive a front faster than sound, and nothing could unload in
-   time. A node that such a facet reaches but does not split is of a front; a slit of the mesh is a crack that has opened from
-   the start. Where tension exceeds compression there, and pulls across the crack, the star of the node (star.h) may part as
-   well along a disk that goes on from an opened facet, in which facets ahead hold σ_tip in any direction: that a mesh makes
-   them lean is nothing that the material resists. Their law starts with it, and their energy is G times what they cover of the
-   plane across the pull. Ahead is a facet that leads away from where the crack comes from, or that
+   time. A node that such a facet reaches but does not split is of a front, and so is one of which it has split off no more than a
+   quarter of the solid angle: at an island between two sheets of a crack, which would be lost there. A slit of the mesh is a crack that
+   has opened from the start. Where tension exceeds compression there, and pulls across the crack, the star of the node (star.h) may part as
+   well along a disk that goes on from an opened facet, in which facets ahead hold σ_tip in any direction, over what they cover
+   of the plane across the pull: that a mesh makes them lean is nothing that the material resists. Their law starts with it, and
+   their energy is G times what they cover. Ahead is a facet that leads away from where the crack comes from, or that
    continues an opened one over an edge. */
 #ifndef SHV_COHESIVE_FRONT_H
 #define SHV_COHESIVE_FRONT_H
@@ -57,7 +58,8 @@ double shv_front_strength(const struct ShvCohesive *cohesive, int32_t facet);
 ShvTip shv_front_tip(const struct ShvCohesive *cohesive, const ShvState *state, int32_t facet, int32_t node);
 /* Whether a pull is across a crack whose normal is along `normal`, of any length. */
 bool shv_front_is_across(ShvVec3 normal, ShvVec3 direction);
-/* Normal of the slit that ends at a node, zero without one or once the node has been split. */
-ShvVec3 shv_front_slit_normal(const struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
+/* Normal, of any length, of a crack that ends at a node which it does not part: of a slit, until the node is split, or of an opened
+   crack that has cut only an island out there; zero without one. */
+ShvVec3 shv_front_normal(const struct ShvCohesive *cohesive, const ShvState *state, int32_t node);
 
 #endif

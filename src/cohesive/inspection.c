@@ -139,7 +139,7 @@ static void find_surface_disk(const ShvInspection *inspection, int32_t node, dou
     const ShvState *state = inspection->state;
     if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
     if (isinf(cohesive->initiation.strength[node]) || is_waiting(cohesive, state, node)) return;
-    const ShvVec3 slit = shv_front_slit_normal(cohesive, state, node);
+    const ShvVec3 slit = shv_front_normal(cohesive, state, node);
     const ShvSurfaceTension tension = shv_initiation_tension(cohesive, state, node);
     if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->initiation.strength[node]) return;
     shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
@@ -181,7 +181,7 @@ static void take_disk(const ShvInspection *inspection, int32_t *candidates, doub
         if (cohesive->front.any) {
             const bool lowered = star->goes_on && facet->tip.lowered;
             cohesive->front.ahead[facet->facet] = lowered ? SHV_FRONT_LOWERED : 0;
-            if (lowered) cohesive->facet_strength[facet->facet] = facet->tip.strength;
+            if (lowered) cohesive->facet_strength[facet->facet] = star->covered * facet->tip.strength;
         }
         candidates[*count] = facet->facet;
         overstress[(*count)++] = star->ratio;

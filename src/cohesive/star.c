@@ -20,6 +20,8 @@ static const double last_bond = 16.0;
 
 /* Of its strength: a disk at the surface that passes on less is not what the tension there pulls at. */
 static const double least_passed_on = 0.05;
+/* Facets that lean by more than 45° across the pull count as ones that do so by 45°. */
+static const double least_covered = 0.7;
 
 static size_t most_joints(int32_t members)
 {
@@ -211,13 +213,31 @@ static bool follows_crack(const ShvStar *star)
     return !any;
 }
 
+/* Of the area of the facets that hold what tips do: what they cover of the plane across the pull. */
+static double covered_share(const ShvStar *star, ShvVec3 direction)
+{
+    double size = 0.0, covered = 0.0;
+    for (int32_t k = 0; k < star->cut.joint_count; k++) {
+        const ShvJoint *joint = &star->cut.joints[k];
+        const ShvStarFacet *facet = &star->facets[k];
+        if (star->cut.members[joint->member[0]].in_group == star->cut.members[joint->member[1]].in_group) continue;
+        if (!facet->tip.lowered || facet->tip.behind) continue;
+        size += facet->size;
+        covered += fabs(shv_dot(facet->area, direction));
+    }
+    return size > 0.0 ? shv_larger(covered / size, least_covered) : 1.0;
+}
+
+/* The flattest disk is looked for, as leaning facets hold what flat ones do; judged is what it covers. */
 static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 direction, double least, bool goes_on)
 {
-    const double wanted = shv_larger(least, star->ratio);
-    if (!load(star, direction, wanted, goes_on)) return;
-    const double ratio = shv_cut_weakest(&star->cut, wanted);
-    if (!(ratio > star->ratio) || (goes_on && !follows_crack(star))) return;
+    const double wanted = shv_larger(least, star->ratio), searched = goes_on ? least_covered * wanted : wanted;
+    if (!load(star, direction, searched, goes_on)) return;
+    const double found = shv_cut_weakest(&star->cut, searched);
+    const double covered = goes_on ? covered_share(star, direction) : 1.0, ratio = found / covered;
+    if (ratio < wanted || !(ratio > star->ratio) || (goes_on && !follows_crack(star))) return;
     star->ratio = ratio;
+    star->covered = covered;
     star->direction = direction;
     star->goes_on = goes_on;
     keep_disk(star, cohesive);
@@ -253,7 +273,7 @@ static bool is_across_crack(const ShvStar *star, const ShvCohesive *cohesive, co
     if (!cohesive->front.any) return false;
     for (int32_t k = 0; k < star->cut.joint_count; k++)
         if (star->facets[k].tip.behind && shv_front_is_across(star->facets[k].area, direction)) return true;
-    return shv_front_is_across(shv_front_slit_normal(cohesive, state, star->node), direction);
+    return shv_front_is_across(shv_front_normal(cohesive, state, star->node), direction);
 }
 
 /* Directions come with either sign: what moves is a group or all the others. */

@@ -41,7 +41,8 @@ typedef struct ShvStar {
     double stress[6];     /* mean over the tets by mass, Pa */
     ShvVec3 direction;    /* of the opening found */
     bool goes_on; /* from a crack whose front is there, or begins below its strength: facets hold what their tips do */
-    double ratio; /* force / capacity of the disk found; 0: none */
+    double covered; /* where it goes on, of the disk's area: what it covers of the plane across `direction` */
+    double ratio;   /* force / capacity of the disk found; 0: none */
     int32_t disk_count;
     int32_t *disk; /* its facets, as numbers of joints, that are still intact */
 } ShvStar;

@@ -106,12 +106,18 @@ static void cracks_go_on_below_the_strength(void **state)
         assert_true(tips ? count > 0 : count == 0);
         check_ok(shv_cohesive_insert(&f.cohesive, &f.state, f.stress, candidates, count, &duplicated, &f.error),
                  f.error);
+        int32_t leaning = 0;
         for (int32_t k = before; k < before + count; k++) {
             const ShvLaw *law = &f.cohesive.law[k];
+            const double tip = shv_front_tip_strength(&f.model, f.cohesive.facet[k]);
+            const double held = f.cohesive.facet_strength[f.cohesive.facet[k]]; /* over what the disk covers */
             assert_true(law->strength[SHV_NORMAL] < 0.2 * strength);
+            assert_true(held <= tip && held >= 0.7 * tip);
+            leaning += held < 0.99 * tip;
             check_near(law->energy[SHV_NORMAL], covered_share(&f, k) * f.model.materials->fracture_energy[SHV_NORMAL],
                        1e-9);
         }
+        assert_true(!tips || leaning > 0);
         shv_release(candidates);
         fixture_release(&f);
     }
@@ -193,7 +199,7 @@ static void a_slit_is_a_crack(void **state)
     shv_cohesive_watch(&f.cohesive, &f.state, NULL);
     int32_t tips = 0;
     for (int32_t node = 0; node < f.model.mesh.node_count; node++) {
-        const ShvVec3 normal = shv_front_slit_normal(&f.cohesive, &f.state, node);
+        const ShvVec3 normal = shv_front_normal(&f.cohesive, &f.state, node);
         if (!(shv_dot(normal, normal) > 0.0)) continue;
         const ShvVec3 at = shv_mesh_position(&f.model.mesh, node);
         check_near(at.x, 0.0, 1e-9);
@@ -204,6 +210,70 @@ static void a_slit_is_a_crack(void **state)
     assert_true(tips >= 3);
     assert_true(lowered(&f) > 0);
     fixture_release(&f);
+}
+
+/* A node of the lattice in the middle of a box, and what is cut at it: all facets of one of its tets, or those in its plane. */
+static int32_t cut_at_middle(Fixture *f, bool island, int32_t *facets, int32_t *count)
+{
+    const ShvAdjacency *adjacency = &f->model.adjacency;
+    int32_t middle = 0;
+    *count = 0;
+    for (int32_t i = 0; i < f->model.mesh.node_count; i++)
+        if (shv_norm(shv_mesh_position(&f->model.mesh, i)) < shv_norm(shv_mesh_position(&f->model.mesh, middle)))
+            middle = i;
+    const int32_t corner = adjacency->corners[adjacency->corner_start[middle]];
+    for (int k = 0; island && k < 4; k++)
+        if (k != corner % 4) facets[(*count)++] = adjacency->element_facets[4 * (corner / 4) + k];
+    for (int32_t i = 0; !island && i < adjacency->interior_count; i++)
+        if (is_in_plane(f, i)) facets[(*count)++] = i;
+    return middle;
+}
+
+/* Cuts there, opens all of it, and looks whether the crack ends at the middle's own copy. */
+static bool ends_at_middle(bool island)
+{
+    Fixture f;
+    fixture_define(&f, 0.02, 0.02, 0.02, 0.005);
+    f.scene.fracture.criterion = SHV_CRITERION_FORCE;
+    f.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
+    fixture_build_cubes(&f, 4, 4, 4);
+    fixture_start(&f);
+    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    int32_t *facets =
+        shv_allocate(f.memory, SHV_PART_GENERAL, (size_t)f.model.adjacency.interior_count, sizeof *facets);
+    int32_t duplicated, count, ends = 0;
+    assert_non_null(facets);
+    const int32_t before = f.state.node_count, middle = cut_at_middle(&f, island, facets, &count);
+    fixture_stress(&f, strength, 0.0, 0.0, 0.0, 0.0, 0.0);
+    check_ok(shv_cohesive_insert(&f.cohesive, &f.state, f.stress, facets, count, &duplicated, &f.error), f.error);
+    assert_true(f.state.node_count > before);
+    for (int32_t k = 0; k < 3 * count; k++) {
+        const ShvLaw *law = &f.cohesive.law[k / 3];
+        f.cohesive.history[k] = shv_law_grow(law, f.cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+    }
+    f.state.time = 1e-3;
+    for (int32_t k = 0; k < count; k++) shv_front_open(&f.cohesive, &f.state, k);
+    for (int32_t node = 0; node < f.state.node_count; node++) {
+        const int32_t corner = f.state.corners[f.state.corner_start[node]];
+        const ShvVec3 normal = shv_front_normal(&f.cohesive, &f.state, node);
+        if (f.model.mesh.elements[corner] != middle || !(shv_dot(normal, normal) > 0.0)) continue;
+        assert_true(f.state.corner_count[node] > 1); /* not the island's */
+        ends++;
+    }
+    assert_true(ends < 2);
+    assert_int_equal(lowered(&f) > 0, island);
+    shv_release(facets);
+    fixture_release(&f);
+    return ends > 0;
+}
+
+/* Two sheets of a crack round an island have split the nodes at which they meet again, and yet the crack ends there; flanks are no
+   ends. */
+static void a_crack_ends_at_its_islands(void **state)
+{
+    (void)state;
+    assert_true(ends_at_middle(true));
+    assert_false(ends_at_middle(false));
 }
 
 static void other_criteria_are_refused(void **state)
@@ -223,7 +293,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fronts_come_with_opened_facets), cmocka_unit_test(cracks_go_on_below_the_strength),
         cmocka_unit_test(a_facet_goes_on_in_its_plane),   cmocka_unit_test(a_slit_is_a_crack),
-        cmocka_unit_test(other_criteria_are_refused),
+        cmocka_unit_test(a_crack_ends_at_its_islands),    cmocka_unit_test(other_criteria_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
