@@ -200,17 +200,21 @@ static void keep_disk(ShvStar *star, const ShvCohesive *cohesive)
     }
 }
 
-/* Whether the group just found leaves along a facet that has opened, or there is none, but a slit. */
-static bool follows_crack(const ShvStar *star)
+/* Whether the group just found leaves along a crack that has opened across the pull, or there is none, but a slit. The facets of a rough
+   crack may all lean by more than it does: their sum counts. */
+static bool follows_crack(const ShvStar *star, ShvVec3 direction)
 {
     bool any = false;
+    ShvVec3 left = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const ShvJoint *joint = &star->cut.joints[k];
         if (!star->facets[k].tip.behind) continue;
         any = true;
-        if (star->cut.members[joint->member[0]].in_group != star->cut.members[joint->member[1]].in_group) return true;
+        const int first = star->cut.members[joint->member[0]].in_group != 0;
+        const int second = star->cut.members[joint->member[1]].in_group != 0;
+        left = shv_madd(left, (double)(first - second), star->facets[k].area);
     }
-    return !any;
+    return !any || shv_front_is_across(left, direction);
 }
 
 /* Of the area of the facets that hold what tips do: what they cover of the plane across the pull. */
@@ -235,7 +239,7 @@ static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 di
     if (!load(star, direction, searched, goes_on)) return;
     const double found = shv_cut_weakest(&star->cut, searched);
     const double covered = goes_on ? covered_share(star, direction) : 1.0, ratio = found / covered;
-    if (ratio < wanted || !(ratio > star->ratio) || (goes_on && !follows_crack(star))) return;
+    if (ratio < wanted || !(ratio > star->ratio) || (goes_on && !follows_crack(star, direction))) return;
     star->ratio = ratio;
     star->covered = covered;
     star->direction = direction;
@@ -268,11 +272,11 @@ static ShvVec3 weakest_direction(const ShvStar *star)
     return direction;
 }
 
-static bool is_across_crack(const ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, ShvVec3 direction)
+static bool is_front(const ShvStar *star, const ShvCohesive *cohesive, const ShvState *state, ShvVec3 direction)
 {
     if (!cohesive->front.any) return false;
     for (int32_t k = 0; k < star->cut.joint_count; k++)
-        if (star->facets[k].tip.behind && shv_front_is_across(star->facets[k].area, direction)) return true;
+        if (star->facets[k].tip.behind) return true;
     return shv_front_is_across(shv_front_normal(cohesive, state, star->node), direction);
 }
 
@@ -293,7 +297,7 @@ void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvStat
     const ShvVec3 last = shv_vec3(axes.m[0][0], axes.m[1][0], axes.m[2][0]);
     const ShvMaterial *material = shv_model_material(cohesive->model, state->corners[state->corner_start[node]] / 4);
     const ShvVec3 across = shv_scale(first, material->riding[0]);
-    if (values[2] > fmax(0.0, -values[0]) && is_across_crack(star, cohesive, state, first))
+    if (values[2] > fmax(0.0, -values[0]) && is_front(star, cohesive, state, first))
         try_direction(star, cohesive, first, least, true);
     if (values[2] > 0.0) try_direction(star, cohesive, first, least, false);
     const ShvVec3 other = weakest_direction(star);

@@ -224,7 +224,7 @@ double shv_material_resolved_edge(const ShvMaterial *material)
 
 double shv_material_tip_strength(const ShvMaterial *material, double edge)
 {
-    const double share = material->smoothed ? 0.62 : 0.5; /* slits go on at Griffith's load (docs/glass.md) */
+    const double share = material->smoothed ? 0.62 : 0.55; /* slits go on at Griffith's load (docs/glass.md) */
     return share * sqrt(material->youngs_modulus * material->fracture_energy[SHV_NORMAL] / edge);
 }
 
