@@ -6,8 +6,9 @@
 #include "cohesive/frame.h"
 #include "cohesive/storage.h"
 
-/* What a facet that has opened still counts with at its node that is to split. With all of it strips grow at 1.1 to 1.5 times
-   Griffith's load, with this at 0.8 to 1.1. */
+/* What a facet of a crack still counts with at a node that it does not split: the crack goes on along facets that are there rather
+   than along others beside them. With all of it strips grow at 1.1 to 1.5 times Griffith's load; with all of it as long as they have not
+   opened, islands are cut out between two sheets. */
 static const double behind_share = 0.3;
 /* A slit: the solid goes all the way round an edge but for less than ten degrees. */
 static const double slit_angle = 6.1086523819801535;
@@ -79,7 +80,7 @@ ShvTip shv_front_tip(const ShvCohesive *cohesive, const ShvState *state, int32_t
     if (index >= 0) {
         tip.behind = cohesive->opened[index];
         tip.lowered = tip.behind || (bits & SHV_FRONT_LOWERED);
-        if (tip.behind)
+        if (tip.lowered)
             tip.strength = behind_share * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
         return tip;
     }
