@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Is the time to go that `shiver run` shows true, and the range of `shiver plan`? Runs scenes under a terminal of their own and compares
-each guess, from a quarter of the run on, with what it then took. The program guesses in run time; a shared machine makes that uneven, so both
-are taken in processor time, the guess at the rate of processor to run time so far.
+what it tells, from a quarter of the run on, with what it then took: a figure where nothing has cracked, else a range. The program guesses in
+run time; a shared machine makes that uneven, so both are taken in processor time, the guess at the rate of processor to run time so far.
 usage: scenes/studies/time_to_go.py PROGRAM [SCENE …]; prints a table, a line a scene"""
 import os, pty, re, statistics, subprocess, sys, tempfile
 
@@ -10,7 +10,7 @@ START = 0.3  # s: start of the program and its run file, which a plan leaves out
 SCENES = """rigid/pile hybrid/bar_on_point hybrid/two_balls slab_on_stone hybrid/wall_and_ball hybrid/stack_of_plates household/floor_tile
 hybrid/ball_on_plate hybrid/second_generation household/brick_stack""".split()
 
-LINE = re.compile(r" (\d+) s run, (?:time to go: cannot tell yet|about (\S+) s to go(?: \((\S+) to (\S+)\))?)")
+LINE = re.compile(r" (\d+) s run, (?:time to go: cannot tell yet|about (\S+) s to go|(\S+) to (\S+) s to go)")
 
 
 def processor_time(process):
@@ -54,23 +54,25 @@ def plan(program, scene, truth):
 
 def main(program, scenes):
     root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-    print(f"| scene | processor time, s | guesses from a quarter on | told | within {FACTOR} | in the range told | guess/truth: median, and 5 … 95 % | `plan`, s | held |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print(f"| scene | processor time, s | guesses from a quarter on | figures | within {FACTOR} | ranges | hold | truth/middle of the range: "
+          "median, and 5 … 95 % | `plan`, s | held |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes:
             path = scene if os.path.exists(scene) else os.path.join(root, scene + ".yaml")
             guesses, all_of_it = run(program, path, folder)
             late = [(s, *g) for s, *g in guesses if FROM * all_of_it <= s < 0.98 * all_of_it]
-            told = [(g / (all_of_it - s), low, all_of_it - s, high) for s, g, low, high in late if g is not None]
-            ratios = sorted(ratio for ratio, *_ in told)
-            good = sum(1 / FACTOR <= r <= FACTOR for r in ratios)
-            ranges = [low <= truth <= high for _, low, truth, high in told if low is not None]
+            figures = [g / (all_of_it - s) for s, g, _, _ in late if g is not None]
+            good = sum(1 / FACTOR <= ratio <= FACTOR for ratio in figures)
+            ranges = [(low, all_of_it - s, high) for s, _, low, high in late if low is not None]
+            held_ranges = sum(low <= truth <= high for low, truth, high in ranges)
+            ratios = sorted(truth / (low * high) ** 0.5 for low, truth, high in ranges)
             said, held = plan(program, path, all_of_it)
             at = lambda share: ratios[min(len(ratios) - 1, int(share * len(ratios)))]
             span = f"{statistics.median(ratios):.2f}, {at(0.05):.2f} … {at(0.95):.2f}" if ratios else "–"
             percent = lambda part, whole: f"{100 * part / whole:.0f} %" if whole else "–"
-            print(f"| {scene} | {all_of_it:.1f} | {len(late)} | {percent(len(ratios), len(late))} | {percent(good, len(late))} | "
-                  f"{percent(sum(ranges), len(ranges))} | {span} | {said} | {held} |", flush=True)
+            print(f"| {scene} | {all_of_it:.1f} | {len(late)} | {percent(len(figures), len(late))} | {percent(good, len(figures))} | "
+                  f"{percent(len(ranges), len(late))} | {percent(held_ranges, len(ranges))} | {span} | {said} | {held} |", flush=True)
 
 
 main(sys.argv[1], sys.argv[2:] or SCENES)

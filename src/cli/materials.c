@@ -123,7 +123,7 @@ static const char *const formulas =
     "| `keep` (default) | σ and G as given | at σ | about (π²/8)(h/R) G at its tip |\n"
     "| `scale_strength` | σ √(R/(n h)) | too early | G |\n"
     "| `scale_energy` | G n h/R | at σ | n h/R times too much |\n"
-    "| `tip_strength` | 0.6 √(E G/h) ahead of cracks, h the mean edge of the facet; σ elsewhere | at σ | about G |\n\n"
+    "| `tip_strength` | 0.62 √(E G/h) ahead of cracks, h the mean edge of the facet; σ elsewhere | at σ | about G |\n\n"
     "`tip_strength` is the one for glass, stone and ceramics on edges of millimetres (docs/glass.md, "
     "docs/evidence.md): a crack begins "
     "where "

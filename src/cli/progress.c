@@ -33,7 +33,7 @@ static void tell(const ShvProgress *progress, double to_go, char *text, size_t s
     else if (!progress->woken)
         snprintf(text, size, "about %.3g s to go if nothing breaks", to_go);
     else
-        snprintf(text, size, "about %.2g s to go (%.2g to %.2g)", to_go, to_go / spread, to_go * spread);
+        snprintf(text, size, "%.2g to %.2g s to go: cracking decides", to_go / spread, to_go * spread);
 }
 
 /* In one piece, for whoever reads it from a pipe. */
