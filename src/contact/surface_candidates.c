@@ -43,7 +43,7 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
                    contact->path[first] + contact->path[second] + distance,
                    (uint8_t)(first * SHV_SURFACE_MOVERS + second), error));
     if (!rigid) SHV_TRY(watch(contact, candidate->slot, error));
-    if (!rigid && own) SHV_TRY(watch(contact, own->slots[(candidate->own_edge + 1) % 3], error));
+    for (int k = 0; own && !rigid && k < 3; k++) SHV_TRY(watch(contact, own->slots[k], error));
     for (int k = 0; facet && !other_rigid && k < 3; k++) SHV_TRY(watch(contact, facet->slots[k], error));
     return SHV_OK;
 }
@@ -58,12 +58,14 @@ bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSu
 
 /* ---- whether anything can meet ---- */
 
-static bool find_idle(const ShvSurfaceBodies *bodies)
+static void find_idle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     int32_t active = 0;
     for (int32_t i = 0; i < bodies->fragment_count && active < 2; i++) active += shv_bodies_active(bodies, i);
     const bool failed = bodies->cohesive && bodies->cohesive->live_count < bodies->cohesive->count;
-    return active == 0 || (active == 1 && !failed);
+    const bool obstacles = bodies->obstacles && bodies->obstacles->count > 0;
+    contact->whole = bodies->apart || (active == 1 && !failed);
+    contact->idle = active == 0 || (contact->whole && (!obstacles || (bodies->barred && !bodies->coupled_bodies)));
 }
 
 /* Insertions, splits, coupled bodies that woke. */
@@ -78,8 +80,9 @@ static bool has_changed(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
-    return contact->stale || (contact->idle && (has_changed(contact, bodies) ||
-                                                (cohesive && contact->known_live != cohesive->live_count)));
+    const bool few = contact->idle || (contact->whole && !bodies->apart);
+    return contact->stale ||
+           (few && (has_changed(contact, bodies) || (cohesive && contact->known_live != cohesive->live_count)));
 }
 
 /* ---- the whole ---- */
@@ -128,40 +131,42 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
         shv_surface_edges_mark(list, bodies, k);
         if (!contact->fragments[list->facets[k].fragment].rigid) list->facets[k].renewal = contact->renewal;
     }
+    for (int32_t k = 0; k < list->node_count; k++) SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, k, error));
     for (int32_t k = 0; k < list->facet_count; k++) {
+        SHV_TRY(shv_surface_pair_facet_obstacles(contact, bodies, k, error));
+        if (contact->whole) continue;
         SHV_TRY(shv_surface_pair_facet(contact, bodies, k, error));
         if (!contact->fragments[list->facets[k].fragment].rigid)
             SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
     }
-    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
-        SHV_TRY(shv_surface_pair_obstacle(contact, bodies, k, error));
     contact->rebuilds++;
     return SHV_OK;
 }
 
-static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity,
+static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                          ShvError *error)
 {
     bool lost = contact->stale;
     contact->stale = true; /* until it is done */
     if (!lost && has_changed(contact, bodies)) SHV_TRY(shv_surface_follow(contact, bodies, &lost, error));
-    const bool outdated = !lost && shv_surface_speed_count(contact, bodies, gravity);
+    const bool outdated = !lost && shv_surface_speed_count(contact, bodies);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     if (bodies->cohesive) SHV_TRY(shv_surface_list_update(&contact->list, bodies, error));
     bool many;
-    SHV_TRY(shv_surface_renew(contact, bodies, step, gravity, &many, error));
+    SHV_TRY(shv_surface_renew(contact, bodies, step, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 
 ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                         double gravity, ShvError *error)
+                                         ShvError *error)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
     if (is_stale(contact, bodies)) {
-        contact->stale = true;
-        contact->idle = find_idle(bodies);
+        const bool whole = contact->whole && !contact->idle;
+        find_idle(contact, bodies);
+        contact->stale |= !(whole && contact->whole);
     }
-    if (!contact->idle) SHV_TRY(refresh(contact, bodies, step, gravity, error));
+    if (!contact->idle) SHV_TRY(refresh(contact, bodies, step, error));
     contact->seen_time = bodies->state->time;
     contact->known_nodes = bodies->state->node_count;
     contact->known_fragments = bodies->fragment_count;

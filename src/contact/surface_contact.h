@@ -1,4 +1,4 @@
-/* Deforming surfaces against one another in fracture mode, and against coupled bodies (fragments still rigid): nodes against
+/* Deforming surfaces against obstacles in fracture mode, one another, and coupled bodies (fragments still rigid): nodes against
    facets, both ways, and sharp edges against each other (edge_pair.h); pieces of one body and faces of its cracks included.
    Unilateral, Coulomb friction, restitution 0.
 
@@ -13,15 +13,17 @@
    Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
    out of place by a fiftieth of a facet's size.
 
-   Coupled bodies meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
-   one go; awake nodes meet obstacles in node_contact.h.
+   Obstacles are met as well, by nodes, and by facets where an obstacle is small or has edges of its own (obstacle_pair.c), so that
+   what stands on a floor under the load of another body is solved in one go. A point of a facet shares its impulse among
+   the facet's nodes as they share the point; free obstacles take the opposite impulse. Obstacles have the last word: no
+   node ends the step inside one, but by rounding, that was outside.
 
    One step, for time n:
        forces …, shv_cohesive_begin
        shv_surface_contact_begin    velocities of n − 1/2
        kick (coupled bodies too), shv_cohesive_pull, shv_cohesive_close
        shv_surface_contact_apply
-       contact with obstacles, supports
+       supports
        shv_surface_contact_book     with the velocities that the drift will use
        drift (coupled bodies too)
    A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
@@ -32,7 +34,6 @@
 
 #include "contact/edge_pair.h"
 #include "contact/hash_grid.h"
-#include "contact/node_contact.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
@@ -76,7 +77,7 @@ typedef struct ShvSurfaceFragment {
 enum { SHV_SURFACE_STEPS_BETWEEN_CHECKS = 4 };
 
 typedef struct ShvPairKey {
-    int32_t node, end, element, face, edge, feature, found;
+    int32_t node, end, element, face, edge, feature, found; /* end: −1: none */
 } ShvPairKey;
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
@@ -88,7 +89,8 @@ typedef struct ShvSurfaceContact {
     double friction;
     bool stale; /* the lists must be made anew */
     bool woken; /* coupled bodies woke */
-    bool idle;  /* nothing can meet */
+    bool idle;  /* nothing can meet; */
+    bool whole; /* or nothing but obstacles: no surface another one */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
@@ -119,18 +121,19 @@ typedef struct ShvSurfaceContact {
     ShvCoupledBodyBefore *coupled_body_before; /* per fragment */
     int32_t coupled_body_capacity;
     /* this step */
-    ShvFacetPair *pairs; /* by node, end, element, face, edge; those without an impulse included */
+    ShvFacetPair *pairs; /* by nodes, element, face, edge, feature; those without an impulse included */
     ShvFacetPair *found; /* the same as they are found, */
     ShvPairKey *keys;    /* and their order */
-    int32_t pair_count, pair_capacity;
+    int32_t pair_count, pair_capacity, found_capacity;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
     int32_t visit_capacity;
     int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
-    int32_t touching;           /* pairs with an impulse */
+    int32_t touching;           /* pairs with an impulse, */
+    int32_t pushed;             /* and those of them in which an obstacle pushes what deforms: */
+    ShvVec3 push;               /* N·s, by it */
     /* J on nodes and coupled bodies, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
-    double obstacle_work
-        [2]; /* J on free obstacles that coupled bodies met: with their velocity before and after impulses */
+    double obstacle_work[2]; /* J on free obstacles: with their velocity before and after impulses */
     int32_t sweeps,
         unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
     double deepest;                    /* m: largest penetration of a pair */
@@ -151,7 +154,7 @@ void shv_surface_contact_recheck(ShvSurfaceContact *contact);
 /* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs a pass over all listed nodes every few steps and
    over those of candidates each step. */
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                    const double gravity[3], ShvError *error);
+                                    ShvError *error);
 /* After the kick; `bodies` as in shv_surface_contact_begin, with which every step starts. Ends with
    shv_surface_contact_book. */
 ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,

@@ -39,7 +39,7 @@ static bool any_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     return false;
 }
 
-/* What deforms now has other candidates than a rigid body, and obstacles are for node_contact.h. */
+/* What deforms now has other candidates than a rigid body. */
 static void wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     for (int32_t i = 0; i < contact->known_fragments; i++)

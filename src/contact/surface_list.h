@@ -19,7 +19,10 @@ typedef struct ShvSurfaceBodies {
     const uint8_t *awake;                  /* per fragment */
     ShvCoupledBody *const *coupled_bodies; /* per fragment, NULL where it is none; or NULL: none at all */
     int32_t fragment_count;
-    ShvObstacles *obstacles; /* met by coupled bodies, whose other contacts are thus solved together; NULL: none */
+    ShvObstacles *obstacles; /* NULL: none */
+    ShvVec3 gravity;         /* m/s² */
+    bool apart;              /* fragments do not meet one another, but obstacles alone */
+    bool barred;             /* what deforms meets obstacles elsewhere (pbd/relax.h) */
 } ShvSurfaceBodies;
 
 /* Nodes and facets are told apart by how far they may go until candidates are chosen anew: each speed class is twice the one
@@ -79,6 +82,10 @@ typedef struct ShvSurfaceList {
 static inline ShvCoupledBody *shv_bodies_coupled_body(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
     return bodies->coupled_bodies ? bodies->coupled_bodies[fragment] : NULL;
+}
+static inline ShvObstacle *shv_bodies_obstacle(const ShvSurfaceBodies *bodies, int32_t element)
+{
+    return &bodies->obstacles->items[-1 - element];
 }
 static inline bool shv_bodies_active(const ShvSurfaceBodies *bodies, int32_t fragment)
 {

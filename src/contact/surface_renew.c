@@ -9,7 +9,7 @@ static const double most_at_once = 0.15, most_in_all = 1.0;
 static const double most_void = 0.5;
 
 /* Adds the nodes that may leave their skin in the next step, and sets how many steps the others may be left for. */
-static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity,
+static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                               ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
@@ -17,7 +17,7 @@ static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies
     for (int32_t k = 0; k < list->node_count; k++) {
         const ShvSurfaceNode *node = &list->nodes[k];
         if (node->incomplete || shv_bodies_coupled_body(bodies, node->fragment)) continue;
-        const int32_t steps = shv_surface_speed_steps(contact, bodies, node, step, gravity, contact->rest);
+        const int32_t steps = shv_surface_speed_steps(contact, bodies, node, step, contact->rest);
         if (steps == 0)
             SHV_TRY(shv_surface_list_incomplete(list, k, error));
         else
@@ -61,7 +61,7 @@ static ShvStatus list_facets(ShvSurfaceContact *contact, const ShvState *state, 
 }
 
 /* From where they are now. */
-static ShvStatus move(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity,
+static ShvStatus move(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                       ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
@@ -71,7 +71,7 @@ static ShvStatus move(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
         shv_surface_speed_node(contact, bodies, node, step);
         SHV_TRY(shv_surface_put_node(contact, bodies, list->incomplete.items[k], error));
         if (!shv_bodies_coupled_body(bodies, node->fragment))
-            contact->rest = shv_surface_speed_steps(contact, bodies, node, step, gravity, contact->rest);
+            contact->rest = shv_surface_speed_steps(contact, bodies, node, step, contact->rest);
     }
     if (contact->rest == 0) contact->rest = 1;
     for (int32_t k = 0; k < contact->renewed_facets.count; k++) {
@@ -102,27 +102,31 @@ static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     for (int32_t k = 0; k < contact->renewed_facets.count; k++)
         shv_surface_edges_mark(&contact->list, bodies, contact->renewed_facets.items[k]);
     for (int32_t k = 0; k < contact->renewed_facets.count; k++) {
+        SHV_TRY(shv_surface_pair_facet_obstacles(contact, bodies, contact->renewed_facets.items[k], error));
+        if (contact->whole) continue;
         SHV_TRY(shv_surface_pair_facet(contact, bodies, contact->renewed_facets.items[k], error));
         SHV_TRY(shv_surface_pair_edges(contact, bodies, contact->renewed_facets.items[k], error));
     }
-    for (int32_t k = 0; k < contact->list.incomplete.count; k++)
-        SHV_TRY(shv_surface_pair_node(contact, bodies, contact->list.incomplete.items[k], error));
+    for (int32_t k = 0; k < contact->list.incomplete.count; k++) {
+        SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, contact->list.incomplete.items[k], error));
+        if (!contact->whole) SHV_TRY(shv_surface_pair_node(contact, bodies, contact->list.incomplete.items[k], error));
+    }
     return SHV_OK;
 }
 
-ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity,
+ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
                             bool *many, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     const double last = bodies->state->last_step > 0.0 ? bodies->state->last_step : step;
-    if (contact->rest <= 0) SHV_TRY(find_leaving(contact, bodies, last, gravity, error));
+    if (contact->rest <= 0) SHV_TRY(find_leaving(contact, bodies, last, error));
     const int32_t count = list->incomplete.count;
     *many = count > most_at_once * list->node_count || contact->renewed_nodes + count > most_in_all * list->node_count;
     if (*many || (count == 0 && contact->paired_facets == list->facet_count)) return SHV_OK;
     contact->renewal++;
     contact->renewed_nodes += count;
     SHV_TRY(list_facets(contact, bodies->state, error));
-    SHV_TRY(move(contact, bodies, last, gravity, error));
+    SHV_TRY(move(contact, bodies, last, error));
     for (int kind = 0; kind < 2; kind++) drop_void(contact, &contact->candidates[kind]);
     SHV_TRY(pair_anew(contact, bodies, error));
     for (int32_t k = 0; k < count; k++) list->nodes[list->incomplete.items[k]].incomplete = false;

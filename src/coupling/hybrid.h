@@ -12,7 +12,6 @@
 #include "base/timer.h"
 #include "cohesive/cohesive.h"
 #include "conditions/imposed.h"
-#include "contact/node_contact.h"
 #include "contact/surface_contact.h"
 #include "fragment/fragment.h"
 #include "fragment/free_rotation.h"
@@ -177,7 +176,6 @@ typedef struct ShvHybrid {
     double obstacle_time;      /* s: time to which free ones have been moved */
     uint8_t *waiting;          /* per obstacle: it is not in the scene; NULL: all are */
     ShvVec3 waiting_direction; /* whither they wait, of unit length */
-    ShvNodeContact contact;
     ShvObstacleContact obstacle_contact;
 
     ShvFragments fragments;

@@ -36,9 +36,8 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
         ghost->obstacle_angular = shv_madd(ghost->obstacle_angular, 0.5, turn);
     }
     /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
-    ghost->obstacle_exchange =
-        hybrid->stabiliser.active ? 0.5 * hybrid->stabiliser.relax.obstacle_work : hybrid->contact.obstacle_work[0];
-    if (hybrid->coupling.mutual) ghost->obstacle_exchange += hybrid->coupling.surface.obstacle_work[0];
+    ghost->obstacle_exchange = hybrid->coupling.surface.obstacle_work[0];
+    if (hybrid->stabiliser.active) ghost->obstacle_exchange += 0.5 * hybrid->stabiliser.relax.obstacle_work;
 }
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
