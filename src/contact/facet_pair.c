@@ -261,8 +261,7 @@ static ShvVec3 point_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *
 {
     ShvVec3 sum = {0.0, 0.0, 0.0};
     for (int k = 0; k < pair->node_count; k++)
-        sum = shv_madd(sum, pair->shares[k],
-                       node_velocity(bodies, pair->nodes[k], pair->fragments[0], pair->point));
+        sum = shv_madd(sum, pair->shares[k], node_velocity(bodies, pair->nodes[k], pair->fragments[0], pair->point));
     return sum;
 }
 

@@ -26,16 +26,16 @@ typedef struct ShvFacetPair {
     double shares[3];             /* of the nodes in the point */
     int32_t element, face;        /* element −1 − obstacle where it is one, and fragments[1] likewise */
     int32_t edge;                 /* of an edge: that of the facet which it meets, from corner `edge` to the next */
-    int32_t feature;              /* of an obstacle, that a facet meets: then `face` is that facet, element × 4 + face */
-    int32_t fragments[2];         /* of the point, of the facet */
-    int32_t corners[3];           /* nodes of the facet */
-    double step;                  /* s: up to the next time that it is looked at */
-    double gap;                   /* m, along the contact normal; negative: inside; infinite: its way misses */
-    double height;                /* m, of the point over the facet's plane: the gap, but for an edge */
-    ShvVec3 point;                /* the node's position, m; of an obstacle: on its surface */
-    ShvVec3 normal;               /* of the contact, towards the point: the facet's, but for an edge */
-    ShvVec3 facet_normal;         /* outward */
-    ShvVec3 centre;               /* of the facet, m */
+    int32_t feature;      /* of an obstacle, that a facet meets: then `face` is that facet, element × 4 + face */
+    int32_t fragments[2]; /* of the point, of the facet */
+    int32_t corners[3];   /* nodes of the facet */
+    double step;          /* s: up to the next time that it is looked at */
+    double gap;           /* m, along the contact normal; negative: inside; infinite: its way misses */
+    double height;        /* m, of the point over the facet's plane: the gap, but for an edge */
+    ShvVec3 point;        /* the node's position, m; of an obstacle: on its surface */
+    ShvVec3 normal;       /* of the contact, towards the point: the facet's, but for an edge */
+    ShvVec3 facet_normal; /* outward */
+    ShvVec3 centre;       /* of the facet, m */
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
     ShvVec3 relative;         /* velocity of the point against the other side before any response, m/s */

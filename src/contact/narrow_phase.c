@@ -96,9 +96,7 @@ static void name_slots(const ShvSurfaceContact *contact, const ShvSurfaceBodies 
     const bool other_rigid = obstacle ? shv_bodies_obstacle(bodies, pair->element)->motion == SHV_OBSTACLE_FREE
                                       : shv_bodies_coupled_body(bodies, pair->fragments[1]) != NULL;
     for (int k = 0; k < 3; k++) {
-        pair->slots[k] = k >= pair->node_count ? SHV_SLOT_NONE
-                         : rigid               ? SHV_SLOT_RIGID
-                                               : list->slot[pair->nodes[k]];
+        pair->slots[k] = k >= pair->node_count ? SHV_SLOT_NONE : rigid ? SHV_SLOT_RIGID : list->slot[pair->nodes[k]];
         pair->slots[3 + k] = other_rigid ? SHV_SLOT_RIGID
                              : obstacle  ? SHV_SLOT_NONE
                                          : list->facets[candidate->facet].slots[k];
@@ -143,9 +141,11 @@ static ShvStatus look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     for (int i = 0; i < count; i++, contact->pair_count++) {
         const ShvFacetPair *pair = &pairs[i];
         name_slots(contact, bodies, candidate, &pairs[i]);
-        contact->keys[contact->pair_count] = (ShvPairKey){
-            pair->nodes[0], pair->node_count > 1 ? pair->nodes[1] : -1, pair->element, pair->face, pair->edge,
-            pair->feature, contact->pair_count};
+        contact->keys[contact->pair_count] =
+            (ShvPairKey){pair->nodes[0],     pair->node_count > 1 ? pair->nodes[1] : -1,
+                         pair->element,      pair->face,
+                         pair->edge,         pair->feature,
+                         contact->pair_count};
     }
     return SHV_OK;
 }

@@ -45,8 +45,8 @@ bool shv_obstacle_pair_crosses(const ShvFacetPair *pair, const ShvSurfaceBodies 
     const ShvObstacle *obstacle = shv_bodies_obstacle(bodies, pair->element);
     if (obstacle->shape != SHV_OBSTACLE_MESH && isfinite(pair->gap)) return false; /* convex, behind its one plane */
     const double rounding = outside_of_radius * obstacle->bounding_radius;
-    const ShvVec3 from = shv_madd(shv_state_position(bodies->state, pair->nodes[0]), fmax(0.0, -pair->gap) + rounding,
-                                  pair->normal);
+    const ShvVec3 from =
+        shv_madd(shv_state_position(bodies->state, pair->nodes[0]), fmax(0.0, -pair->gap) + rounding, pair->normal);
     const ShvVec3 path = shv_scale(shv_facet_pair_velocity(pair, bodies), pair->step);
     ShvSurfacePoint at;
     if (!sweep(obstacle, from, path, &at)) return false;

@@ -143,8 +143,7 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     return SHV_OK;
 }
 
-static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                         ShvError *error)
+static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     bool lost = contact->stale;
     contact->stale = true; /* until it is done */

@@ -59,8 +59,8 @@ ShvStatus shv_surface_pair_edges(ShvSurfaceContact *contact, const ShvSurfaceBod
                                  ShvError *error);
 /* surface_renew.c: nodes that are about to leave their skin, and those whose candidates are no longer all, look for their candidates
    anew from where they are. *many: so many that all should. */
-ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                            bool *many, ShvError *error);
+ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, bool *many,
+                            ShvError *error);
 /* surface_follow.c: candidates go on after insertions, splits and coupled bodies that woke. *lost: they cannot. */
 ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool *lost, ShvError *error);
 /* Marks the fragments in which a crack runs, from one of the cohesive facets on. */

@@ -170,7 +170,8 @@ static double closing_velocity(const ShvFacetPair *pair, const double *velocity)
 static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     const double allowed = pair->gap > 0.0 ? -pair->gap / pair->step : 0.0;
-    if (pair->deforming && pair->node_count == 1 && pair->element >= 0) return allowed - closing_velocity(pair, bodies->state->velocity);
+    if (pair->deforming && pair->node_count == 1 && pair->element >= 0)
+        return allowed - closing_velocity(pair, bodies->state->velocity);
     return allowed - shv_dot(shv_facet_pair_velocity(pair, bodies), pair->normal);
 }
 
@@ -253,8 +254,8 @@ static double settled(const ShvFacetPair *pair, double largest)
     return (pair->node_count > 1 ? settled_facet : settled_node) * (fabs(v.x) + fabs(v.y) + fabs(v.z));
 }
 
-/* Sweeps until no velocity changes by more than it may, or they are used up: obstacles have more of them, and the last word.
-   Returns whether those of the others are. */
+/* Sweeps until no velocity changes by more than it may, or they are used up; obstacles have more of them. Returns whether those of the
+   others are. */
 static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
 {
     bool again = true, used_up = false;
@@ -298,8 +299,7 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     bool rough = false;
     for (int32_t k = 0; k < contact->pair_count; k++) {
         ShvFacetPair *pair = &contact->pairs[k];
-        pair->friction_bound =
-            fmax(pair->friction_bound, friction_of(contact, bodies, pair) * pair->normal_impulse);
+        pair->friction_bound = fmax(pair->friction_bound, friction_of(contact, bodies, pair) * pair->normal_impulse);
         if (!(pair->friction_bound > 0.0)) continue;
         pair->visit = -1;
         rough = true;
@@ -385,8 +385,8 @@ static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 {
     double work = 0.0;
     for (int k = 0; k < pair->node_count; k++)
-        work += pair->shares[k] * shv_dot(impulse, velocity_then(contact, bodies, pair->nodes[k], pair->fragments[0],
-                                                                 pair->point, half));
+        work += pair->shares[k] *
+                shv_dot(impulse, velocity_then(contact, bodies, pair->nodes[k], pair->fragments[0], pair->point, half));
     if (pair->element < 0) return 0.5 * work;
     if (shv_bodies_coupled_body(bodies, pair->fragments[1]))
         return 0.5 *

@@ -4,8 +4,8 @@
 
    A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
    it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps
-   from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
-   node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
+   from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum
+   are kept by each impulse. Where a node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
    are left to shv_cohesive_close until they have separated (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
    SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
    flatter edges can pass until a node does, by a fiftieth of an edge. Edges of two coupled bodies do not.
@@ -15,8 +15,8 @@
 
    Obstacles are met as well, by nodes, and by facets where an obstacle is small or has edges of its own (obstacle_pair.c), so that
    what stands on a floor under the load of another body is solved in one go. A point of a facet shares its impulse among
-   the facet's nodes as they share the point; free obstacles take the opposite impulse. Obstacles have the last word: no
-   node ends the step inside one, but by rounding, that was outside.
+   the facet's nodes as they share the point; free obstacles take the opposite impulse. Obstacles keep out what deforms to
+   rounding, with more sweeps than surfaces have.
 
    One step, for time n:
        forces …, shv_cohesive_begin
@@ -28,7 +28,7 @@
        drift (coupled bodies too)
    A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
    of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
-   one fragment alone is awake and none of its cracks have failed. */
+   no obstacle is there, one fragment alone is awake and none of its cracks have failed. */
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 

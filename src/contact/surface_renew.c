@@ -9,8 +9,7 @@ static const double most_at_once = 0.15, most_in_all = 1.0;
 static const double most_void = 0.5;
 
 /* Adds the nodes that may leave their skin in the next step, and sets how many steps the others may be left for. */
-static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                              ShvError *error)
+static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     contact->rest = SHV_SURFACE_STEPS_BETWEEN_CHECKS;
@@ -61,8 +60,7 @@ static ShvStatus list_facets(ShvSurfaceContact *contact, const ShvState *state, 
 }
 
 /* From where they are now. */
-static ShvStatus move(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                      ShvError *error)
+static ShvStatus move(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     for (int32_t k = 0; k < list->incomplete.count; k++) {
@@ -114,8 +112,8 @@ static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     return SHV_OK;
 }
 
-ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                            bool *many, ShvError *error)
+ShvStatus shv_surface_renew(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, bool *many,
+                            ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     const double last = bodies->state->last_step > 0.0 ? bodies->state->last_step : step;

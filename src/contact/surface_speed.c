@@ -78,7 +78,8 @@ int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfa
     const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
     const double gone = shv_norm(shv_madd(shv_sub(x, node->from), -time, contact->drift)), speed = shv_norm(v);
     double ahead = 2.0 * most * step;
-    while (most > 0 && !(gone + ahead * (speed + ahead * shv_norm(bodies->gravity)) <= contact->skin[node->speed_class]))
+    while (most > 0 &&
+           !(gone + ahead * (speed + ahead * shv_norm(bodies->gravity)) <= contact->skin[node->speed_class]))
         ahead = 2.0 * (most /= 2) * step;
     return most;
 }

@@ -132,8 +132,7 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
     if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
     SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
     const ShvRelax *relax = hybrid->stabiliser.active ? &hybrid->stabiliser.relax : NULL;
-    if (due)
-        shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->coupling.surface, relax, &hybrid->imposed);
+    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->coupling.surface, relax, &hybrid->imposed);
     return SHV_OK;
 }
 

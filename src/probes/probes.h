@@ -55,8 +55,7 @@ ShvStatus shv_probes_begin(ShvProbes *probes, const ShvProbeScene *scene, const 
 /* After the kick between steps of `before` and `after` seconds: completes the row. `relax`: pushes of obstacles where bars are, NULL
    elsewhere. */
 void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before, double after,
-                    const ShvSurfaceContact *contact, const ShvRelax *relax,
-                    const ShvImposed *imposed);
+                    const ShvSurfaceContact *contact, const ShvRelax *relax, const ShvImposed *imposed);
 /* A row of the probes whose bodies fly, if there are such; all of them and the obstacles when `none_awake`. `keeps_nodes`: the
    nodes of what flies are in the state. */
 ShvStatus shv_probes_fly(ShvProbes *probes, const ShvProbeScene *scene, bool none_awake, bool keeps_nodes,

@@ -777,7 +777,8 @@ static void test_lists_go_on(void **state)
             assert_true(in_place(&s, &expected[i]) || both_rigid(&s, expected[i].fragments) ||
                         is_listed(&s.contact, &expected[i]));
         for (int32_t i = 0; i < count; i++)
-            copies += expected[i].nodes[0] >= nodes && !are_neighbours(&s.state, expected[i].element, expected[i].nodes[0]);
+            copies +=
+                expected[i].nodes[0] >= nodes && !are_neighbours(&s.state, expected[i].element, expected[i].nodes[0]);
         found += count;
         crossed += check_edges(&s, &edges);
         surfaces_drift(&s, step);
