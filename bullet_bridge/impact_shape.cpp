@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <memory>
-#include <new>
+
+#include "bullet_bridge/guarded.hpp"
 
 namespace
 {
@@ -55,18 +55,13 @@ void finish(ShvImpactShape &shape)
 // Fills a new shape; no exception gets out.
 template <typename Fill> ShvStatus create(ShvImpactShape **out, ShvError *error, Fill fill)
 {
-    *out = nullptr;
-    try {
-        std::unique_ptr<ShvImpactShape> shape(new ShvImpactShape);
+    return shiver::guarded(error, [&] {
+        auto shape = std::make_unique<ShvImpactShape>();
         fill(*shape);
         if (!shape->plane()) finish(*shape);
         *out = shape.release();
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for the shape of a body that may hit something");
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "the shape of a body could not be made: %s", problem.what());
-    }
-    return SHV_OK;
+        return SHV_OK;
+    });
 }
 
 } // namespace

@@ -61,7 +61,7 @@ typedef struct ShvSurfaceCandidate {
     int32_t facet;            /* −1 − obstacle where it is one */
     int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
     int32_t feature;          /* of the obstacle (shape/feature.h) */
-    int32_t renewal;          /* in which it was found: one that a side of it has had since makes it void */
+    int32_t rebuild_number;   /* in which it was found: a later one of a side of it makes it void */
     int8_t own_edge, edge;    /* of own_facet and of the facet */
     int16_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
 } ShvSurfaceCandidate;

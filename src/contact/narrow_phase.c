@@ -184,7 +184,7 @@ static int by_number(const void *a, const void *b)
 ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     contact->pair_count = 0;
-    shv_surface_candidates_advance(contact, bodies);
+    shv_surface_measure_speeds(contact, bodies);
     SHV_TRY(find_pairs(contact, bodies, 0, step, error));
     if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs(contact, bodies, 1, contact->detection_interval * step, error));

@@ -23,7 +23,7 @@ static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, 
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->movers, room, list->count, "contact", error);
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->items, list->capacity, list->count, "contact", error);
     list->items[list->count] = *candidate;
-    list->items[list->count].renewal = contact->renewal;
+    list->items[list->count].rebuild_number = contact->rebuild_number;
     list->due[list->count] = due;
     list->movers[list->count++] = movers;
     return SHV_OK;
@@ -51,9 +51,9 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
 {
     const ShvSurfaceFacet *facets = contact->list.facets;
-    return contact->list.nodes[candidate->slot].renewal > candidate->renewal ||
-           (candidate->facet >= 0 && facets[candidate->facet].renewal > candidate->renewal) ||
-           (candidate->own_facet >= 0 && facets[candidate->own_facet].renewal > candidate->renewal);
+    return contact->list.nodes[candidate->slot].rebuild_number > candidate->rebuild_number ||
+           (candidate->facet >= 0 && facets[candidate->facet].rebuild_number > candidate->rebuild_number) ||
+           (candidate->own_facet >= 0 && facets[candidate->own_facet].rebuild_number > candidate->rebuild_number);
 }
 
 /* ---- whether anything can meet ---- */
@@ -87,13 +87,6 @@ static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 
 /* ---- the whole ---- */
 
-ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error)
-{
-    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity, count, "contact",
-                error);
-    return SHV_OK;
-}
-
 static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
@@ -102,12 +95,13 @@ static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     else if (bodies->cohesive)
         SHV_TRY(shv_surface_list_update(list, bodies, error));
     if (!lost) shv_surface_list_measure(list, bodies);
-    list->incomplete.count = 0;
+    list->outdated.count = 0;
     for (int32_t k = 0; k < list->node_count; k++) {
         list->nodes[k].watch = -1;
-        list->nodes[k].incomplete = false;
+        list->nodes[k].outdated = false;
     }
-    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity,
+                bodies->fragment_count, "contact", error);
     for (int32_t i = 0; i < bodies->fragment_count; i++)
         contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_coupled_body(bodies, i)};
     shv_surface_mark_cracked(contact, bodies, 0);
@@ -122,14 +116,15 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     const double last = bodies->state->last_step;
     SHV_TRY(update_list(contact, bodies, lost, error));
     for (int kind = 0; kind < 2; kind++) contact->candidates[kind].count = contact->candidates[kind].held = 0;
-    contact->watched_count = contact->renewed_nodes = 0;
-    contact->paired_facets = list->facet_count;
+    contact->watched_count = contact->rebuilt_nodes = 0;
+    contact->facets_with_neighbours = list->facet_count;
     shv_surface_speed_choose(contact, bodies, last > 0.0 ? last : step);
     SHV_TRY(shv_surface_fill_grids(contact, bodies, error));
-    contact->renewal++;
+    contact->rebuild_number++;
     for (int32_t k = 0; k < list->facet_count; k++) {
         shv_surface_edges_mark(list, bodies, k);
-        if (!contact->fragments[list->facets[k].fragment].rigid) list->facets[k].renewal = contact->renewal;
+        if (!contact->fragments[list->facets[k].fragment].rigid)
+            list->facets[k].rebuild_number = contact->rebuild_number;
     }
     for (int32_t k = 0; k < list->node_count; k++) SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, k, error));
     for (int32_t k = 0; k < list->facet_count; k++) {
@@ -152,7 +147,7 @@ static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     if (bodies->cohesive) SHV_TRY(shv_surface_list_update(&contact->list, bodies, error));
     bool many;
-    SHV_TRY(shv_surface_renew(contact, bodies, step, &many, error));
+    SHV_TRY(shv_surface_rebuild_outdated(contact, bodies, step, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 

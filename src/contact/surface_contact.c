@@ -26,7 +26,7 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_surface_list_release(&contact->list);
     shv_hash_grid_release(&contact->node_grid);
     shv_hash_grid_release(&contact->facet_grid);
-    shv_release(contact->renewed_facets.items);
+    shv_release(contact->rebuilt_facets.items);
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
@@ -92,7 +92,7 @@ static bool is_quiet(const ShvSurfaceContact *contact)
 
 static void clear_step(ShvSurfaceContact *contact)
 {
-    contact->pair_count = contact->touching = contact->pushed = contact->sweeps = contact->unresolved = 0;
+    contact->pair_count = contact->touching = contact->pushed = 0;
     contact->push = shv_vec3(0.0, 0.0, 0.0);
     contact->deepest = 0.0;
     for (int half = 0; half < 2; half++)
@@ -234,11 +234,10 @@ static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
     }
 }
 
-/* Of the largest closing speed: changes of velocity below which sweeps end; and what a pair may still close with when they are
-   used up without being reported as unresolved. */
-static const double settled_of_closing = 0.001, unresolved_of_closing = 0.1;
-/* The first of what deforms against an obstacle, which keeps it out to rounding, of the pair's own speed: of a node; of a point of
-   a facet, whose steps are short. */
+/* Changes of velocity below which sweeps end, of the largest closing speed; */
+static const double settled_of_closing = 0.001;
+/* of what deforms against an obstacle, which keeps it out to rounding, of the pair's own speed: of a node; of a point of a facet,
+   whose steps are short. */
 static const double settled_node = 1e-13, settled_facet = 1e-6;
 
 static bool is_exact(const ShvFacetPair *pair)
@@ -254,11 +253,10 @@ static double settled(const ShvFacetPair *pair, double largest)
     return (pair->node_count > 1 ? settled_facet : settled_node) * (fabs(v.x) + fabs(v.y) + fabs(v.z));
 }
 
-/* Sweeps until no velocity changes by more than it may, or they are used up; obstacles have more of them. Returns whether those of the
-   others are. */
-static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
+/* Sweeps until no velocity changes by more than it may, or they are used up; obstacles have more of them. */
+static void relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
 {
-    bool again = true, used_up = false;
+    bool again = true;
     for (int pass = 0; pass < MOST_SWEEPS_OF_OBSTACLES && again; pass++) {
         again = false;
         for (int32_t k = 0; k < contact->pair_count; k++) {
@@ -270,10 +268,7 @@ static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, do
             pass_on(contact, pair);
             again = true;
         }
-        contact->sweeps++;
-        used_up |= again && pass >= MOST_SWEEPS - 1;
     }
-    return used_up;
 }
 
 static double friction_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair)
@@ -295,7 +290,7 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     }
     if (!(largest > 0.0)) return SHV_OK;
     SHV_TRY(reserve_visits(contact, error));
-    bool open = relax(contact, bodies, largest);
+    relax(contact, bodies, largest);
     bool rough = false;
     for (int32_t k = 0; k < contact->pair_count; k++) {
         ShvFacetPair *pair = &contact->pairs[k];
@@ -304,10 +299,7 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
         pair->visit = -1;
         rough = true;
     }
-    if (rough) open = relax(contact, bodies, largest);
-    contact->unresolved = 0;
-    for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += excess(&contact->pairs[k], bodies) > unresolved_of_closing * largest;
+    if (rough) relax(contact, bodies, largest);
     return SHV_OK;
 }
 

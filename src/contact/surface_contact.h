@@ -101,15 +101,15 @@ typedef struct ShvSurfaceContact {
     double built_time; /* s: when candidates were chosen */
     double
         half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
-    int32_t renewal;                     /* number of the present or last one */
-    int32_t renewed_nodes;               /* since candidates were chosen */
-    int32_t paired_facets;               /* of the list, so many have looked for candidates */
-    ShvSurfacePlaces renewed_facets;     /* in the last renewal */
+    int32_t rebuild_number;              /* of neighbour lists, of all or some: the present or last one */
+    int32_t rebuilt_nodes;               /* since all were rebuilt */
+    int32_t facets_with_neighbours;      /* of the list, so many have a neighbour list */
+    ShvSurfacePlaces rebuilt_facets;     /* in the last rebuild */
     ShvVec3 drift;                       /* velocity of the frame in which motion is measured, m/s */
     double skin[SHV_SURFACE_MOVERS];     /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];    /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
-    int32_t rest;                        /* steps until the speeds of all nodes are read again */
+    int32_t steps_to_check;              /* steps until it is looked which nodes leave their skin */
     double seen_time;                    /* s: time up to which motion has been counted */
     ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
@@ -133,9 +133,7 @@ typedef struct ShvSurfaceContact {
     ShvVec3 push;               /* N·s, by it */
     /* J on nodes and coupled bodies, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
-    double obstacle_work[2]; /* J on free obstacles: with their velocity before and after impulses */
-    int32_t sweeps,
-        unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
+    double obstacle_work[2];           /* J on free obstacles: with their velocity before and after impulses */
     double deepest;                    /* m: largest penetration of a pair */
     int64_t distance_checks, rebuilds; /* since the start */
 } ShvSurfaceContact;

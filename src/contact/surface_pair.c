@@ -81,7 +81,7 @@ static ShvStatus pair_with(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
     const ShvBox box = shv_box_grown(facet->box, shv_surface_reach(contact, facet, node->speed_class));
     Target target;
-    if (facet->renewal == contact->renewal || !shv_box_holds(&box, node->from)) return SHV_OK;
+    if (facet->rebuild_number == contact->rebuild_number || !shv_box_holds(&box, node->from)) return SHV_OK;
     return make_target(contact, bodies, place, &target) ? pair(contact, bodies, &target, slot, error) : SHV_OK;
 }
 
@@ -91,6 +91,7 @@ ShvStatus shv_surface_pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodi
     const ShvVec3 from = contact->list.nodes[slot].from;
     const double skin = contact->skin[contact->list.nodes[slot].speed_class];
     ShvHashGrid *grid = &contact->facet_grid;
+    if (contact->list.nodes[slot].inner) return SHV_OK;
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
         const double reach = contact->half[speed_class] + contact->skin[speed_class] + skin;
         SHV_TRY(shv_hash_grid_find(grid, speed_class, shv_box_grown((ShvBox){from, from}, reach), error));

@@ -38,7 +38,7 @@ static double coupled_body_speed(const ShvSurfaceContact *contact, const ShvCoup
            shv_norm(coupled_body->angular_velocity) * coupled_body->radius;
 }
 
-void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+void shv_surface_measure_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     double largest[SHV_SURFACE_SPEED_CLASSES] = {0.0};
     for (int32_t k = 0; k < contact->watched_count; k++) {
@@ -91,7 +91,7 @@ static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
 }
 
 /* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
-static int32_t beats_for(const ShvSurfaceContact *contact, double step)
+static int32_t detection_interval_for(const ShvSurfaceContact *contact, double step)
 {
     const double share = 0.1; /* of a facet's size: twice the way of both sides from one detection to the next */
     double fastest = 0.0;
@@ -106,16 +106,16 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     const ShvState *state = bodies->state;
     if (state->time == contact->seen_time) return false;
     contact->seen_time = state->time;
-    shv_surface_candidates_advance(contact, bodies);
+    shv_surface_measure_speeds(contact, bodies);
     for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
         if (bodies->coupled_bodies[i])
             contact->fragments[i].path += state->last_step * coupled_body_speed(contact, bodies->coupled_bodies[i]);
     if (++contact->steps_since_detection >= contact->detection_interval) {
         contact->steps_since_detection = 0;
-        contact->detection_interval = beats_for(contact, state->last_step);
+        contact->detection_interval = detection_interval_for(contact, state->last_step);
     }
-    if (--contact->rest > 0) return false;
+    if (--contact->steps_to_check > 0) return false;
     return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step) ||
            obstacles_outrun(contact, 2.0 * SHV_SURFACE_STEPS_BETWEEN_CHECKS * state->last_step);
 }
@@ -186,7 +186,7 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
     const double least = 0.04;
     choose_frame(contact, bodies);
     contact->built_time = bodies->state->time;
-    contact->rest = 1;
+    contact->steps_to_check = 1;
     contact->size = mean_size(contact);
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);

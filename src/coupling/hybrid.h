@@ -265,10 +265,8 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
-/* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
+/* Parts that both kicks share: cohesive tractions and closing faces; works of cohesion, contact and conditions. */
 void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
-ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error);
-ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
 /* coupled_bodies.c: room for the present fragments; who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
    step, and back, with the kinetic energy of the time. */

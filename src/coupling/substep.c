@@ -42,21 +42,6 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
     shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after);
 }
 
-ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error)
-{
-    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-    return shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error);
-}
-
-ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error)
-{
-    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-    const double start = shv_now();
-    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
-    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
-    return SHV_OK;
-}
-
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
     if (hybrid->stabiliser.active) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
@@ -65,15 +50,16 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     const double kick = 0.5 * (before + after);
     shv_ledger_begin_step(&hybrid->observer.ledger);
     double start = shv_now();
-    SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    SHV_TRY(shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     shv_hybrid_pull_and_close(hybrid, kick, after);
     start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
-    SHV_TRY(shv_hybrid_resolve_contact(hybrid, after, error));
-    start = shv_now();
+    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
+    start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
     shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
