@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
-#include <LinearMath/btMatrix3x3.h>
 
 #include "bullet_bridge/convex_pair.hpp"
 #include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/numbers.hpp"
 
 namespace shiver
 {
@@ -315,31 +315,11 @@ Gap convex_gap(const ConvexPair &pair, const btVector3 &guess)
 namespace
 {
 
-bool finite(const double *values, int64_t count)
-{
-    return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
-}
-
 bool usable(const ShvConvex *body)
 {
     if (!finite(body->position, 3) || !finite(body->rotation, 9) || !(body->radius >= 0.0)) return false;
     if (!std::isfinite(body->radius)) return false;
     return body->count > 0 && finite(body->points, 3 * static_cast<int64_t>(body->count));
-}
-
-btMatrix3x3 matrix(const double m[9])
-{
-    return btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
-}
-
-btVector3 vector(const double v[3])
-{
-    return btVector3(v[0], v[1], v[2]);
-}
-
-void store(const btVector3 &v, double out[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = v[i];
 }
 
 // The body from `origin`; `moved` holds its points.
