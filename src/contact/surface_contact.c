@@ -395,10 +395,10 @@ void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies
         contact->normal_work[half] = contact->friction_work[half] = contact->obstacle_work[half] = 0.0;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             const ShvFacetPair *pair = &contact->pairs[k];
+            contact->obstacle_work[half] += pair->obstacle_work[half]; /* also of an impulse that was taken back */
             if (!has_impulse(pair)) continue;
             const ShvVec3 normal = shv_scale(pair->normal, pair->normal_impulse);
             contact->normal_work[half] += half_work(contact, bodies, pair, normal, half);
-            contact->obstacle_work[half] += pair->obstacle_work[half];
             contact->friction_work[half] += half_work(contact, bodies, pair, pair->friction, half);
         }
     }
