@@ -242,12 +242,10 @@ ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *erro
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
 void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
-/* rest.c; and between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
-   it). */
-/* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
+/* rest.c: what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
+   start, in its pose, and its motion; how long after its last crack a body that wakes now goes to rest at the latest, s; those that
+   may rest do; between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold it). */
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
-/* How long after its last crack a body that wakes now goes to rest at the latest, s. */
-/* Nodes of a fragment get its shape at the start, in its pose, and its motion. */
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
