@@ -155,6 +155,7 @@ ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSu
                                          ShvError *error)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
+    contact->gravity = shv_norm(bodies->gravity);
     if (is_stale(contact, bodies)) {
         const bool whole = contact->whole && !contact->idle;
         find_idle(contact, bodies);

@@ -111,6 +111,7 @@ typedef struct ShvSurfaceContact {
     double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
     int32_t steps_to_check;              /* steps until it is looked which nodes leave their skin */
     double seen_time;                    /* s: time up to which motion has been counted */
+    double gravity;                      /* m/s² */
     ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */

@@ -26,7 +26,7 @@ static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceB
         if (obstacle->motion == SHV_OBSTACLE_FIXED) continue;
         const double speed =
             shv_norm(obstacle->velocity) + shv_norm(obstacle->angular_velocity) * obstacle->bounding_radius;
-        largest = fmax(largest, speed + bodies->state->last_step * shv_norm(bodies->gravity));
+        largest = fmax(largest, speed + bodies->state->last_step * contact->gravity);
     }
     return largest + shv_norm(contact->drift);
 }
@@ -64,7 +64,7 @@ static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSur
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
         if (!bodies->coupled_bodies[i]) continue;
         const ShvSurfaceFragment *motion = &contact->fragments[i];
-        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * shv_norm(bodies->gravity);
+        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * contact->gravity;
         if (!(motion->path + ahead * speed <= contact->skin[motion->speed_class])) return true;
     }
     return false;
@@ -73,14 +73,16 @@ static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSur
 int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                 const ShvSurfaceNode *node, double step, int32_t most)
 {
-    const double time = bodies->state->time - contact->built_time;
+    const double time = bodies->state->time - contact->built_time, skin = contact->skin[node->speed_class];
     const ShvVec3 x = shv_state_position(bodies->state, node->node);
     const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
-    const double gone = shv_norm(shv_madd(shv_sub(x, node->from), -time, contact->drift)), speed = shv_norm(v);
+    const ShvVec3 path = shv_madd(shv_sub(x, node->from), -time, contact->drift);
     double ahead = 2.0 * most * step;
-    while (most > 0 &&
-           !(gone + ahead * (speed + ahead * shv_norm(bodies->gravity)) <= contact->skin[node->speed_class]))
-        ahead = 2.0 * (most /= 2) * step;
+    const double room = skin - ahead * ahead * contact->gravity;
+    /* (a + b)² ≤ 2 a² + 2 b²: most need no root */
+    if (room > 0.0 && 2.0 * (shv_dot(path, path) + ahead * ahead * shv_dot(v, v)) <= room * room) return most;
+    const double gone = shv_norm(path), speed = shv_norm(v);
+    while (most > 0 && !(gone + ahead * (speed + ahead * contact->gravity) <= skin)) ahead = 2.0 * (most /= 2) * step;
     return most;
 }
 
