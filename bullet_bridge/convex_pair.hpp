@@ -4,20 +4,15 @@
 
 #include <cstdint>
 
-#include <LinearMath/btMatrix3x3.h>
-
-#include "bullet_bridge/depth.h"
+#include <LinearMath/btVector3.h>
 
 namespace shiver
 {
 
-// Points (or a support function) and a radius about them.
+// Points and a radius about them.
 struct Core {
     const double *points = nullptr; // 3 a point, in the common axes
     int32_t count = 0;
-    const ShvConvex *function = nullptr; // with a support function
-    btMatrix3x3 rotation;                // of the function's body
-    btVector3 offset;                    // the function's body
     double radius = 0.0;
 };
 

@@ -2,27 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
 #include <utility>
 #include <vector>
 
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
 #include "bullet_bridge/convex_pair.hpp"
+#include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/numbers.hpp"
 
 namespace shiver
 {
 
 btVector3 support(const Core &core, const btVector3 &direction)
 {
-    if (core.function != nullptr) {
-        const btVector3 local = direction * core.rotation; // transposed
-        const double asked[3] = {local.x(), local.y(), local.z()};
-        double point[3];
-        core.function->support(core.function->data, asked, point);
-        return core.rotation * btVector3(point[0], point[1], point[2]) + core.offset;
-    }
     const double x = direction.x(), y = direction.y(), z = direction.z();
     int32_t best = 0;
     double farthest = -HUGE_VAL;
@@ -322,32 +315,11 @@ Gap convex_gap(const ConvexPair &pair, const btVector3 &guess)
 namespace
 {
 
-bool finite(const double *values, int64_t count)
-{
-    return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
-}
-
 bool usable(const ShvConvex *body)
 {
     if (!finite(body->position, 3) || !finite(body->rotation, 9) || !(body->radius >= 0.0)) return false;
     if (!std::isfinite(body->radius)) return false;
-    if (body->support != nullptr) return true;
     return body->count > 0 && finite(body->points, 3 * static_cast<int64_t>(body->count));
-}
-
-btMatrix3x3 matrix(const double m[9])
-{
-    return btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
-}
-
-btVector3 vector(const double v[3])
-{
-    return btVector3(v[0], v[1], v[2]);
-}
-
-void store(const btVector3 &v, double out[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = v[i];
 }
 
 // The body from `origin`; `moved` holds its points.
@@ -355,15 +327,10 @@ Core place(const ShvConvex *body, const btVector3 &origin, std::vector<double> &
 {
     Core core;
     core.radius = body->radius;
-    core.rotation = matrix(body->rotation);
-    core.offset = vector(body->position) - origin;
-    if (body->support != nullptr) {
-        core.function = body;
-        return core;
-    }
+    const btMatrix3x3 rotation = matrix(body->rotation);
+    const btVector3 offset = vector(body->position) - origin;
     moved.resize(3 * static_cast<size_t>(body->count));
-    for (size_t i = 0; i < moved.size(); i += 3)
-        store(core.rotation * vector(body->points + i) + core.offset, moved.data() + i);
+    for (size_t i = 0; i < moved.size(); i += 3) store(rotation * vector(body->points + i) + offset, moved.data() + i);
     core.points = moved.data();
     core.count = body->count;
     return core;
@@ -412,14 +379,9 @@ ShvStatus shv_convex_gap(const ShvConvex *first, const ShvConvex *second, ShvCon
     if (!shiver::usable(first) || !shiver::usable(second))
         return shv_fail(error, SHV_BAD_INPUT,
                         "a convex body needs at least one point, a radius that is not negative, and "
-                        "finite numbers: give both bodies points or a support function");
-    try {
+                        "finite numbers");
+    return shiver::guarded(error, [&] {
         shiver::measure(first, second, gap);
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for the gap of two convex bodies");
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "the gap of two convex bodies could not be measured: %s",
-                        problem.what());
-    }
-    return SHV_OK;
+        return SHV_OK;
+    });
 }

@@ -12,14 +12,10 @@
 extern "C" {
 #endif
 
-/* The hull of points, or whatever a support function describes, grown by a radius (a sphere is one point and its
-   radius). At most 1e5 times as large as its partner, or digits are lost. */
+/* The hull of points grown by a radius (a sphere is one point and its radius). At most 1e5 times as large as its partner, or digits are lost. */
 typedef struct ShvConvex {
-    const double *points; /* 3 a point, body axes, m; unused with `support` */
+    const double *points; /* 3 a point, body axes, m */
     int32_t count;
-    /* Farthest point of the body in a direction (not zero, not of unit length; body axes), or NULL. */
-    void (*support)(const void *data, const double direction[3], double point[3]);
-    const void *data;
     double radius;      /* m, ≥ 0 */
     double position[3]; /* m */
     double rotation[9]; /* row major, body → world axes; a rotation */

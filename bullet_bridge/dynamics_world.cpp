@@ -13,6 +13,7 @@
 #include "bullet_bridge/body_shapes.hpp"
 #include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/layers.hpp"
+#include "bullet_bridge/numbers.hpp"
 
 namespace
 {
@@ -109,30 +110,17 @@ void shv_dynamics_world_destroy(ShvDynamicsWorld *world)
     delete world;
 }
 
-/* ---- vectors ---- */
-
-static btVector3 load(const double *p)
-{
-    return btVector3(p[0], p[1], p[2]);
-}
-
-static void store(double *p, const btVector3 &v)
-{
-    for (int k = 0; k < 3; k++) p[k] = v[k];
-}
-
 /* ---- bodies ---- */
 
 static btTransform pose_of(const ShvDynamicsMotion &motion, btScalar unit)
 {
-    const double *m = motion.axes;
-    return btTransform(btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]), load(motion.position) / unit);
+    return btTransform(shiver::matrix(motion.axes), shiver::vector(motion.position) / unit);
 }
 
 static void correct(btRigidBody *body, const ShvDynamicsMotion &motion, btScalar unit)
 {
-    body->setLinearVelocity(load(motion.velocity) / unit);
-    body->setAngularVelocity(load(motion.spin));
+    body->setLinearVelocity(shiver::vector(motion.velocity) / unit);
+    body->setAngularVelocity(shiver::vector(motion.spin));
     body->setCenterOfMassTransform(pose_of(motion, unit));
 }
 
@@ -155,7 +143,7 @@ static void make_body(Body *made, const ShvDynamicsBody &given, const ShvDynamic
     btRigidBody::btRigidBodyConstructionInfo info(moves ? 1 / given.inverse_mass : 0, nullptr, made->shapes.shape);
     made->body = std::make_unique<btRigidBody>(info);
     if (moves)
-        made->body->setInvInertiaDiagLocal(load(given.inverse_moment) * (settings.unit * settings.unit));
+        made->body->setInvInertiaDiagLocal(shiver::vector(given.inverse_moment) * (settings.unit * settings.unit));
     else if (given.shape.kind != SHV_BULLET_PLANE)
         made->body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     if (settings.exact_flight) made->body->setFlags(0);
@@ -223,10 +211,10 @@ bool shv_dynamics_world_read(const ShvDynamicsWorld *world, int32_t number, ShvD
     const btRigidBody *body = world->bodies[size_t(number)]->body.get();
     const btScalar unit = world->settings.unit;
     const btTransform &pose = body->getWorldTransform();
-    store(motion->position, pose.getOrigin() * unit);
+    shiver::store(pose.getOrigin() * unit, motion->position);
     for (int i = 0; i < 9; i++) motion->axes[i] = pose.getBasis()[i / 3][i % 3];
-    store(motion->velocity, body->getLinearVelocity() * unit);
-    store(motion->spin, body->getAngularVelocity());
+    shiver::store(body->getLinearVelocity() * unit, motion->velocity);
+    shiver::store(body->getAngularVelocity(), motion->spin);
     return body->isActive();
 }
 
@@ -366,8 +354,8 @@ void ShvDynamicsWorld::list_contact(const btPersistentManifold *manifold, const 
     contact.first = pair.first;
     contact.second = pair.second;
     contact.closing = btMax(btScalar(0), speed) * settings.unit;
-    store(contact.point, (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * (settings.unit / 2));
-    store(contact.normal, point.m_normalWorldOnB * sign);
+    shiver::store((point.getPositionWorldOnA() + point.getPositionWorldOnB()) * (settings.unit / 2), contact.point);
+    shiver::store(point.m_normalWorldOnB * sign, contact.normal);
     contact.fresh = !has(touched, pair);
     contacts.push_back(contact);
 }
@@ -445,7 +433,7 @@ ShvStatus shv_dynamics_world_step(ShvDynamicsWorld *world, double step, const do
         world->judge = judge;
         world->judge_data = data;
         world->step = step;
-        world->world.setGravity(load(gravity) / world->settings.unit);
+        world->world.setGravity(shiver::vector(gravity) / world->settings.unit);
         for (const auto &body : world->bodies) {
             if (!body) continue;
             body->velocity = body->body->getLinearVelocity();

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <memory>
-#include <new>
+
+#include "bullet_bridge/guarded.hpp"
+#include "bullet_bridge/numbers.hpp"
 
 namespace
 {
 
 using shiver::ImpactPiece;
-
-bool finite(const double *values, int64_t count)
-{
-    return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
-}
 
 // The points from `begin` to the end as one more piece.
 void add_piece(ShvImpactShape &shape, int32_t begin)
@@ -55,18 +51,13 @@ void finish(ShvImpactShape &shape)
 // Fills a new shape; no exception gets out.
 template <typename Fill> ShvStatus create(ShvImpactShape **out, ShvError *error, Fill fill)
 {
-    *out = nullptr;
-    try {
-        std::unique_ptr<ShvImpactShape> shape(new ShvImpactShape);
+    return shiver::guarded(error, [&] {
+        auto shape = std::make_unique<ShvImpactShape>();
         fill(*shape);
         if (!shape->plane()) finish(*shape);
         *out = shape.release();
-    } catch (const std::bad_alloc &) {
-        return shv_fail(error, SHV_NO_MEMORY, "out of memory for the shape of a body that may hit something");
-    } catch (const std::exception &problem) {
-        return shv_fail(error, SHV_UNSUPPORTED, "the shape of a body could not be made: %s", problem.what());
-    }
-    return SHV_OK;
+        return SHV_OK;
+    });
 }
 
 } // namespace
@@ -80,7 +71,7 @@ ShvStatus shv_impact_hulls_create(ShvImpactShape **shape, const double *vertices
     if (!good)
         return shv_fail(error, SHV_BAD_INPUT, "a body needs at least one hull, and each hull at least one vertex");
     const int64_t begin = vertex_begin[0], end = vertex_begin[hulls];
-    if (!finite(vertices + 3 * begin, 3 * (end - begin)))
+    if (!shiver::finite(vertices + 3 * begin, 3 * (end - begin)))
         return shv_fail(error, SHV_BAD_INPUT, "a hull has a vertex that is not finite: give finite coordinates");
     return create(shape, error, [=](ShvImpactShape &made) {
         for (int32_t i = 0; i < hulls; i++) {
@@ -123,7 +114,7 @@ ShvStatus shv_impact_sphere_create(ShvImpactShape **shape, double radius, ShvErr
 ShvStatus shv_impact_box_create(ShvImpactShape **shape, const double half[3], ShvError *error)
 {
     *shape = nullptr;
-    if (!(half[0] > 0.0 && half[1] > 0.0 && half[2] > 0.0) || !finite(half, 3))
+    if (!(half[0] > 0.0 && half[1] > 0.0 && half[2] > 0.0) || !shiver::finite(half, 3))
         return shv_fail(error, SHV_BAD_INPUT, "a box needs positive, finite half sizes, not %g, %g, %g", half[0],
                         half[1], half[2]);
     return create(shape, error, [=](ShvImpactShape &made) {
@@ -141,7 +132,7 @@ ShvStatus shv_impact_mesh_create(ShvImpactShape **shape, const double *vertices,
     const bool inside =
         triangle_count > 0 && vertex_count > 0 &&
         std::all_of(triangles, triangles + corners, [=](int32_t i) { return i >= 0 && i < vertex_count; });
-    if (!inside || corners > INT32_MAX || !finite(vertices, 3 * static_cast<int64_t>(vertex_count)))
+    if (!inside || corners > INT32_MAX || !shiver::finite(vertices, 3 * static_cast<int64_t>(vertex_count)))
         return shv_fail(error, SHV_BAD_INPUT,
                         "a surface needs at least one triangle, triangles of vertices it has, and "
                         "finite coordinates");

@@ -10,6 +10,7 @@
 #include "bullet_bridge/convex_pair.hpp"
 #include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/impact_shape.hpp"
+#include "bullet_bridge/numbers.hpp"
 
 extern "C" {
 #include "base/deterministic.h"
@@ -19,16 +20,6 @@ namespace shiver
 {
 namespace
 {
-
-btVector3 vector(const double v[3])
-{
-    return btVector3(v[0], v[1], v[2]);
-}
-
-void store(const btVector3 &v, double out[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = v[i];
-}
 
 btQuaternion quaternion(const double q[4])
 {
@@ -545,11 +536,6 @@ void solve(const ShvImpactBody &first, const ShvImpactBody &second, const ShvImp
         impact.normal[i] = -impact.normal[i];
         std::swap(impact.first[i], impact.second[i]);
     }
-}
-
-bool finite(const double *values, int count)
-{
-    return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
 bool usable(const ShvImpactMotion &motion)

@@ -9,6 +9,7 @@
 
 #include "bullet_bridge/guarded.hpp"
 #include "bullet_bridge/layers.hpp"
+#include "bullet_bridge/numbers.hpp"
 #include "bullet_bridge/rigid_body.hpp"
 #include "bullet_bridge/rigid_solver.hpp"
 
@@ -97,7 +98,7 @@ using shiver::guarded;
 
 static btVector3 scaled(const ShvBulletWorld *world, const double *p)
 {
-    return btVector3(p[0], p[1], p[2]) * world->scale;
+    return shiver::vector(p) * world->scale;
 }
 
 ShvStatus shv_bullet_world_create(ShvBulletWorld **world, double length, const ShvBulletOverrides *overrides,
@@ -157,7 +158,7 @@ static ShvStatus make_shape(ShvBulletBody *body, const ShvBulletWorld *world, co
     if (status != SHV_OK) return status;
     body->kind = shape->kind;
     body->layer = shape->layer;
-    body->normal = btVector3(shape->normal[0], shape->normal[1], shape->normal[2]);
+    body->normal = shiver::vector(shape->normal);
     body->offset = shape->offset * world->scale;
     body->radius = shape->kind == SHV_BULLET_SPHERE || shape->kind == SHV_BULLET_PLANE ? body->shapes.radius : 0;
     if (shape->kind != SHV_BULLET_PLANE) measure(body);
@@ -172,7 +173,7 @@ static void make_mass(ShvBulletBody *body, double inverse_mass, const double inv
     body->body->setUserIndex(body->number);
     body->body->setFlags(0); // no gyroscopic term: free rotation is the caller's
     if (!(body->mass > 0)) return;
-    body->inverse_moment = btVector3(inverse_moment[0], inverse_moment[1], inverse_moment[2]);
+    body->inverse_moment = shiver::vector(inverse_moment);
     body->body->setInvInertiaDiagLocal(body->inverse_moment);
     body->body->setActivationState(DISABLE_DEACTIVATION);
 }
@@ -245,8 +246,8 @@ void shv_bullet_world_remove(ShvBulletWorld *world, int32_t number)
 void shv_bullet_world_place(ShvBulletWorld *world, int32_t number, const double position[3], const double axes[9])
 {
     ShvBulletBody *body = body_of(world, number);
-    body->position = btVector3(position[0], position[1], position[2]);
-    body->axes = btMatrix3x3(axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], axes[6], axes[7], axes[8]);
+    body->position = shiver::vector(position);
+    body->axes = shiver::matrix(axes);
 }
 
 double shv_bullet_world_radius(const ShvBulletWorld *world, int32_t number)
@@ -324,8 +325,8 @@ static void enter_bodies(ShvBulletWorld *world)
         body->body->setUserPointer(motion);
         body->body->setWorldTransform(btTransform(body->axes, btVector3(0, 0, 0)));
         body->body->updateInertiaTensor();
-        body->body->setLinearVelocity(btVector3(motion->velocity[0], motion->velocity[1], motion->velocity[2]));
-        body->body->setAngularVelocity(btVector3(motion->spin[0], motion->spin[1], motion->spin[2]));
+        body->body->setLinearVelocity(shiver::vector(motion->velocity));
+        body->body->setAngularVelocity(shiver::vector(motion->spin));
     }
 }
 

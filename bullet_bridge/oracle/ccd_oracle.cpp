@@ -74,6 +74,7 @@ ShvStatus shv_oracle_overlap(const ShvConvex *first, const ShvConvex *second, bo
         const Hull one = hull_of(first), other = hull_of(second);
         const ccd_t ccd = settings();
         *overlap = ccdGJKIntersect(&one, &other, &ccd) != 0;
+        return SHV_OK;
     });
 }
 
@@ -89,5 +90,6 @@ ShvStatus shv_oracle_separation(const ShvConvex *first, const ShvConvex *second,
         ccdVec3Set(&direction, 0.0, 0.0, 0.0);
         *overlap = ccdMPRPenetration(&one, &other, &ccd, &depth, &direction, &where) == 0;
         for (int i = 0; i < 3 && *overlap; i++) way[i] = depth * direction.v[i];
+        return SHV_OK;
     });
 }

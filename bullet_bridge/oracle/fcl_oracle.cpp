@@ -60,6 +60,7 @@ ShvStatus shv_oracle_distance(const ShvConvex *first, const ShvConvex *second, b
         const fcl::Convexd one = hull_of(first), other = hull_of(second);
         *distance = nearest(one, pose_of(first), other, pose_of(second)).distance;
         *apart = *distance > 0.0;
+        return SHV_OK;
     });
 }
 
@@ -84,5 +85,6 @@ ShvStatus shv_oracle_impact(const ShvConvex *first, const ShvConvex *second, con
             if (closing <= 0.0) break; // the distance is convex in the share: it only grows from here
             *share += gap.distance / closing;
         }
+        return SHV_OK;
     });
 }

@@ -1,5 +1,5 @@
 /* Second opinions for the tests, by FCL and libccd: decisions.md says why nothing that is shipped asks them this.
-   Bodies are hulls of points: a radius or a support function is refused. */
+   Bodies are hulls of points: a radius is refused. */
 #ifndef BULLET_BRIDGE_ORACLE_H
 #define BULLET_BRIDGE_ORACLE_H
 

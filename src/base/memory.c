@@ -125,11 +125,13 @@ static int admit(ShvMemory *memory)
     return atomic_fetch_add(&memory->requests, 1) < atomic_load(&memory->fail_from);
 }
 
-static atomic_bool missed;
+static _Thread_local bool missed;
 
 bool shv_memory_missed(void)
 {
-    return atomic_exchange(&missed, false);
+    const bool now = missed;
+    missed = false;
+    return now;
 }
 
 /* Requests that are larger may come from a number of a damaged file. */
@@ -137,7 +139,7 @@ static const size_t ORDINARY = (size_t)256 << 20;
 
 static void *miss(size_t bytes)
 {
-    if (bytes <= ORDINARY) atomic_store(&missed, true);
+    missed |= bytes <= ORDINARY;
     return NULL;
 }
 
@@ -205,7 +207,7 @@ ShvStatus shv_reserve(ShvMemory *memory, ShvPart part, void **block, int32_t *ca
                       const char *what, ShvError *error)
 {
     if (wanted <= *capacity) return SHV_OK;
-    if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "Too many %s: use fewer fragments.", what);
+    if (wanted > INT32_MAX) return shv_fail(error, SHV_UNSUPPORTED, "too many %s: more than %d", what, INT32_MAX);
     const int64_t more = wanted + wanted / 2 + 16, larger = more < INT32_MAX ? more : INT32_MAX;
     void *grown = shv_reallocate(memory, part, *block, (size_t)larger, size);
     if (!grown) return shv_fail_memory(error, what, (size_t)larger * size);

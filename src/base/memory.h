@@ -54,7 +54,8 @@ ShvPart shv_block_part(const void *block);
 /* A copy of a terminated string, or NULL. */
 char *shv_copy_text(ShvMemory *memory, ShvPart part, const char *text);
 
-/* Whether a request of ordinary size has failed since this was last asked: for where a library between does not say why it failed. */
+/* Whether a request of ordinary size of this thread has failed since it last asked: for where a library between does not say why it
+   failed. */
 bool shv_memory_missed(void);
 
 /* shv_fail with SHV_NO_MEMORY and one wording for all: "out of memory for <what> (<bytes> bytes)". */

@@ -94,12 +94,12 @@ typedef struct ShvFacetGaps {
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */
 typedef struct ShvClusterBudget {
-    double left;         /* stored + work of the pulls, round-off granted; J */
-    double force;        /* Σ |pull|, N */
-    double couple;       /* Σ |pull| |opening|, N m */
-    double shift;        /* bound of the changes of rates by the answers to couples, m/s */
-    bool limited;        /* in the last check of it */
-    bool pushed, turned; /* listed (below); false between pulls */
+    double left;          /* stored + work of the pulls, round-off granted; J */
+    double force;         /* Σ |pull|, N */
+    double couple;        /* Σ |pull| |opening|, N m */
+    double shift;         /* bound of the changes of rates by the answers to couples, m/s */
+    bool limited;         /* in the last check of it */
+    bool kicked, rotated; /* listed (below); false between pulls */
 } ShvClusterBudget;
 
 /* The two faces of a facet as they are joined to the mesh now. */
@@ -186,12 +186,12 @@ typedef struct ShvCohesive {
     int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
     ShvCohesiveCorner *corners;
     ShvClusterBudget *budget; /* cluster_count */
-    int32_t pushed_count,
-        turned_count; /* as far as `cluster_count`, in one pull: clusters whose nodes answers to couples have pushed, */
-    int32_t *pushed_clusters, *turned_clusters; /* and those of whose facets some turn otherwise since */
-    double pull_kick, pull_step;                /* what `pairs` were made for; 0: nothing yet */
-    double *pulled_velocity;                    /* 3 × node_capacity: as the last pull left it */
-    uint8_t *node_news;                         /* node_capacity: it has another velocity since */
+    int32_t kicked_count,
+        rotated_count; /* as far as `cluster_count`, in one pull: clusters whose nodes answers to couples have kicked, */
+    int32_t *kicked_clusters, *rotated_clusters; /* and those of whose facets some rotate otherwise since */
+    double pull_kick, pull_step;                 /* what `pairs` were made for; 0: nothing yet */
+    double *pulled_velocity;                     /* 3 × node_capacity: as the last pull left it */
+    uint8_t *node_news;                          /* node_capacity: it has another velocity since */
     int32_t *struck;      /* node_capacity: number of its last strike by closing faces; 0: none in the step */
     int32_t *origin_fill; /* mesh.node_count; zero between steps */
     double *overdrawn;    /* mesh.node_count: given by closing faces at its copies beyond what they held, J */

@@ -55,8 +55,8 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, pairs, SHV_FIELD_ROOM),
     SHV_FIELD_OF(ShvCohesive, closed, SHV_FIELD_ROOM),
     SHV_FIELD_OF(ShvCohesive, struck, SHV_FIELD_ROOM),
-    SHV_FIELD_OF(ShvCohesive, pushed_clusters, SHV_FIELD_ROOM),
-    SHV_FIELD_OF(ShvCohesive, turned_clusters, SHV_FIELD_ROOM),
+    SHV_FIELD_OF(ShvCohesive, kicked_clusters, SHV_FIELD_ROOM),
+    SHV_FIELD_OF(ShvCohesive, rotated_clusters, SHV_FIELD_ROOM),
     /* made from the scene, and scratch of a fixed size */
     SHV_FIELD_OF(ShvCohesive, memory, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, model, SHV_FIELD_KEPT),

@@ -171,7 +171,7 @@ double shv_initiation_list(ShvCohesive *cohesive, const ShvState *state, int32_t
 /* ---- what it is for ---- */
 
 /* Infinite where no facet can open, or some facet is of another material or resolved. */
-static double strength_at(const ShvCohesive *cohesive, int32_t node)
+static double initiation_strength(const ShvCohesive *cohesive, int32_t node)
 {
     const ShvAdjacency *adjacency = &cohesive->model->adjacency;
     bool opens = false;
@@ -202,7 +202,8 @@ ShvStatus shv_initiation_create(ShvCohesive *cohesive, ShvError *error)
     initiation->tension = shv_allocate(cohesive->memory, SHV_PART_STRESS, faces, sizeof *initiation->tension);
     if (!initiation->faces || !initiation->strength || !initiation->tension)
         return shv_fail_memory(error, "the surface where cracks begin", 12 * faces + 8 * nodes);
-    for (int32_t node = 0; node < (int32_t)nodes; node++) initiation->strength[node] = strength_at(cohesive, node);
+    for (int32_t node = 0; node < (int32_t)nodes; node++)
+        initiation->strength[node] = initiation_strength(cohesive, node);
     return SHV_OK;
 }
 

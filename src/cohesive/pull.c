@@ -197,7 +197,7 @@ static const double rounding = 1e-13;
    to rest, with the sign of which a cluster would begin anew or not. */
 static const double noise_share = 1e-6;
 /* By this share pulls that are limited stay below what may be given: a and b (limit_given) may be 1e8 times their difference. */
-static const double spared_pull = 1e-14;
+static const double limit_margin = 1e-14;
 
 /* What pulls do on the way they lead, J. */
 static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
@@ -250,7 +250,7 @@ static bool limit_given(const Pull *pull, int32_t cluster)
     }
     const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
     const double whole = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
-    const double scale = whole * (1.0 - spared_pull);
+    const double scale = whole * (1.0 - limit_margin);
     for (int32_t i = start; i < end; i++) {
         points[i].pull = shv_scale(points[i].change, scale);
         move(pull, &points[i], points[i].pull);
@@ -382,18 +382,18 @@ static bool check_limits(const Pull *pull, double spin)
 
 /* ---- couples of few clusters ---- */
 
-static void note_push(ShvCohesive *cohesive, int32_t cluster)
+static void note_kick(ShvCohesive *cohesive, int32_t cluster)
 {
-    if (cohesive->budget[cluster].pushed) return;
-    cohesive->budget[cluster].pushed = true;
-    cohesive->pushed_clusters[cohesive->pushed_count++] = cluster;
+    if (cohesive->budget[cluster].kicked) return;
+    cohesive->budget[cluster].kicked = true;
+    cohesive->kicked_clusters[cohesive->kicked_count++] = cluster;
 }
 
-static void note_turn(ShvCohesive *cohesive, int32_t cluster)
+static void note_rotated(ShvCohesive *cohesive, int32_t cluster)
 {
-    if (cohesive->budget[cluster].turned) return;
-    cohesive->budget[cluster].turned = true;
-    cohesive->turned_clusters[cohesive->turned_count++] = cluster;
+    if (cohesive->budget[cluster].rotated) return;
+    cohesive->budget[cluster].rotated = true;
+    cohesive->rotated_clusters[cohesive->rotated_count++] = cluster;
 }
 
 static void push_facet(const Pull *pull, ShvFacetRotation *rotation)
@@ -402,49 +402,49 @@ static void push_facet(const Pull *pull, ShvFacetRotation *rotation)
         const ShvVec3 half = shv_cross(rotation->answer, rotation->arm[i]);
         const double shift = push(pull, rotation->first[i], half) + push(pull, rotation->second[i], half);
         pull->cohesive->budget[rotation->cluster[i]].shift += shift;
-        note_push(pull->cohesive, rotation->cluster[i]);
+        note_kick(pull->cohesive, rotation->cluster[i]);
     }
 }
 
-/* As answer_couples, where the couples of a few clusters alone are new: those in `turned_clusters` that were limited. Finds there the
+/* As answer_couples, where the couples of a few clusters alone are new: those in `rotated_clusters` that were limited. Finds there the
    clusters of whose facets some turn otherwise now. */
 static double answer_limited(const Pull *pull)
 {
     ShvCohesive *cohesive = pull->cohesive;
     double spin = 0.0;
-    cohesive->pushed_count = 0;
-    for (int32_t n = 0; n < cohesive->turned_count; n++) {
-        const int32_t c = cohesive->turned_clusters[n];
-        note_push(cohesive, c);
+    cohesive->kicked_count = 0;
+    for (int32_t n = 0; n < cohesive->rotated_count; n++) {
+        const int32_t c = cohesive->rotated_clusters[n];
+        note_kick(cohesive, c);
         for (int32_t i = cohesive->cluster[c]; i < cohesive->cluster[c + 1]; i++) {
             const int32_t k = cohesive->points[i].rotation;
             shv_facet_rotation_answer(&cohesive->rotations[k], cohesive->couple + 3 * (int64_t)k);
             if (cohesive->rotations[k].answers) push_facet(pull, &cohesive->rotations[k]);
         }
     }
-    cohesive->turned_count = 0;
-    for (int32_t n = 0; n < cohesive->pushed_count; n++) {
-        const int32_t c = cohesive->pushed_clusters[n];
-        cohesive->budget[c].pushed = false;
+    cohesive->rotated_count = 0;
+    for (int32_t n = 0; n < cohesive->kicked_count; n++) {
+        const int32_t c = cohesive->kicked_clusters[n];
+        cohesive->budget[c].kicked = false;
         for (int32_t i = cohesive->cluster_corner[c]; i < cohesive->cluster_corner[c + 1]; i++) {
             ShvFacetRotation *rotation = &cohesive->rotations[cohesive->corners[i].slot / 3];
             spin = shv_larger(spin, turn(pull, rotation));
-            for (int corner = 0; corner < 3; corner++) note_turn(cohesive, rotation->cluster[corner]);
+            for (int corner = 0; corner < 3; corner++) note_rotated(cohesive, rotation->cluster[corner]);
         }
     }
     return spin;
 }
 
-/* Leaves those of the turned clusters that were limited. */
-static void check_turned(const Pull *pull, double spin)
+/* Leaves those of the rotated clusters that were limited. */
+static void check_rotated(const Pull *pull, double spin)
 {
     ShvCohesive *cohesive = pull->cohesive;
-    const int32_t count = cohesive->turned_count;
-    cohesive->turned_count = 0;
+    const int32_t count = cohesive->rotated_count;
+    cohesive->rotated_count = 0;
     for (int32_t n = 0; n < count; n++) {
-        const int32_t c = cohesive->turned_clusters[n];
-        cohesive->budget[c].turned = false;
-        if (check_limit(pull, c, spin)) cohesive->turned_clusters[cohesive->turned_count++] = c;
+        const int32_t c = cohesive->rotated_clusters[n];
+        cohesive->budget[c].rotated = false;
+        if (check_limit(pull, c, spin)) cohesive->rotated_clusters[cohesive->rotated_count++] = c;
     }
 }
 
@@ -456,15 +456,16 @@ static bool answer_within_limits(const Pull *pull)
     double spin = answer_couples(pull);
     if (!(spin >= 0.0)) return false;
     if (!check_limits(pull, spin)) return true;
-    cohesive->turned_count = 0;
+    cohesive->rotated_count = 0;
     for (int32_t c = 0; c < cohesive->cluster_count; c++)
-        if (cohesive->budget[c].limited) cohesive->turned_clusters[cohesive->turned_count++] = c;
-    for (int round = 1; round < MOST_ROUNDS && cohesive->turned_count > 0; round++) {
+        if (cohesive->budget[c].limited) cohesive->rotated_clusters[cohesive->rotated_count++] = c;
+    for (int round = 1; round < MOST_ROUNDS && cohesive->rotated_count > 0; round++) {
         spin = answer_limited(pull);
-        check_turned(pull, spin);
+        check_rotated(pull, spin);
     }
-    if (cohesive->turned_count > 0) answer_limited(pull);
-    for (int32_t n = 0; n < cohesive->turned_count; n++) cohesive->budget[cohesive->turned_clusters[n]].turned = false;
+    if (cohesive->rotated_count > 0) answer_limited(pull);
+    for (int32_t n = 0; n < cohesive->rotated_count; n++)
+        cohesive->budget[cohesive->rotated_clusters[n]].rotated = false;
     return true;
 }
 

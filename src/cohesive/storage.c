@@ -137,8 +137,8 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->cluster = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster);
     cohesive->cluster_corner = shv_allocate(memory, SHV_PART_COHESIVE, nodes + 1, sizeof *cohesive->cluster_corner);
     cohesive->budget = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->budget);
-    cohesive->pushed_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->pushed_clusters);
-    cohesive->turned_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->turned_clusters);
+    cohesive->kicked_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->kicked_clusters);
+    cohesive->rotated_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->rotated_clusters);
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
     cohesive->facet_watch = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_watch);
@@ -149,7 +149,7 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->watched = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->watched);
     if (!cohesive->facet_cohesive || !cohesive->facet_strength || !cohesive->corner_label || !cohesive->corner_queue ||
         !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->overdrawn || !cohesive->cluster ||
-        !cohesive->cluster_corner || !cohesive->budget || !cohesive->pushed_clusters || !cohesive->turned_clusters ||
+        !cohesive->cluster_corner || !cohesive->budget || !cohesive->kicked_clusters || !cohesive->rotated_clusters ||
         !cohesive->facet_value || !cohesive->facet_watch || !cohesive->face_weight || !cohesive->faces ||
         !cohesive->asked || !cohesive->stress_known || !cohesive->watched)
         return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 52);
@@ -214,8 +214,8 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->cluster);
     shv_release(cohesive->cluster_corner);
     shv_release(cohesive->budget);
-    shv_release(cohesive->pushed_clusters);
-    shv_release(cohesive->turned_clusters);
+    shv_release(cohesive->kicked_clusters);
+    shv_release(cohesive->rotated_clusters);
     shv_release(cohesive->pulled_velocity);
     shv_release(cohesive->node_news);
     shv_release(cohesive->struck);

@@ -1,24 +1,5 @@
 #include "contact/contact_archive.h"
 
-#include "contact/candidates.h"
-
-bool shv_node_contact_archive(ShvNodeContact *contact, ShvArchive *archive)
-{
-    static const ShvField fields[] = {
-        SHV_FIELD_OF(ShvNodeContact, candidates, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, last_touch, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, pairs, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, touches, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, boundary, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, facets, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvNodeContact, surface.model, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvNodeContact, surface.cohesive, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvNodeContact, surface.awake, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvNodeContact, memory, SHV_FIELD_KEPT),
-    };
-    return SHV_ARCHIVE_STRUCT(archive, contact, fields);
-}
-
 bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive)
 {
     static const ShvField fields[] = {
@@ -28,14 +9,14 @@ bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive
         SHV_FIELD_OF(ShvSurfaceContact, list.slot, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, list.cracks, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, list.place, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, list.incomplete.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, list.outdated.items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, node_grid.entries, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, node_grid.first, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, node_grid.found, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, facet_grid.entries, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, facet_grid.first, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, facet_grid.found, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, renewed_facets.items, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, rebuilt_facets.items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, fragments, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[0].items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[0].due, SHV_FIELD_BLOCK),

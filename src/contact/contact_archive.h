@@ -5,7 +5,6 @@
 #include "base/archive.h"
 #include "contact/surface_contact.h"
 
-bool shv_node_contact_archive(ShvNodeContact *contact, ShvArchive *archive);
 bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive);
 
 #endif

@@ -84,23 +84,25 @@ bool shv_edge_pair_detect(const ShvSurfaceBodies *bodies, const ShvEdge *own, co
     const ShvSegmentPoints at = shv_segments_closest(wedges[0].start, wedges[0].way, wedges[1].start, wedges[1].way);
     const double size = fmin(wedges[0].length, wedges[1].length);
     ShvFacetPlane plane;
+    ShvVec3 normal;
+    double gap;
     *distance = shv_norm(at.between);
     if (*distance > fmax(reach, deepest * size)) return false;
-    const bool met = meet(wedges, &at, &pair->gap, &pair->normal) && pair->gap <= reach;
+    const bool met = meet(wedges, &at, &gap, &normal) && gap <= reach;
     if (met || *distance < just_met * size) *distance = 0.0;
     if (!met || !shv_facet_plane_make(other->places, &plane)) return false;
-    pair->node = own->corners[own->edge];
-    pair->end = own->corners[(own->edge + 1) % 3];
-    pair->element = other->element;
-    pair->face = other->face;
-    pair->edge = other->edge;
-    pair->feature = 0;
-    pair->fragments[0] = own->fragment;
-    pair->fragments[1] = other->fragment;
-    for (int k = 0; k < 3; k++) pair->corners[k] = other->corners[k];
-    pair->step = step;
-    pair->share = at.shares[0];
-    pair->point = shv_madd(wedges[0].start, at.shares[0], wedges[0].way);
+    *pair = (ShvFacetPair){.nodes = {own->corners[own->edge], own->corners[(own->edge + 1) % 3]},
+                           .node_count = 2,
+                           .shares = {1.0 - at.shares[0], at.shares[0]},
+                           .element = other->element,
+                           .face = other->face,
+                           .edge = other->edge,
+                           .fragments = {own->fragment, other->fragment},
+                           .corners = {other->corners[0], other->corners[1], other->corners[2]},
+                           .step = step,
+                           .gap = gap,
+                           .point = shv_madd(wedges[0].start, at.shares[0], wedges[0].way),
+                           .normal = normal};
     shv_facet_pair_stand(pair, &plane);
     shv_facet_pair_weigh(pair, bodies);
     return true;

@@ -1,10 +1,5 @@
 #include "contact/facet_pair.h"
 
-static ShvObstacle *obstacle_of(const ShvSurfaceBodies *bodies, int32_t element)
-{
-    return &bodies->obstacles->items[-1 - element];
-}
-
 /* A node on the common edge of two facets belongs to one at least, whatever the rounding. */
 static const double edge_margin = 1e-9;
 
@@ -146,10 +141,11 @@ static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], 
 static double point_inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 direction)
 {
     const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[0]);
-    const double *mass = bodies->state->mass, share = pair->share;
     if (coupled_body) return shv_coupled_body_inverse_mass(coupled_body, pair->point, direction);
-    if (pair->end < 0) return 1.0 / mass[pair->node];
-    return (1.0 - share) * (1.0 - share) / mass[pair->node] + share * share / mass[pair->end];
+    double sum = 0.0;
+    for (int k = 0; k < pair->node_count; k++)
+        sum += pair->shares[k] * pair->shares[k] / bodies->state->mass[pair->nodes[k]];
+    return sum;
 }
 
 /* Change of the pair's velocity along a unit vector per impulse along it, 1/kg. */
@@ -157,7 +153,7 @@ static double inverse_mass(const ShvFacetPair *pair, const ShvSurfaceBodies *bod
 {
     double sum = point_inverse_mass(pair, bodies, direction);
     if (pair->element < 0)
-        return sum + shv_obstacle_inverse_mass(obstacle_of(bodies, pair->element), pair->point, direction);
+        return sum + shv_obstacle_inverse_mass(shv_bodies_obstacle(bodies, pair->element), pair->point, direction);
     const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
     if (coupled_body) return sum + shv_coupled_body_inverse_mass(coupled_body, pair->point, direction);
     for (int k = 0; k < 3; k++) {
@@ -205,21 +201,6 @@ void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
     pair->excluded = false;
 }
 
-static void name_pair(ShvFacetPair *pair, const ShvSurfaceNode *node, int32_t element, int32_t face, int32_t fragment,
-                      ShvVec3 x)
-{
-    pair->node = node->node;
-    pair->element = element;
-    pair->face = face;
-    pair->feature = 0;
-    pair->fragments[0] = node->fragment;
-    pair->fragments[1] = fragment;
-    pair->end = -1;
-    pair->edge = 0;
-    pair->share = 0.0;
-    pair->point = x;
-}
-
 ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t element, int32_t face, int32_t fragment)
 {
     ShvFacetShape shape;
@@ -232,71 +213,23 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
     return shape;
 }
 
-/* The nearest of the points at which the facet may meet the feature: its neighbours stand for the others. False where it does
-   not: then *distance is how far apart they are, where that is beyond the reach. */
-static bool detect_feature(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
-                           const ShvSurfaceCandidate *candidate, double reach, ShvSurfacePoint *at, double *distance)
-{
-    const ShvObstacle *obstacle = obstacle_of(bodies, candidate->facet);
-    const ShvFeature *feature = &obstacle->features[candidate->feature];
-    const ShvSurfaceFacet *facet = &list->facets[candidate->own_facet];
-    const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
-    ShvFeaturePoint points[3];
-    const int count = shv_feature_meet(obstacle, feature, &shape, reach, points);
-    if (count == 0) {
-        const double between = shv_feature_distance(obstacle, feature, &shape);
-        if (between > reach) *distance = between;
-        return false;
-    }
-    int nearest = 0;
-    for (int k = 1; k < count; k++)
-        if (points[k].gap < points[nearest].gap) nearest = k;
-    *at = (ShvSurfacePoint){points[nearest].gap, points[nearest].normal, points[nearest].point};
-    return true;
-}
-
-static bool detect_obstacle(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
-                            const ShvSurfaceCandidate *candidate, double reach, ShvFacetPair *pair, double *distance)
-{
-    const ShvSurfaceNode *node = &list->nodes[candidate->slot];
-    ShvSurfacePoint at;
-    *distance = 0.0;
-    if (candidate->own_facet >= 0) {
-        const ShvSurfaceFacet *facet = &list->facets[candidate->own_facet];
-        if (!detect_feature(bodies, list, candidate, reach, &at, distance)) return false;
-        name_pair(pair, node, candidate->facet, 4 * facet->element + facet->face, candidate->facet,
-                  shv_madd(at.point, at.gap, at.normal));
-        pair->feature = candidate->feature;
-    } else {
-        const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
-        at = shv_obstacle_closest(obstacle_of(bodies, candidate->facet), x, reach);
-        if (at.gap > reach) *distance = reach;
-        if (at.gap > reach) return false;
-        name_pair(pair, node, candidate->facet, -1, candidate->facet, x);
-    }
-    pair->gap = pair->height = at.gap;
-    pair->normal = pair->facet_normal = at.normal;
-    pair->centre = at.point;
-    for (int k = 0; k < 3; k++) {
-        pair->corners[k] = -1;
-        pair->weights[k] = 0.0;
-        pair->gradients[k] = shv_vec3(0.0, 0.0, 0.0);
-    }
-    shv_facet_pair_weigh(pair, bodies);
-    return true;
-}
-
 bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
                            const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
                            double *distance)
 {
-    pair->step = step;
-    if (candidate->facet < 0) return detect_obstacle(bodies, list, candidate, reach, pair, distance);
     ShvVec3 corners[3], velocities[3];
     Place place;
     const ShvSurfaceNode *node = &list->nodes[candidate->slot];
     const ShvSurfaceFacet *facet = &list->facets[candidate->facet];
     const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
+    *pair = (ShvFacetPair){.nodes = {node->node},
+                           .node_count = 1,
+                           .shares = {1.0},
+                           .element = facet->element,
+                           .face = facet->face,
+                           .fragments = {node->fragment, facet->fragment},
+                           .step = step,
+                           .point = x};
     for (int k = 0; k < 3; k++) {
         pair->corners[k] = list->nodes[facet->slots[k]].node;
         corners[k] = shv_bodies_position(bodies, pair->corners[k], facet->fragment);
@@ -315,7 +248,6 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
     } else {
         if (side > 0.0 || !within_tet(bodies, list->model, facet, x, &place)) return false;
     }
-    name_pair(pair, node, facet->element, facet->face, facet->fragment, x);
     shv_facet_pair_stand(pair, &place.plane);
     pair->gap = pair->height;
     pair->normal = pair->facet_normal;
@@ -327,16 +259,24 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
 
 static ShvVec3 point_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
-    const ShvVec3 v = node_velocity(bodies, pair->node, pair->fragments[0], pair->point);
-    if (pair->end < 0) return v;
-    const ShvVec3 end = node_velocity(bodies, pair->end, pair->fragments[0], pair->point);
-    return shv_madd(v, pair->share, shv_sub(end, v));
+    ShvVec3 sum = {0.0, 0.0, 0.0};
+    for (int k = 0; k < pair->node_count; k++)
+        sum = shv_madd(sum, pair->shares[k], node_velocity(bodies, pair->nodes[k], pair->fragments[0], pair->point));
+    return sum;
+}
+
+/* Mean over the coming step, as velocities of nodes and coupled bodies are. */
+static ShvVec3 obstacle_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
+{
+    const ShvObstacle *obstacle = shv_bodies_obstacle(bodies, pair->element);
+    const ShvVec3 velocity = shv_obstacle_velocity(obstacle, pair->point);
+    return obstacle->motion == SHV_OBSTACLE_FREE ? shv_madd(velocity, 0.5 * pair->step, bodies->gravity) : velocity;
 }
 
 ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     const ShvVec3 own = point_velocity(pair, bodies);
-    if (pair->element < 0) return shv_sub(own, shv_obstacle_velocity(obstacle_of(bodies, pair->element), pair->point));
+    if (pair->element < 0) return shv_sub(own, obstacle_velocity(pair, bodies));
     const ShvCoupledBody *coupled_body = shv_bodies_coupled_body(bodies, pair->fragments[1]);
     if (coupled_body) return shv_sub(own, shv_coupled_body_velocity(coupled_body, pair->point));
     ShvVec3 velocities[3];
@@ -346,7 +286,7 @@ ShvVec3 shv_facet_pair_velocity(const ShvFacetPair *pair, const ShvSurfaceBodies
 
 static void strike_obstacle(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)
 {
-    ShvObstacle *obstacle = obstacle_of(bodies, pair->element);
+    ShvObstacle *obstacle = shv_bodies_obstacle(bodies, pair->element);
     if (obstacle->motion != SHV_OBSTACLE_FREE) return;
     pair->obstacle_work[0] -= 0.5 * shv_dot(impulse, shv_obstacle_velocity(obstacle, pair->point));
     shv_obstacle_impulse(obstacle, pair->point, shv_scale(impulse, -1.0));
@@ -361,10 +301,9 @@ static void strike_point(const ShvFacetPair *pair, const ShvSurfaceBodies *bodie
         shv_coupled_body_impulse(coupled_body, pair->point, impulse);
         return;
     }
-    shv_add_to3(state->velocity + 3 * (int64_t)pair->node,
-                shv_scale(impulse, (1.0 - pair->share) / state->mass[pair->node]));
-    if (pair->end >= 0)
-        shv_add_to3(state->velocity + 3 * (int64_t)pair->end, shv_scale(impulse, pair->share / state->mass[pair->end]));
+    for (int k = 0; k < pair->node_count; k++)
+        shv_add_to3(state->velocity + 3 * (int64_t)pair->nodes[k],
+                    shv_scale(impulse, pair->shares[k] / state->mass[pair->nodes[k]]));
 }
 
 void shv_facet_pair_strike(ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvVec3 impulse)

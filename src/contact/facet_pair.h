@@ -19,40 +19,40 @@ typedef struct ShvFacetPlane {
     ShvVec3 gradients[3]; /* of the weights, 1/m */
 } ShvFacetPlane;
 
-/* A node and a facet close enough to meet within a step, or an edge and an edge of a facet; or a coupled body's node, or point
-   of a facet, and an obstacle's nearest point. */
+/* A point of one surface and what it may meet within a step: a node and a facet; a point of an edge and the facet whose edge it
+   crosses; or an obstacle and a node, or a point of a facet that meets a feature of the obstacle. */
 typedef struct ShvFacetPair {
-    int32_t node, element, face; /* element −1 − obstacle where it is one, and fragments[1] likewise */
-    int32_t end;                 /* of an edge: its other node; −1: a node alone */
-    int32_t edge;                /* of an edge: that of the facet which it meets, from corner `edge` to the next */
-    int32_t
-        feature; /* of an obstacle, that a coupled body's facet meets: then `face` is that facet, element × 4 + face,
-                                    and `node` a corner of it */
-    int32_t fragments[2]; /* of the node, of the facet */
+    int32_t nodes[3], node_count; /* of the point: a node, the ends of an edge or the corners of a facet */
+    double shares[3];             /* of the nodes in the point */
+    int32_t element, face;        /* element −1 − obstacle where it is one, and fragments[1] likewise */
+    int32_t edge;                 /* of an edge: that of the facet which it meets, from corner `edge` to the next */
+    int32_t feature;      /* of an obstacle, that a facet meets: then `face` is that facet, element × 4 + face */
+    int32_t fragments[2]; /* of the point, of the facet */
     int32_t corners[3];   /* nodes of the facet */
     double step;          /* s: up to the next time that it is looked at */
-    double share;         /* of `end` in the point: (1 − share) x(node) + share x(end); 0 where there is none */
-    double gap;           /* m, along the contact normal; negative: inside */
+    double gap;           /* m, along the contact normal; negative: inside; infinite: its way misses */
     double height;        /* m, of the point over the facet's plane: the gap, but for an edge */
-    ShvVec3 point;        /* the node's position, m; where a facet meets an obstacle, its own there */
+    ShvVec3 point;        /* the node's position, m; of an obstacle: on its surface */
     ShvVec3 normal;       /* of the contact, towards the point: the facet's, but for an edge */
     ShvVec3 facet_normal; /* outward */
     ShvVec3 centre;       /* of the facet, m */
     double weights[3];
     ShvVec3 gradients[3];     /* of the weights, 1/m */
-    ShvVec3 relative;         /* velocity of the point against the facet before any response, m/s */
+    ShvVec3 relative;         /* velocity of the point against the other side before any response, m/s */
     double inverse_mass;      /* 1/kg, along the normal */
     double slip_inverse_mass; /* 1/kg, the largest across it */
     double normal_impulse;    /* N·s on the point along the normal, ≥ 0 */
     ShvVec3 friction;         /* N·s on the point, across the normal */
     double friction_bound;    /* N·s */
     double obstacle_work[2];  /* J on a free obstacle, with its velocity before and after each impulse */
-    int32_t slots
-        [5]; /* in ShvSurfaceList of node, end (or the node again) and the facet's nodes; −1: of a coupled body or obstacle */
-    int32_t visit;  /* of its last solve in the sweeps */
-    bool excluded;  /* another facet stands for it */
-    bool deforming; /* both sides are */
+    int32_t slots[6];         /* in ShvSurfaceList, of the nodes and the corners; or SHV_SLOT_RIGID, SHV_SLOT_NONE */
+    int32_t visit;            /* of its last solve in the sweeps */
+    bool excluded;            /* another facet stands for it */
+    bool deforming;           /* no coupled body has part in it */
 } ShvFacetPair;
+
+/* Of a coupled body or free obstacle, whose motion all its points share; of nothing, or of what is not moved. */
+enum { SHV_SLOT_RIGID = -1, SHV_SLOT_NONE = -2 };
 
 /* A pair worth looking at: a node and a facet or an obstacle; or an edge and an edge of a facet, or a facet and a feature of an
    obstacle. Places are those in ShvSurfaceList. */
@@ -61,7 +61,7 @@ typedef struct ShvSurfaceCandidate {
     int32_t facet;            /* −1 − obstacle where it is one */
     int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
     int32_t feature;          /* of the obstacle (shape/feature.h) */
-    int32_t renewal;          /* in which it was found: one that a side of it has had since makes it void */
+    int32_t rebuild_number;   /* in which it was found: a later one of a side of it makes it void */
     int8_t own_edge, edge;    /* of own_facet and of the facet */
     int16_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
 } ShvSurfaceCandidate;
@@ -80,6 +80,14 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t el
 bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
                            const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
                            double *distance);
+/* The same of an obstacle (obstacle_pair.c); returns the number of points. */
+enum { SHV_MOST_POINTS = 3 };
+int shv_obstacle_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
+                             const ShvSurfaceCandidate *candidate, double step, double reach,
+                             ShvFacetPair pairs[SHV_MOST_POINTS], double *distance);
+/* What was deflected may run into an obstacle that its way missed, or into another face of a mesh: whether a node's does now, with
+   the plane of where. */
+bool shv_obstacle_pair_crosses(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies, ShvFacetPair *crossing);
 /* Sets where pair->point stands over a facet. */
 void shv_facet_pair_stand(ShvFacetPair *pair, const ShvFacetPlane *plane);
 /* What follows from place and velocities; no impulses so far. */

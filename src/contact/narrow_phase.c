@@ -69,7 +69,6 @@ static const double same_way = 0.25, clearly = 1e-3;
    corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
 static bool faces_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
 {
-    if (candidate->facet < 0 || candidate->own_facet >= 0) return false;
     const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
     if (!(shv_dot(own, pair->normal) > same_way * shv_norm(own))) return false;
     return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
@@ -92,39 +91,62 @@ static void find_horizon(const ShvSurfaceContact *contact, double step, Horizon 
 static void name_slots(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                        const ShvSurfaceCandidate *candidate, ShvFacetPair *pair)
 {
-    const ShvSurfaceFacet *facets = contact->list.facets;
-    const bool rigid = shv_bodies_coupled_body(bodies, pair->fragments[0]);
-    const bool other_rigid = pair->element < 0 || shv_bodies_coupled_body(bodies, pair->fragments[1]);
-    const bool edge = candidate->own_facet >= 0 && candidate->facet >= 0;
-    const int32_t end = edge ? facets[candidate->own_facet].slots[(candidate->own_edge + 1) % 3] : candidate->slot;
-    pair->slots[0] = rigid ? -1 : candidate->slot;
-    pair->slots[1] = rigid ? -1 : end;
-    for (int k = 0; k < 3; k++) pair->slots[2 + k] = other_rigid ? -1 : facets[candidate->facet].slots[k];
-    pair->deforming = !rigid && !other_rigid;
+    const ShvSurfaceList *list = &contact->list;
+    const bool rigid = shv_bodies_coupled_body(bodies, pair->fragments[0]), obstacle = pair->element < 0;
+    const bool other_rigid = obstacle ? shv_bodies_obstacle(bodies, pair->element)->motion == SHV_OBSTACLE_FREE
+                                      : shv_bodies_coupled_body(bodies, pair->fragments[1]) != NULL;
+    for (int k = 0; k < 3; k++) {
+        pair->slots[k] = k >= pair->node_count ? SHV_SLOT_NONE : rigid ? SHV_SLOT_RIGID : list->slot[pair->nodes[k]];
+        pair->slots[3 + k] = other_rigid ? SHV_SLOT_RIGID
+                             : obstacle  ? SHV_SLOT_NONE
+                                         : list->facets[candidate->facet].slots[k];
+    }
+    pair->deforming = !rigid && (obstacle || !other_rigid);
 }
 
-static bool detect(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                   const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair *pair,
-                   double *distance)
+/* Returns the number of pairs. */
+static int detect(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                  const ShvSurfaceCandidate *candidate, double step, double reach, ShvFacetPair pairs[SHV_MOST_POINTS],
+                  double *distance)
 {
     ShvEdge own, other;
-    if (candidate->own_facet < 0 || candidate->facet < 0)
-        return shv_facet_pair_detect(bodies, &contact->list, candidate, step, reach, pair, distance) &&
-               !faces_away(contact, candidate, pair);
+    if (candidate->facet < 0)
+        return shv_obstacle_pair_detect(bodies, &contact->list, candidate, step, reach, pairs, distance);
+    if (candidate->own_facet < 0)
+        return shv_facet_pair_detect(bodies, &contact->list, candidate, step, reach, pairs, distance) &&
+               !faces_away(contact, candidate, pairs);
     *distance = 0.0;
     return shv_surface_edge(&contact->list, bodies, 3 * candidate->own_facet + candidate->own_edge, &own) &&
            shv_surface_edge(&contact->list, bodies, 3 * candidate->facet + candidate->edge, &other) &&
-           shv_edge_pair_detect(bodies, &own, &other, step, reach, pair, distance);
+           shv_edge_pair_detect(bodies, &own, &other, step, reach, pairs, distance);
 }
 
 static ShvStatus reserve(ShvSurfaceContact *contact, ShvError *error)
 {
-    int32_t room = contact->pair_capacity;
-    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->found, room, contact->pair_count, "contact", error);
-    room = contact->pair_capacity;
-    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->pairs, room, contact->pair_count, "contact", error);
-    SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->keys, contact->pair_capacity, contact->pair_count, "contact",
-             error);
+    const int32_t wanted = contact->pair_count + SHV_MOST_POINTS;
+    int32_t room = contact->found_capacity;
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->found, room, wanted, "contact", error);
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->keys, contact->found_capacity, wanted, "contact", error);
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, wanted, "contact", error);
+    return SHV_OK;
+}
+
+static ShvStatus look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate,
+                      double step, double reach, double *distance, ShvError *error)
+{
+    SHV_TRY(reserve(contact, error));
+    ShvFacetPair *pairs = &contact->found[contact->pair_count];
+    const int count = detect(contact, bodies, candidate, step, reach, pairs, distance);
+    contact->distance_checks++;
+    for (int i = 0; i < count; i++, contact->pair_count++) {
+        const ShvFacetPair *pair = &pairs[i];
+        name_slots(contact, bodies, candidate, &pairs[i]);
+        contact->keys[contact->pair_count] =
+            (ShvPairKey){pair->nodes[0],     pair->node_count > 1 ? pair->nodes[1] : -1,
+                         pair->element,      pair->face,
+                         pair->edge,         pair->feature,
+                         contact->pair_count};
+    }
     return SHV_OK;
 }
 
@@ -141,17 +163,7 @@ static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
         const ShvSurfaceCandidate *candidate = &list->items[k];
         const bool is_void = shv_surface_candidate_is_void(contact, candidate);
         double distance = is_void ? (double)INFINITY : neighbours_left(contact, bodies, candidate);
-        if (!(distance > 0.0)) {
-            SHV_TRY(reserve(contact, error));
-            ShvFacetPair *pair = &contact->found[contact->pair_count];
-            contact->distance_checks++;
-            if (detect(contact, bodies, candidate, step, reach, pair, &distance)) {
-                name_slots(contact, bodies, candidate, pair);
-                contact->keys[contact->pair_count] = (ShvPairKey){
-                    pair->node, pair->end, pair->element, pair->face, pair->edge, pair->feature, contact->pair_count};
-                contact->pair_count++;
-            }
-        }
+        if (!(distance > 0.0)) SHV_TRY(look(contact, bodies, candidate, step, reach, &distance, error));
         list->due[k] = fmax(list->due[k], path + distance);
     }
     return SHV_OK;
@@ -165,13 +177,14 @@ static int by_number(const void *a, const void *b)
     if (x->element != y->element) return x->element < y->element ? -1 : 1;
     if (x->face != y->face) return x->face < y->face ? -1 : 1;
     if (x->edge != y->edge) return x->edge < y->edge ? -1 : 1;
-    return (x->feature > y->feature) - (x->feature < y->feature);
+    if (x->feature != y->feature) return x->feature < y->feature ? -1 : 1;
+    return (x->found > y->found) - (x->found < y->found); /* points of one facet and one feature */
 }
 
 ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     contact->pair_count = 0;
-    shv_surface_candidates_advance(contact, bodies);
+    shv_surface_measure_speeds(contact, bodies);
     SHV_TRY(find_pairs(contact, bodies, 0, step, error));
     if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs(contact, bodies, 1, contact->detection_interval * step, error));

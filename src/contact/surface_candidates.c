@@ -23,7 +23,7 @@ static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, 
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->movers, room, list->count, "contact", error);
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->items, list->capacity, list->count, "contact", error);
     list->items[list->count] = *candidate;
-    list->items[list->count].renewal = contact->renewal;
+    list->items[list->count].rebuild_number = contact->rebuild_number;
     list->due[list->count] = due;
     list->movers[list->count++] = movers;
     return SHV_OK;
@@ -43,7 +43,7 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
                    contact->path[first] + contact->path[second] + distance,
                    (uint8_t)(first * SHV_SURFACE_MOVERS + second), error));
     if (!rigid) SHV_TRY(watch(contact, candidate->slot, error));
-    if (!rigid && own) SHV_TRY(watch(contact, own->slots[(candidate->own_edge + 1) % 3], error));
+    for (int k = 0; own && !rigid && k < 3; k++) SHV_TRY(watch(contact, own->slots[k], error));
     for (int k = 0; facet && !other_rigid && k < 3; k++) SHV_TRY(watch(contact, facet->slots[k], error));
     return SHV_OK;
 }
@@ -51,19 +51,21 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
 {
     const ShvSurfaceFacet *facets = contact->list.facets;
-    return contact->list.nodes[candidate->slot].renewal > candidate->renewal ||
-           (candidate->facet >= 0 && facets[candidate->facet].renewal > candidate->renewal) ||
-           (candidate->own_facet >= 0 && facets[candidate->own_facet].renewal > candidate->renewal);
+    return contact->list.nodes[candidate->slot].rebuild_number > candidate->rebuild_number ||
+           (candidate->facet >= 0 && facets[candidate->facet].rebuild_number > candidate->rebuild_number) ||
+           (candidate->own_facet >= 0 && facets[candidate->own_facet].rebuild_number > candidate->rebuild_number);
 }
 
 /* ---- whether anything can meet ---- */
 
-static bool find_idle(const ShvSurfaceBodies *bodies)
+static void find_idle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     int32_t active = 0;
     for (int32_t i = 0; i < bodies->fragment_count && active < 2; i++) active += shv_bodies_active(bodies, i);
     const bool failed = bodies->cohesive && bodies->cohesive->live_count < bodies->cohesive->count;
-    return active == 0 || (active == 1 && !failed);
+    const bool obstacles = bodies->obstacles && bodies->obstacles->count > 0;
+    contact->whole = bodies->apart || (active == 1 && !failed);
+    contact->idle = active == 0 || (contact->whole && (!obstacles || (bodies->barred && !bodies->coupled_bodies)));
 }
 
 /* Insertions, splits, coupled bodies that woke. */
@@ -78,18 +80,12 @@ static bool has_changed(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
-    return contact->stale || (contact->idle && (has_changed(contact, bodies) ||
-                                                (cohesive && contact->known_live != cohesive->live_count)));
+    const bool few = contact->idle || (contact->whole && !bodies->apart);
+    return contact->stale ||
+           (few && (has_changed(contact, bodies) || (cohesive && contact->known_live != cohesive->live_count)));
 }
 
 /* ---- the whole ---- */
-
-ShvStatus shv_surface_reserve_fragments(ShvSurfaceContact *contact, int32_t count, ShvError *error)
-{
-    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity, count, "contact",
-                error);
-    return SHV_OK;
-}
 
 static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, ShvError *error)
 {
@@ -99,12 +95,13 @@ static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     else if (bodies->cohesive)
         SHV_TRY(shv_surface_list_update(list, bodies, error));
     if (!lost) shv_surface_list_measure(list, bodies);
-    list->incomplete.count = 0;
+    list->outdated.count = 0;
     for (int32_t k = 0; k < list->node_count; k++) {
         list->nodes[k].watch = -1;
-        list->nodes[k].incomplete = false;
+        list->nodes[k].outdated = false;
     }
-    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity,
+                bodies->fragment_count, "contact", error);
     for (int32_t i = 0; i < bodies->fragment_count; i++)
         contact->fragments[i] = (ShvSurfaceFragment){.rigid = shv_bodies_coupled_body(bodies, i)};
     shv_surface_mark_cracked(contact, bodies, 0);
@@ -119,49 +116,52 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     const double last = bodies->state->last_step;
     SHV_TRY(update_list(contact, bodies, lost, error));
     for (int kind = 0; kind < 2; kind++) contact->candidates[kind].count = contact->candidates[kind].held = 0;
-    contact->watched_count = contact->renewed_nodes = 0;
-    contact->paired_facets = list->facet_count;
+    contact->watched_count = contact->rebuilt_nodes = 0;
+    contact->facets_with_neighbours = list->facet_count;
     shv_surface_speed_choose(contact, bodies, last > 0.0 ? last : step);
     SHV_TRY(shv_surface_fill_grids(contact, bodies, error));
-    contact->renewal++;
+    contact->rebuild_number++;
     for (int32_t k = 0; k < list->facet_count; k++) {
         shv_surface_edges_mark(list, bodies, k);
-        if (!contact->fragments[list->facets[k].fragment].rigid) list->facets[k].renewal = contact->renewal;
+        if (!contact->fragments[list->facets[k].fragment].rigid)
+            list->facets[k].rebuild_number = contact->rebuild_number;
     }
+    for (int32_t k = 0; k < list->node_count; k++) SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, k, error));
     for (int32_t k = 0; k < list->facet_count; k++) {
+        SHV_TRY(shv_surface_pair_facet_obstacles(contact, bodies, k, error));
+        if (contact->whole) continue;
         SHV_TRY(shv_surface_pair_facet(contact, bodies, k, error));
         if (!contact->fragments[list->facets[k].fragment].rigid)
             SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
     }
-    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
-        SHV_TRY(shv_surface_pair_obstacle(contact, bodies, k, error));
     contact->rebuilds++;
     return SHV_OK;
 }
 
-static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, double gravity,
-                         ShvError *error)
+static ShvStatus refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     bool lost = contact->stale;
     contact->stale = true; /* until it is done */
     if (!lost && has_changed(contact, bodies)) SHV_TRY(shv_surface_follow(contact, bodies, &lost, error));
-    const bool outdated = !lost && shv_surface_speed_count(contact, bodies, gravity);
+    const bool outdated = !lost && shv_surface_speed_count(contact, bodies);
     if (lost || outdated) return rebuild(contact, bodies, lost, step, error);
     if (bodies->cohesive) SHV_TRY(shv_surface_list_update(&contact->list, bodies, error));
     bool many;
-    SHV_TRY(shv_surface_renew(contact, bodies, step, gravity, &many, error));
+    SHV_TRY(shv_surface_rebuild_outdated(contact, bodies, step, &many, error));
     return many ? rebuild(contact, bodies, false, step, error) : SHV_OK;
 }
 
 ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                         double gravity, ShvError *error)
+                                         ShvError *error)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
+    contact->gravity = shv_norm(bodies->gravity);
     if (is_stale(contact, bodies)) {
-        contact->stale = true;
-        contact->idle = find_idle(bodies);
+        const bool whole = contact->whole && !contact->idle;
+        find_idle(contact, bodies);
+        contact->stale |= !(whole && contact->whole);
     }
-    if (!contact->idle) SHV_TRY(refresh(contact, bodies, step, gravity, error));
+    if (!contact->idle) SHV_TRY(refresh(contact, bodies, step, error));
     contact->seen_time = bodies->state->time;
     contact->known_nodes = bodies->state->node_count;
     contact->known_fragments = bodies->fragment_count;

@@ -2,7 +2,7 @@
 
 #include "contact/surface_candidates.h"
 
-enum { MOST_SWEEPS = 12 };
+enum { MOST_SWEEPS = 12, MOST_SWEEPS_OF_OBSTACLES = 64, MOST_ROUNDS = 4 };
 
 ShvStatus shv_surface_contact_create(ShvSurfaceContact *contact, ShvMemory *memory, const ShvModel *model,
                                      double friction, ShvError *error)
@@ -26,7 +26,7 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     shv_surface_list_release(&contact->list);
     shv_hash_grid_release(&contact->node_grid);
     shv_hash_grid_release(&contact->facet_grid);
-    shv_release(contact->renewed_facets.items);
+    shv_release(contact->rebuilt_facets.items);
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
@@ -92,17 +92,18 @@ static bool is_quiet(const ShvSurfaceContact *contact)
 
 static void clear_step(ShvSurfaceContact *contact)
 {
-    contact->pair_count = contact->touching = contact->sweeps = contact->unresolved = 0;
+    contact->pair_count = contact->touching = contact->pushed = 0;
+    contact->push = shv_vec3(0.0, 0.0, 0.0);
     contact->deepest = 0.0;
     for (int half = 0; half < 2; half++)
         contact->normal_work[half] = contact->friction_work[half] = contact->obstacle_work[half] = 0.0;
 }
 
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                    const double gravity[3], ShvError *error)
+                                    ShvError *error)
 {
     clear_step(contact);
-    SHV_TRY(shv_surface_candidates_refresh(contact, bodies, step, shv_norm(shv_load3(gravity)), error));
+    SHV_TRY(shv_surface_candidates_refresh(contact, bodies, step, error));
     if (is_quiet(contact)) return SHV_OK;
     SHV_TRY(remember_nodes(contact, bodies->state, error));
     return remember_coupled_bodies(contact, bodies, error);
@@ -133,8 +134,8 @@ static void exclude_deeper(ShvSurfaceContact *contact)
 {
     for (int32_t i = 0; i < contact->pair_count; i++) {
         ShvFacetPair *pair = &contact->pairs[i];
-        if (pair->element < 0 || pair->end >= 0) continue;
-        for (int32_t k = i - 1; k >= 0 && contact->pairs[k].node == pair->node; k--) {
+        if (pair->element < 0 || pair->node_count > 1) continue;
+        for (int32_t k = i - 1; k >= 0 && contact->pairs[k].nodes[0] == pair->nodes[0]; k--) {
             ShvFacetPair *other = &contact->pairs[k];
             if (other->fragments[1] != pair->fragments[1]) continue;
             ShvFacetPair *farther = fabs(pair->gap) < fabs(other->gap) ? other : pair;
@@ -159,17 +160,18 @@ static void exclude_deeper(ShvSurfaceContact *contact)
 static double closing_velocity(const ShvFacetPair *pair, const double *velocity)
 {
     const ShvVec3 n = pair->normal;
-    double sum = shv_dot(n, shv_load3(velocity + 3 * (int64_t)pair->node));
+    double sum = shv_dot(n, shv_load3(velocity + 3 * (int64_t)pair->nodes[0]));
     for (int k = 0; k < 3; k++)
         sum -= pair->weights[k] * shv_dot(n, shv_load3(velocity + 3 * (int64_t)pair->corners[k]));
     return sum;
 }
 
-/* How much faster a pair closes than it may: down to the facet by the end of the step, or not at all. */
+/* How much faster a pair closes than it may: down to the surface by the end of the step, or not at all. */
 static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 {
     const double allowed = pair->gap > 0.0 ? -pair->gap / pair->step : 0.0;
-    if (pair->deforming && pair->end < 0) return allowed - closing_velocity(pair, bodies->state->velocity);
+    if (pair->deforming && pair->node_count == 1 && pair->element >= 0)
+        return allowed - closing_velocity(pair, bodies->state->velocity);
     return allowed - shv_dot(shv_facet_pair_velocity(pair, bodies), pair->normal);
 }
 
@@ -188,8 +190,11 @@ static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 {
     if (!(pair->friction_bound > 0.0)) return 0.0;
-    const ShvVec3 wanted = shv_coulomb_friction(pair->friction, shv_facet_pair_velocity(pair, bodies), pair->normal,
-                                                pair->slip_inverse_mass, pair->friction_bound);
+    const ShvVec3 relative = shv_facet_pair_velocity(pair, bodies);
+    const ShvVec3 slip = shv_madd(relative, -shv_dot(relative, pair->normal), pair->normal);
+    ShvVec3 wanted = shv_madd(pair->friction, -1.0 / pair->slip_inverse_mass, slip);
+    const double size = shv_norm(wanted);
+    if (size > pair->friction_bound) wanted = shv_scale(wanted, pair->friction_bound / size);
     const ShvVec3 change = shv_sub(wanted, pair->friction);
     shv_facet_pair_strike(pair, bodies, change);
     pair->friction = wanted;
@@ -203,7 +208,7 @@ static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
     SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->visits, contact->visit_capacity, contact->list.node_count,
                 "contact", error);
     for (int32_t i = 0; i < contact->pair_count; i++)
-        for (int k = 0; k < 5; k++)
+        for (int k = 0; k < 6; k++)
             if (contact->pairs[i].slots[k] >= 0) contact->visits[contact->pairs[i].slots[k]] = 0;
     contact->visit = contact->rigid_visit = 0;
     return SHV_OK;
@@ -212,9 +217,10 @@ static ShvStatus reserve_visits(ShvSurfaceContact *contact, ShvError *error)
 /* Whether a velocity of the pair has changed since its last visit. */
 static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 6; k++) {
         const int32_t slot = pair->slots[k];
-        if ((slot >= 0 ? contact->visits[slot] : contact->rigid_visit) > pair->visit) return true;
+        if (slot != SHV_SLOT_NONE && (slot >= 0 ? contact->visits[slot] : contact->rigid_visit) > pair->visit)
+            return true;
     }
     return false;
 }
@@ -222,46 +228,58 @@ static bool is_moved(const ShvSurfaceContact *contact, const ShvFacetPair *pair)
 /* Those who share a velocity that has changed by enough are visited again. */
 static void pass_on(ShvSurfaceContact *contact, const ShvFacetPair *pair)
 {
-    for (int k = 0; k < 5; k++)
+    for (int k = 0; k < 6; k++) {
         if (pair->slots[k] >= 0) contact->visits[pair->slots[k]] = contact->visit;
-    if (!pair->deforming) contact->rigid_visit = contact->visit;
+        if (pair->slots[k] == SHV_SLOT_RIGID) contact->rigid_visit = contact->visit;
+    }
 }
 
-/* Of the largest closing speed: changes of velocity below which sweeps end; and what a pair may still close with when they are
-   used up without being reported as unresolved. */
-static const double settled_of_closing = 0.001, unresolved_of_closing = 0.1;
+/* Changes of velocity below which sweeps end, of the largest closing speed; */
+static const double settled_of_closing = 0.001;
+/* of what deforms against an obstacle, which keeps it out to rounding, of the pair's own speed: of a node; of a point of a facet,
+   whose steps are short. */
+static const double settled_node = 1e-13, settled_facet = 1e-6;
 
-/* Sweeps until no velocity changes by more than a share of the largest that closes, or they are used up. Returns whether
-   they are. */
-static bool relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
+static bool is_exact(const ShvFacetPair *pair)
 {
-    const double good = settled_of_closing * largest;
+    return pair->element < 0 && pair->deforming;
+}
+
+static double settled(const ShvFacetPair *pair, double largest)
+{
+    const ShvVec3 v = pair->relative;
+    if (!is_exact(pair)) return settled_of_closing * largest;
+    /* Unlike the Euclidean norm the sum does not vanish before the velocity does. */
+    return (pair->node_count > 1 ? settled_facet : settled_node) * (fabs(v.x) + fabs(v.y) + fabs(v.z));
+}
+
+/* Sweeps until no velocity changes by more than it may, or they are used up; obstacles have more of them. */
+static void relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double largest)
+{
     bool again = true;
-    for (int pass = 0; pass < MOST_SWEEPS && again; pass++) {
+    for (int pass = 0; pass < MOST_SWEEPS_OF_OBSTACLES && again; pass++) {
         again = false;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             ShvFacetPair *pair = &contact->pairs[k];
-            if (!is_moved(contact, pair)) continue;
-            const double pressed = press(bodies, pair), rubbed = rub(bodies, pair);
+            if (!is_moved(contact, pair) || (pass >= MOST_SWEEPS && !is_exact(pair))) continue;
+            const double pressed = press(bodies, pair), rubbed = rub(bodies, pair), good = settled(pair, largest);
             pair->visit = ++contact->visit;
             if (!(pressed > good) && !(rubbed > good)) continue;
             pass_on(contact, pair);
             again = true;
         }
-        contact->sweeps++;
     }
-    return again;
 }
 
 static double friction_of(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair)
 {
-    return pair->element < 0 ? bodies->obstacles->items[-1 - pair->element].friction : contact->friction;
+    return pair->element < 0 ? shv_bodies_obstacle(bodies, pair->element)->friction : contact->friction;
 }
 
 /* Projected Gauss-Seidel: normal impulses first, then, with µ times those as bounds of friction, both together. With u the
    velocities before, A the inverse masses and a ≤ 0 what is allowed, every change lowers f = ½ λ·A λ + λ·u − λn·a: a normal
    one by going to its least point, a tangential one as a projected gradient step no longer than the inverse of the
-   largest eigenvalue; bounds stay while it is used. Kinetic energy changes by f + λn·a, and f starts from 0: so the
+   largest eigenvalue; bounds stay while it is used, and only grow. Kinetic energy changes by f + λn·a, and f starts from 0: so the
    impulses together take energy or leave it, after any number of sweeps and whichever pairs they leave out. */
 static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
 {
@@ -272,18 +290,34 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     }
     if (!(largest > 0.0)) return SHV_OK;
     SHV_TRY(reserve_visits(contact, error));
-    bool open = relax(contact, bodies, largest);
+    relax(contact, bodies, largest);
     bool rough = false;
     for (int32_t k = 0; k < contact->pair_count; k++) {
         ShvFacetPair *pair = &contact->pairs[k];
-        pair->friction_bound = friction_of(contact, bodies, pair) * pair->normal_impulse;
+        pair->friction_bound = fmax(pair->friction_bound, friction_of(contact, bodies, pair) * pair->normal_impulse);
         if (!(pair->friction_bound > 0.0)) continue;
         pair->visit = -1;
         rough = true;
     }
-    if (rough) open = relax(contact, bodies, largest);
-    for (int32_t k = 0; open && k < contact->pair_count; k++)
-        contact->unresolved += excess(&contact->pairs[k], bodies) > unresolved_of_closing * largest;
+    if (rough) relax(contact, bodies, largest);
+    return SHV_OK;
+}
+
+/* And with what has been deflected into an obstacle. */
+static ShvStatus respond_to_all(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    int32_t before = -1;
+    for (int round = 0; round <= MOST_ROUNDS && before < contact->pair_count; round++) {
+        SHV_TRY(respond(contact, bodies, error));
+        before = contact->pair_count;
+        for (int32_t k = 0; k < before && round < MOST_ROUNDS; k++) {
+            ShvFacetPair crossing;
+            if (!shv_obstacle_pair_crosses(&contact->pairs[k], bodies, &crossing)) continue;
+            SHV_GROW(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, contact->pair_count,
+                     "contact", error);
+            contact->pairs[contact->pair_count++] = crossing;
+        }
+    }
     return SHV_OK;
 }
 
@@ -291,6 +325,18 @@ static ShvStatus respond(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
 static bool has_impulse(const ShvFacetPair *pair)
 {
     return pair->normal_impulse > 0.0 || shv_dot(pair->friction, pair->friction) > 0.0;
+}
+
+static void count_touches(ShvSurfaceContact *contact)
+{
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        const ShvFacetPair *pair = &contact->pairs[k];
+        if (!has_impulse(pair)) continue;
+        contact->touching++;
+        if (!is_exact(pair)) continue;
+        contact->pushed++;
+        contact->push = shv_add(contact->push, shv_madd(pair->friction, pair->normal_impulse, pair->normal));
+    }
 }
 
 ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
@@ -301,8 +347,8 @@ ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurface
     SHV_TRY(shv_narrow_phase(contact, bodies, step, error));
     if (contact->pair_count == 0) return SHV_OK;
     exclude_deeper(contact);
-    SHV_TRY(respond(contact, bodies, error));
-    for (int32_t k = 0; k < contact->pair_count; k++) contact->touching += has_impulse(&contact->pairs[k]);
+    SHV_TRY(respond_to_all(contact, bodies, error));
+    count_touches(contact);
     shv_surface_contact_book(contact, bodies);
     return SHV_OK;
 }
@@ -326,19 +372,13 @@ static ShvVec3 velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceB
     return shv_load3(contact->before + 3 * (int64_t)contact->list.nodes[contact->list.slot[node]].watch);
 }
 
-static ShvVec3 point_velocity_then(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                                   const ShvFacetPair *pair, int half)
-{
-    const ShvVec3 v = velocity_then(contact, bodies, pair->node, pair->fragments[0], pair->point, half);
-    if (pair->end < 0) return v;
-    const ShvVec3 end = velocity_then(contact, bodies, pair->end, pair->fragments[0], pair->point, half);
-    return shv_madd(v, pair->share, shv_sub(end, v));
-}
-
 static double half_work(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvFacetPair *pair,
                         ShvVec3 impulse, int half)
 {
-    double work = shv_dot(impulse, point_velocity_then(contact, bodies, pair, half));
+    double work = 0.0;
+    for (int k = 0; k < pair->node_count; k++)
+        work += pair->shares[k] *
+                shv_dot(impulse, velocity_then(contact, bodies, pair->nodes[k], pair->fragments[0], pair->point, half));
     if (pair->element < 0) return 0.5 * work;
     if (shv_bodies_coupled_body(bodies, pair->fragments[1]))
         return 0.5 *
@@ -355,10 +395,10 @@ void shv_surface_contact_book(ShvSurfaceContact *contact, const ShvSurfaceBodies
         contact->normal_work[half] = contact->friction_work[half] = contact->obstacle_work[half] = 0.0;
         for (int32_t k = 0; k < contact->pair_count; k++) {
             const ShvFacetPair *pair = &contact->pairs[k];
+            contact->obstacle_work[half] += pair->obstacle_work[half]; /* also of an impulse that was taken back */
             if (!has_impulse(pair)) continue;
             const ShvVec3 normal = shv_scale(pair->normal, pair->normal_impulse);
             contact->normal_work[half] += half_work(contact, bodies, pair, normal, half);
-            contact->obstacle_work[half] += pair->obstacle_work[half];
             contact->friction_work[half] += half_work(contact, bodies, pair, pair->friction, half);
         }
     }

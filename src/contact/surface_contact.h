@@ -1,11 +1,11 @@
-/* Deforming surfaces against one another in fracture mode, and against coupled bodies (fragments still rigid): nodes against
+/* Deforming surfaces against obstacles in fracture mode, one another, and coupled bodies (fragments still rigid): nodes against
    facets, both ways, and sharp edges against each other (edge_pair.h); pieces of one body and faces of its cracks included.
    Unilateral, Coulomb friction, restitution 0.
 
    A node that would be behind a facet at the end of the step gets the impulse that lets it just arrive (gap > 0) or stops
    it (gap ≤ 0), and so do edges that would have crossed; nothing is ever pushed out. So what touches, interlocks or overlaps
-   from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum are kept by each impulse. Where a
-   node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
+   from birth stays as it is and only comes no closer, and each impulse takes energy or leaves it. Momentum and angular momentum
+   are kept by each impulse. Where a node is inside a body, the facet it is least deep behind counts, and a facet only to half the depth of its tet. Faces of a crack
    are left to shv_cohesive_close until they have separated (SHV_COHESIVE_SEPARATED). Edges meet where both are convex by
    SHV_SHARP_EDGE degrees or more, beside their nodes: within a hundredth of an edge of a node the node meets facets, and
    flatter edges can pass until a node does, by a fiftieth of an edge. Edges of two coupled bodies do not.
@@ -13,26 +13,27 @@
    Neighbours in the mesh meet across the facet between them; those that share a node only are left alone until they are
    out of place by a fiftieth of a facet's size.
 
-   Coupled bodies meet obstacles here as well, so that what stands on a floor under the load of a deforming body is solved in
-   one go; awake nodes meet obstacles in node_contact.h.
+   Obstacles are met as well, by nodes, and by facets where an obstacle is small or has edges of its own (obstacle_pair.c), so that
+   what stands on a floor under the load of another body is solved in one go. A point of a facet shares its impulse among
+   the facet's nodes as they share the point; free obstacles take the opposite impulse. Obstacles keep out what deforms to
+   rounding, with more sweeps than surfaces have.
 
    One step, for time n:
        forces …, shv_cohesive_begin
        shv_surface_contact_begin    velocities of n − 1/2
        kick (coupled bodies too), shv_cohesive_pull, shv_cohesive_close
        shv_surface_contact_apply
-       contact with obstacles, supports
+       supports
        shv_surface_contact_book     with the velocities that the drift will use
        drift (coupled bodies too)
    A step may be thrown away by putting back the velocities of nodes and coupled bodies. Pairs are worked through in the order
    of their numbers, whatever the candidates were and whenever they were found. Costs nothing and holds no memory while
-   one fragment alone is awake and none of its cracks have failed. */
+   no obstacle is there, one fragment alone is awake and none of its cracks have failed. */
 #ifndef SHV_CONTACT_SURFACE_CONTACT_H
 #define SHV_CONTACT_SURFACE_CONTACT_H
 
 #include "contact/edge_pair.h"
 #include "contact/hash_grid.h"
-#include "contact/node_contact.h"
 #include "contact/surface_list.h"
 #include "model/ledger.h"
 
@@ -76,7 +77,7 @@ typedef struct ShvSurfaceFragment {
 enum { SHV_SURFACE_STEPS_BETWEEN_CHECKS = 4 };
 
 typedef struct ShvPairKey {
-    int32_t node, end, element, face, edge, feature, found;
+    int32_t node, end, element, face, edge, feature, found; /* end: −1: none */
 } ShvPairKey;
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
@@ -88,7 +89,8 @@ typedef struct ShvSurfaceContact {
     double friction;
     bool stale; /* the lists must be made anew */
     bool woken; /* coupled bodies woke */
-    bool idle;  /* nothing can meet */
+    bool idle;  /* nothing can meet; */
+    bool whole; /* or nothing but obstacles: no surface another one */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
@@ -99,16 +101,17 @@ typedef struct ShvSurfaceContact {
     double built_time; /* s: when candidates were chosen */
     double
         half[SHV_SURFACE_SPEED_CLASSES]; /* m: no box of a facet of the speed class reaches farther from its centre */
-    int32_t renewal;                     /* number of the present or last one */
-    int32_t renewed_nodes;               /* since candidates were chosen */
-    int32_t paired_facets;               /* of the list, so many have looked for candidates */
-    ShvSurfacePlaces renewed_facets;     /* in the last renewal */
+    int32_t rebuild_number;              /* of neighbour lists, of all or some: the present or last one */
+    int32_t rebuilt_nodes;               /* since all were rebuilt */
+    int32_t facets_with_neighbours;      /* of the list, so many have a neighbour list */
+    ShvSurfacePlaces rebuilt_facets;     /* in the last rebuild */
     ShvVec3 drift;                       /* velocity of the frame in which motion is measured, m/s */
     double skin[SHV_SURFACE_MOVERS];     /* m: how far each may go until candidates are chosen anew */
     double speed[SHV_SURFACE_MOVERS];    /* m/s: largest of candidates' nodes, and of obstacles */
     double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
-    int32_t rest;                        /* steps until the speeds of all nodes are read again */
+    int32_t steps_to_check;              /* steps until it is looked which nodes leave their skin */
     double seen_time;                    /* s: time up to which motion has been counted */
+    double gravity;                      /* m/s² */
     ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */
@@ -119,20 +122,19 @@ typedef struct ShvSurfaceContact {
     ShvCoupledBodyBefore *coupled_body_before; /* per fragment */
     int32_t coupled_body_capacity;
     /* this step */
-    ShvFacetPair *pairs; /* by node, end, element, face, edge; those without an impulse included */
+    ShvFacetPair *pairs; /* by nodes, element, face, edge, feature; those without an impulse included */
     ShvFacetPair *found; /* the same as they are found, */
     ShvPairKey *keys;    /* and their order */
-    int32_t pair_count, pair_capacity;
+    int32_t pair_count, pair_capacity, found_capacity;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
     int32_t visit_capacity;
     int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
-    int32_t touching;           /* pairs with an impulse */
+    int32_t touching;           /* pairs with an impulse, */
+    int32_t pushed;             /* and those of them in which an obstacle pushes what deforms: */
+    ShvVec3 push;               /* N·s, by it */
     /* J on nodes and coupled bodies, impulse · velocity / 2: before the kick, and now */
     double normal_work[2], friction_work[2];
-    double obstacle_work
-        [2]; /* J on free obstacles that coupled bodies met: with their velocity before and after impulses */
-    int32_t sweeps,
-        unresolved; /* pairs still closing, by more than a tenth of the largest closing speed, when the sweeps were used up */
+    double obstacle_work[2];           /* J on free obstacles: with their velocity before and after impulses */
     double deepest;                    /* m: largest penetration of a pair */
     int64_t distance_checks, rebuilds; /* since the start */
 } ShvSurfaceContact;
@@ -151,7 +153,7 @@ void shv_surface_contact_recheck(ShvSurfaceContact *contact);
 /* Before the kick, after shv_cohesive_begin. `step`: the one to come, s. Costs a pass over all listed nodes every few steps and
    over those of candidates each step. */
 ShvStatus shv_surface_contact_begin(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
-                                    const double gravity[3], ShvError *error);
+                                    ShvError *error);
 /* After the kick; `bodies` as in shv_surface_contact_begin, with which every step starts. Ends with
    shv_surface_contact_book. */
 ShvStatus shv_surface_contact_apply(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,

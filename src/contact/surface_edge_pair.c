@@ -32,13 +32,14 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     return shv_surface_candidate_add(contact, bodies, &candidate, 0.0, error);
 }
 
-/* Of two that look for each other in one renewal the one that was listed first finds the other. */
+/* Of two that look for each other in one rebuild the one that was listed first finds the other. */
 static ShvStatus pair_facets(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place, int32_t other,
                              ShvError *error)
 {
     const ShvSurfaceFacet *own = &contact->list.facets[place], *facet = &contact->list.facets[other];
     const ShvSurfaceFragment *fragment = &contact->fragments[own->fragment];
-    if (facet->sharp == 0 || other == place || (facet->renewal == contact->renewal && other < place)) return SHV_OK;
+    if (facet->sharp == 0 || other == place || (facet->rebuild_number == contact->rebuild_number && other < place))
+        return SHV_OK;
     if (facet->fragment == own->fragment && (!fragment->cracked || fragment->rigid)) return SHV_OK;
     if (fragment->rigid && contact->fragments[facet->fragment].rigid) return SHV_OK;
     const double reach = shv_surface_reach(contact, own, facet->speed_class);

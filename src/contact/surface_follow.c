@@ -21,7 +21,7 @@ static ShvStatus split_whole_bodies(ShvSurfaceContact *contact, const ShvSurface
         if (bodies->state->element_fragment[facet->element] == facet->fragment ||
             contact->fragments[facet->fragment].cracked)
             continue;
-        for (int i = 0; i < 3; i++) SHV_TRY(shv_surface_list_incomplete(&contact->list, facet->slots[i], error));
+        for (int i = 0; i < 3; i++) SHV_TRY(shv_surface_list_mark_outdated(&contact->list, facet->slots[i], error));
     }
     return SHV_OK;
 }
@@ -39,7 +39,7 @@ static bool any_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     return false;
 }
 
-/* What deforms now has other candidates than a rigid body, and obstacles are for node_contact.h. */
+/* What deforms now has other candidates than a rigid body. */
 static void wake(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     for (int32_t i = 0; i < contact->known_fragments; i++)
@@ -53,7 +53,7 @@ static ShvStatus open_bodies(ShvSurfaceContact *contact, ShvError *error)
     for (int32_t i = 0; i < contact->known_fragments; i++) any |= contact->fragments[i].opened;
     for (int32_t k = 0; k < contact->list.node_count && any; k++)
         if (contact->fragments[contact->list.nodes[k].fragment].opened)
-            SHV_TRY(shv_surface_list_incomplete(&contact->list, k, error));
+            SHV_TRY(shv_surface_list_mark_outdated(&contact->list, k, error));
     for (int32_t i = 0; i < contact->known_fragments && any; i++) contact->fragments[i].opened = false;
     return SHV_OK;
 }
@@ -68,9 +68,13 @@ ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     if (*lost) return SHV_OK;
     if (renamed) SHV_TRY(split_whole_bodies(contact, bodies, error));
     if (inserted) SHV_TRY(shv_surface_list_follow(&contact->list, bodies, known, error));
-    SHV_TRY(shv_surface_reserve_fragments(contact, bodies->fragment_count, error));
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->fragments, contact->fragment_capacity,
+                bodies->fragment_count, "contact", error);
     for (int32_t i = known.fragments; i < bodies->fragment_count; i++) contact->fragments[i] = (ShvSurfaceFragment){0};
-    if (contact->woken) wake(contact, bodies);
+    if (contact->woken) {
+        wake(contact, bodies);
+        SHV_TRY(shv_surface_list_inner(&contact->list, bodies, error));
+    }
     shv_surface_mark_cracked(contact, bodies, renamed || contact->woken ? 0 : known.cohesive);
     return open_bodies(contact, error);
 }

@@ -13,7 +13,7 @@ ShvStatus shv_surface_put_node(ShvSurfaceContact *contact, const ShvSurfaceBodie
                                ShvError *error)
 {
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
-    if (shv_bodies_alone(bodies, node->fragment)) return SHV_OK;
+    if (node->inner || shv_bodies_alone(bodies, node->fragment)) return SHV_OK;
     return shv_hash_grid_put(&contact->node_grid, slot, node->speed_class, node->from, error);
 }
 

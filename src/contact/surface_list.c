@@ -11,7 +11,7 @@ void shv_surface_list_release(ShvSurfaceList *list)
     shv_release(list->slot);
     shv_release(list->cracks);
     shv_release(list->place);
-    shv_release(list->incomplete.items);
+    shv_release(list->outdated.items);
     *list = (ShvSurfaceList){0};
 }
 
@@ -52,35 +52,39 @@ static ShvStatus find_boundary(ShvSurfaceList *list, ShvError *error)
 
 /* ---- entries ---- */
 
-ShvStatus shv_surface_list_incomplete(ShvSurfaceList *list, int32_t slot, ShvError *error)
+ShvStatus shv_surface_list_mark_outdated(ShvSurfaceList *list, int32_t slot, ShvError *error)
 {
-    if (list->nodes[slot].incomplete) return SHV_OK;
-    list->nodes[slot].incomplete = true;
-    SHV_GROW(list->memory, SHV_PART_CONTACT, list->incomplete.items, list->incomplete.capacity, list->incomplete.count,
+    if (list->nodes[slot].outdated) return SHV_OK;
+    list->nodes[slot].outdated = true;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->outdated.items, list->outdated.capacity, list->outdated.count,
              "contact", error);
-    list->incomplete.items[list->incomplete.count++] = slot;
+    list->outdated.items[list->outdated.count++] = slot;
     return SHV_OK;
 }
 
-static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, ShvError *error)
+static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, bool inner, ShvError *error)
 {
-    if (list->slot[node] >= 0) return SHV_OK;
-    SHV_GROW(list->memory, SHV_PART_CONTACT, list->nodes, list->node_capacity, list->node_count, "contact", error);
-    list->slot[node] = list->node_count;
-    list->nodes[list->node_count++] = (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1};
-    return shv_surface_list_incomplete(list, list->node_count - 1, error);
+    if (list->slot[node] < 0) {
+        SHV_GROW(list->memory, SHV_PART_CONTACT, list->nodes, list->node_capacity, list->node_count, "contact", error);
+        list->slot[node] = list->node_count;
+        list->nodes[list->node_count++] =
+            (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1, .inner = inner};
+    } else if (inner || !list->nodes[list->slot[node]].inner) {
+        return SHV_OK;
+    }
+    list->nodes[list->slot[node]].inner = inner;
+    return shv_surface_list_mark_outdated(list, list->slot[node], error);
 }
 
 static ShvStatus add_nodes(ShvSurfaceList *list, const ShvState *state, int32_t element, int32_t face, ShvError *error)
 {
     int32_t nodes[3];
     shv_surface_corners(state, element, face, nodes);
-    for (int k = 0; k < 3; k++) SHV_TRY(add_node(list, nodes[k], state->element_fragment[element], error));
+    for (int k = 0; k < 3; k++) SHV_TRY(add_node(list, nodes[k], state->element_fragment[element], false, error));
     return SHV_OK;
 }
 
-/* Its box; returns its area vector × 2, m². */
-static ShvVec3 measure_box(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+ShvVec3 shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
 {
     int32_t nodes[3];
     ShvVec3 x[3];
@@ -97,14 +101,9 @@ static ShvVec3 measure_box(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *face
     return area;
 }
 
-void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
-{
-    measure_box(bodies, facet);
-}
-
 static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
 {
-    const ShvVec3 area = measure_box(bodies, facet);
+    const ShvVec3 area = shv_surface_facet_measure(bodies, facet);
     for (int k = 0; k < 3; k++) {
         ShvVec3 *normal = &list->nodes[facet->slots[k]].normal;
         *normal = shv_add(*normal, area);
@@ -133,6 +132,20 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
     measure(list, bodies, facet);
     if (list->place) shv_surface_edges_link(list, list->facet_count - 1);
+    return SHV_OK;
+}
+
+static bool meets_inner_nodes(const ShvSurfaceBodies *bodies)
+{
+    return bodies->obstacles && bodies->obstacles->count > 0 && !bodies->barred;
+}
+
+ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+{
+    const ShvState *state = bodies->state;
+    for (int32_t e = 0; meets_inner_nodes(bodies) && e < state->element_count; e++)
+        for (int k = 0; bodies->awake[state->element_fragment[e]] && k < 4; k++)
+            SHV_TRY(add_node(list, shv_state_node(state, e, k), state->element_fragment[e], true, error));
     return SHV_OK;
 }
 
@@ -196,7 +209,7 @@ static ShvStatus hold_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     const int32_t slot = list->slot[node];
     if (slot < 0) return SHV_OK;
     const bool held = is_held(bodies->cohesive, bodies->state, &list->model->adjacency, node);
-    if (list->nodes[slot].held && !held) SHV_TRY(shv_surface_list_incomplete(list, slot, error));
+    if (list->nodes[slot].held && !held) SHV_TRY(shv_surface_list_mark_outdated(list, slot, error));
     list->nodes[slot].held = held;
     return SHV_OK;
 }
@@ -248,16 +261,17 @@ static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
     for (int k = 0; k < 3; k++) {
         if (list->nodes[facet->slots[k]].node == nodes[k]) continue;
-        SHV_TRY(add_node(list, nodes[k], list->nodes[facet->slots[k]].fragment, error));
+        SHV_TRY(add_node(list, nodes[k], list->nodes[facet->slots[k]].fragment, false, error));
         facet->slots[k] = list->slot[nodes[k]];
     }
     return SHV_OK;
 }
 
-/* The facets of all tets at a node that has come since. */
+/* The facets of all tets at a node that has come since; or it is inside. */
 static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
     const ShvState *state = bodies->state;
+    const int32_t fragment = state->element_fragment[state->corners[state->corner_start[node]] / 4];
     for (int32_t i = 0; i < state->corner_count[node]; i++) {
         const int32_t element = state->corners[state->corner_start[node] + i] / 4;
         for (int face = 0; face < 4; face++) {
@@ -265,6 +279,7 @@ static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodie
             if (place >= 0) SHV_TRY(follow_facet(list, bodies, &list->facets[place], error));
         }
     }
+    if (meets_inner_nodes(bodies) && bodies->awake[fragment]) return add_node(list, node, fragment, true, error);
     return SHV_OK;
 }
 
@@ -302,7 +317,7 @@ static ShvStatus split_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies
     const int32_t slot = list->slot[node];
     if (slot < 0) return SHV_OK;
     sum_normal(list, bodies, slot);
-    SHV_TRY(shv_surface_list_incomplete(list, slot, error));
+    SHV_TRY(shv_surface_list_mark_outdated(list, slot, error));
     return hold_node(list, bodies, node, error);
 }
 
@@ -347,10 +362,11 @@ ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *b
 {
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
     if (bodies->cohesive) SHV_TRY(reserve_places(list, error));
-    list->node_count = list->facet_count = list->crack_count = list->incomplete.count = 0;
+    list->node_count = list->facet_count = list->crack_count = list->outdated.count = 0;
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
+    SHV_TRY(shv_surface_list_inner(list, bodies, error));
     if (!bodies->cohesive) return shv_surface_edges_link_all(list, error);
     for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
     SHV_TRY(shv_surface_list_update(list, bodies, error));

@@ -19,7 +19,10 @@ typedef struct ShvSurfaceBodies {
     const uint8_t *awake;                  /* per fragment */
     ShvCoupledBody *const *coupled_bodies; /* per fragment, NULL where it is none; or NULL: none at all */
     int32_t fragment_count;
-    ShvObstacles *obstacles; /* met by coupled bodies, whose other contacts are thus solved together; NULL: none */
+    ShvObstacles *obstacles; /* NULL: none */
+    ShvVec3 gravity;         /* m/s² */
+    bool apart;              /* fragments do not meet one another, but obstacles alone */
+    bool barred;             /* what deforms meets obstacles elsewhere (pbd/relax.h) */
 } ShvSurfaceBodies;
 
 /* Nodes and facets are told apart by how far they may go until candidates are chosen anew: each speed class is twice the one
@@ -28,22 +31,23 @@ enum { SHV_SURFACE_SPEED_CLASSES = 8 };
 
 typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
-    int32_t slots[3];    /* of its nodes */
-    int32_t renewal;     /* in which its candidates were last chosen anew */
-    uint8_t speed_class; /* the largest of its nodes */
-    uint8_t sharp;       /* bits: the sharp edges that it names (surface_edge.h) */
-    int32_t across[3];   /* half-edge on the other side of each edge, −1: none */
-    ShvBox box;          /* of the facet and what is below it to half the depth of its tet, when last measured */
+    int32_t slots[3];       /* of its nodes */
+    int32_t rebuild_number; /* of the last in which its neighbour list was made */
+    uint8_t speed_class;    /* the largest of its nodes */
+    uint8_t sharp;          /* bits: the sharp edges that it names (surface_edge.h) */
+    int32_t across[3];      /* half-edge on the other side of each edge, −1: none */
+    ShvBox box;             /* of the facet and what is below it to half the depth of its tet, when last measured */
 } ShvSurfaceFacet;
 
 typedef struct ShvSurfaceNode {
     int32_t node, fragment;
-    int32_t watch;   /* place among the nodes of candidates, −1: of none */
-    int32_t renewal; /* as of a facet */
+    int32_t watch;          /* place among the nodes of candidates, −1: of none */
+    int32_t rebuild_number; /* as of a facet */
     uint8_t speed_class;
-    bool incomplete; /* its candidates are no longer all, wherever it is */
-    bool held;    /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
-    ShvVec3 from; /* where it was when its speed class was chosen, m */
+    bool inner;    /* on no surface: obstacles alone meet it, where a body is crushed */
+    bool outdated; /* its neighbour list is no longer whole, wherever it is */
+    bool held;     /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
+    ShvVec3 from;  /* where it was when its speed class was chosen, m */
     ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
@@ -72,13 +76,17 @@ typedef struct ShvSurfaceList {
     int32_t slot_capacity;
     ShvSurfaceCrack *cracks;
     int32_t crack_count, crack_capacity;
-    int32_t *place;              /* per element × 4 + face: its place in `facets`, −1: none */
-    ShvSurfacePlaces incomplete; /* nodes that are */
+    int32_t *place;            /* per element × 4 + face: its place in `facets`, −1: none */
+    ShvSurfacePlaces outdated; /* nodes that are */
 } ShvSurfaceList;
 
 static inline ShvCoupledBody *shv_bodies_coupled_body(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
     return bodies->coupled_bodies ? bodies->coupled_bodies[fragment] : NULL;
+}
+static inline ShvObstacle *shv_bodies_obstacle(const ShvSurfaceBodies *bodies, int32_t element)
+{
+    return &bodies->obstacles->items[-1 - element];
 }
 static inline bool shv_bodies_active(const ShvSurfaceBodies *bodies, int32_t fragment)
 {
@@ -108,20 +116,22 @@ void shv_surface_list_release(ShvSurfaceList *list);
 ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 /* Measures boxes and normals anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
-/* The box of one facet. */
-void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
+/* The box of one facet; returns its area vector × 2, m². */
+ShvVec3 shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
 /* What was known before insertions: nodes of the state, cohesive facets, fragments. */
 typedef struct ShvSurfaceKnown {
     int32_t nodes, cohesive, fragments;
 } ShvSurfaceKnown;
 
-/* The candidates of a node are no longer all. */
-ShvStatus shv_surface_list_incomplete(ShvSurfaceList *list, int32_t slot, ShvError *error);
-/* Goes on after insertions: copies of nodes are appended, and what was split is incomplete, since it may meet its neighbours now;
+/* The neighbour list of a node is no longer whole. */
+ShvStatus shv_surface_list_mark_outdated(ShvSurfaceList *list, int32_t slot, ShvError *error);
+/* Goes on after insertions: copies of nodes are appended, and what was split is outdated, since it may meet its neighbours now;
    fragments are named anew where there are new ones, and new cohesive facets are followed. */
 ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
                                   ShvError *error);
-/* Appends the nodes of cracks that have failed since and the faces of those that have separated, whose nodes are incomplete where no
+/* Appends the nodes inside of what is awake, where obstacles meet it. Costs a pass over all tets. */
+ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+/* Appends the nodes of cracks that have failed since and the faces of those that have separated, whose nodes are outdated where no
    other crack holds them. */
 ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
 

@@ -81,7 +81,7 @@ static ShvStatus pair_with(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
     const ShvBox box = shv_box_grown(facet->box, shv_surface_reach(contact, facet, node->speed_class));
     Target target;
-    if (facet->renewal == contact->renewal || !shv_box_holds(&box, node->from)) return SHV_OK;
+    if (facet->rebuild_number == contact->rebuild_number || !shv_box_holds(&box, node->from)) return SHV_OK;
     return make_target(contact, bodies, place, &target) ? pair(contact, bodies, &target, slot, error) : SHV_OK;
 }
 
@@ -91,6 +91,7 @@ ShvStatus shv_surface_pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodi
     const ShvVec3 from = contact->list.nodes[slot].from;
     const double skin = contact->skin[contact->list.nodes[slot].speed_class];
     ShvHashGrid *grid = &contact->facet_grid;
+    if (contact->list.nodes[slot].inner) return SHV_OK;
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++) {
         const double reach = contact->half[speed_class] + contact->skin[speed_class] + skin;
         SHV_TRY(shv_hash_grid_find(grid, speed_class, shv_box_grown((ShvBox){from, from}, reach), error));
@@ -100,29 +101,35 @@ ShvStatus shv_surface_pair_node(ShvSurfaceContact *contact, const ShvSurfaceBodi
     return SHV_OK;
 }
 
-/* ---- coupled bodies and obstacles ---- */
+/* ---- obstacles ---- */
 
-static ShvStatus pair_coupled_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
-                                   int32_t slot, ShvError *error)
+static bool meets_obstacles(const ShvSurfaceBodies *bodies, int32_t fragment)
+{
+    return !bodies->barred || shv_bodies_coupled_body(bodies, fragment);
+}
+
+ShvStatus shv_surface_pair_node_obstacles(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot,
+                                          ShvError *error)
 {
     const ShvSurfaceNode *node = &contact->list.nodes[slot];
-    if (!shv_bodies_coupled_body(bodies, node->fragment)) return SHV_OK;
+    if (!bodies->obstacles || !meets_obstacles(bodies, node->fragment)) return SHV_OK;
     const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
     const double reach = contact->skin[node->speed_class] + contact->skin[SHV_SURFACE_OBSTACLES];
-    const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[obstacle], x, reach);
-    if (at.gap >= reach) return SHV_OK;
-    const ShvSurfaceCandidate candidate = {
-        .slot = slot, .facet = -1 - obstacle, .own_facet = -1, .duplicate_corner = -1};
-    return shv_surface_candidate_add(contact, bodies, &candidate, fmax(at.gap, 0.0), error);
+    for (int32_t k = 0; k < bodies->obstacles->count; k++) {
+        const ShvSurfacePoint at = shv_obstacle_closest(&bodies->obstacles->items[k], x, reach);
+        if (at.gap >= reach) continue;
+        const ShvSurfaceCandidate candidate = {.slot = slot, .facet = -1 - k, .own_facet = -1, .duplicate_corner = -1};
+        SHV_TRY(shv_surface_candidate_add(contact, bodies, &candidate, fmax(at.gap, 0.0), error));
+    }
+    return SHV_OK;
 }
 
 /* With each feature that is near. */
-static ShvStatus pair_coupled_facet(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
-                                    int32_t place, ShvError *error)
+static ShvStatus pair_facet_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
+                                     int32_t place, ShvError *error)
 {
     const ShvObstacle *other = &bodies->obstacles->items[obstacle];
     const ShvSurfaceFacet *facet = &contact->list.facets[place];
-    if (!shv_bodies_coupled_body(bodies, facet->fragment)) return SHV_OK;
     const ShvFacetShape shape = shv_surface_facet_shape(bodies, facet->element, facet->face, facet->fragment);
     const double margin = contact->skin[facet->speed_class] + contact->skin[SHV_SURFACE_OBSTACLES];
     ShvFeatureRange range;
@@ -135,12 +142,12 @@ static ShvStatus pair_coupled_facet(ShvSurfaceContact *contact, const ShvSurface
     return SHV_OK;
 }
 
-ShvStatus shv_surface_pair_obstacle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t obstacle,
-                                    ShvError *error)
+ShvStatus shv_surface_pair_facet_obstacles(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t place,
+                                           ShvError *error)
 {
-    for (int32_t slot = 0; slot < contact->list.node_count; slot++)
-        SHV_TRY(pair_coupled_node(contact, bodies, obstacle, slot, error));
-    for (int32_t k = 0; bodies->obstacles->items[obstacle].feature_count > 0 && k < contact->list.facet_count; k++)
-        SHV_TRY(pair_coupled_facet(contact, bodies, obstacle, k, error));
+    if (!bodies->obstacles || !meets_obstacles(bodies, contact->list.facets[place].fragment)) return SHV_OK;
+    for (int32_t k = 0; k < bodies->obstacles->count; k++)
+        if (bodies->obstacles->items[k].feature_count > 0)
+            SHV_TRY(pair_facet_obstacle(contact, bodies, k, place, error));
     return SHV_OK;
 }

@@ -1,5 +1,4 @@
 /* How far what is listed may go until candidates are chosen anew, and whether it has. */
-#include "contact/candidates.h"
 #include "contact/surface_candidates.h"
 
 enum { STEPS_TO_LAST = 256 };
@@ -18,13 +17,18 @@ static ShvVec3 against_frame(const ShvSurfaceContact *contact, ShvVec3 velocity)
     return shv_sub(velocity, contact->drift);
 }
 
-/* Of obstacles; those that stand move against the frame too. */
+/* Of any point of an obstacle, which may fall in the step; those that stand move against the frame too. */
 static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     double largest = 0.0;
-    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++)
-        largest = fmax(largest, shv_candidates_obstacle_speed(&bodies->obstacles->items[k]) + shv_norm(contact->drift));
-    return largest;
+    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++) {
+        const ShvObstacle *obstacle = &bodies->obstacles->items[k];
+        if (obstacle->motion == SHV_OBSTACLE_FIXED) continue;
+        const double speed =
+            shv_norm(obstacle->velocity) + shv_norm(obstacle->angular_velocity) * obstacle->bounding_radius;
+        largest = fmax(largest, speed + bodies->state->last_step * contact->gravity);
+    }
+    return largest + shv_norm(contact->drift);
 }
 
 /* No node of it is faster against the frame, m/s. */
@@ -34,7 +38,7 @@ static double coupled_body_speed(const ShvSurfaceContact *contact, const ShvCoup
            shv_norm(coupled_body->angular_velocity) * coupled_body->radius;
 }
 
-void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
+void shv_surface_measure_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     double largest[SHV_SURFACE_SPEED_CLASSES] = {0.0};
     for (int32_t k = 0; k < contact->watched_count; k++) {
@@ -55,28 +59,30 @@ void shv_surface_candidates_advance(ShvSurfaceContact *contact, const ShvSurface
 }
 
 /* Whether something may leave its skin before speeds are read next; twice the speeds are allowed for. */
-static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead,
-                                  double gravity)
+static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead)
 {
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
         if (!bodies->coupled_bodies[i]) continue;
         const ShvSurfaceFragment *motion = &contact->fragments[i];
-        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * gravity;
+        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * contact->gravity;
         if (!(motion->path + ahead * speed <= contact->skin[motion->speed_class])) return true;
     }
     return false;
 }
 
 int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                                const ShvSurfaceNode *node, double step, double gravity, int32_t most)
+                                const ShvSurfaceNode *node, double step, int32_t most)
 {
-    const double time = bodies->state->time - contact->built_time;
+    const double time = bodies->state->time - contact->built_time, skin = contact->skin[node->speed_class];
     const ShvVec3 x = shv_state_position(bodies->state, node->node);
     const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
-    const double gone = shv_norm(shv_madd(shv_sub(x, node->from), -time, contact->drift)), speed = shv_norm(v);
+    const ShvVec3 path = shv_madd(shv_sub(x, node->from), -time, contact->drift);
     double ahead = 2.0 * most * step;
-    while (most > 0 && !(gone + ahead * (speed + ahead * gravity) <= contact->skin[node->speed_class]))
-        ahead = 2.0 * (most /= 2) * step;
+    const double room = skin - ahead * ahead * contact->gravity;
+    /* (a + b)² ≤ 2 a² + 2 b²: most need no root */
+    if (room > 0.0 && 2.0 * (shv_dot(path, path) + ahead * ahead * shv_dot(v, v)) <= room * room) return most;
+    const double gone = shv_norm(path), speed = shv_norm(v);
+    while (most > 0 && !(gone + ahead * (speed + ahead * contact->gravity) <= skin)) ahead = 2.0 * (most /= 2) * step;
     return most;
 }
 
@@ -87,7 +93,7 @@ static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
 }
 
 /* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
-static int32_t beats_for(const ShvSurfaceContact *contact, double step)
+static int32_t detection_interval_for(const ShvSurfaceContact *contact, double step)
 {
     const double share = 0.1; /* of a facet's size: twice the way of both sides from one detection to the next */
     double fastest = 0.0;
@@ -97,22 +103,22 @@ static int32_t beats_for(const ShvSurfaceContact *contact, double step)
     return steps >= SHV_SURFACE_DETECTION_INTERVAL ? SHV_SURFACE_DETECTION_INTERVAL : steps >= 1.0 ? (int32_t)steps : 1;
 }
 
-bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double gravity)
+bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvState *state = bodies->state;
     if (state->time == contact->seen_time) return false;
     contact->seen_time = state->time;
-    shv_surface_candidates_advance(contact, bodies);
+    shv_surface_measure_speeds(contact, bodies);
     for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
         if (bodies->coupled_bodies[i])
             contact->fragments[i].path += state->last_step * coupled_body_speed(contact, bodies->coupled_bodies[i]);
     if (++contact->steps_since_detection >= contact->detection_interval) {
         contact->steps_since_detection = 0;
-        contact->detection_interval = beats_for(contact, state->last_step);
+        contact->detection_interval = detection_interval_for(contact, state->last_step);
     }
-    if (--contact->rest > 0) return false;
-    return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step, gravity) ||
+    if (--contact->steps_to_check > 0) return false;
+    return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step) ||
            obstacles_outrun(contact, 2.0 * SHV_SURFACE_STEPS_BETWEEN_CHECKS * state->last_step);
 }
 
@@ -182,7 +188,7 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
     const double least = 0.04;
     choose_frame(contact, bodies);
     contact->built_time = bodies->state->time;
-    contact->rest = 1;
+    contact->steps_to_check = 1;
     contact->size = mean_size(contact);
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);

@@ -46,7 +46,6 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     mark_batches(hybrid);
     if (hybrid->model.can_break) shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
-    shv_node_contact_invalidate(&hybrid->contact);
     hybrid->stabiliser.stale = true;
     if (hybrid->awake.count > 0) hybrid->steps.bulk = shv_solid_stable_step(&hybrid->solid, NULL);
     hybrid->awake.stale = false;
@@ -61,7 +60,6 @@ ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error)
     list_nodes(hybrid);
     if (hybrid->scene->fracture.criterion == SHV_CRITERION_PRINCIPAL) /* whose nodes are other ones now */
         shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
-    shv_node_contact_follow(&hybrid->contact);
     hybrid->stabiliser.stale = true;
     return SHV_OK;
 }

@@ -56,7 +56,10 @@ ShvSurfaceBodies shv_hybrid_bodies(ShvHybrid *hybrid)
                               .coupled_bodies =
                                   hybrid->coupling.bodies.count > 0 ? hybrid->coupling.bodies.by_fragment : NULL,
                               .fragment_count = hybrid->fragments.count,
-                              .obstacles = &hybrid->obstacles};
+                              .obstacles = &hybrid->obstacles,
+                              .gravity = shv_load3(hybrid->gravity),
+                              .apart = !hybrid->coupling.mutual,
+                              .barred = hybrid->stabiliser.active};
 }
 
 /* ---- coming and going ---- */

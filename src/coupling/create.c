@@ -103,11 +103,6 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(require_stable(hybrid, error));
     if (hybrid->model.can_break) SHV_TRY(create_fracture(hybrid, error));
     SHV_TRY(shv_obstacles_create(&hybrid->obstacles, hybrid->memory, scene, folder, error));
-    shv_node_contact_create(&hybrid->contact, hybrid->memory);
-    shv_node_contact_know_surface(&hybrid->contact,
-                                  (ShvNodeSurface){.model = &hybrid->model,
-                                                   .cohesive = hybrid->model.can_break ? &hybrid->cohesive : NULL,
-                                                   .awake = &hybrid->awake.flags});
     SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
     if (hybrid->model.can_break && scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS)
@@ -143,7 +138,6 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_fragments_release(&hybrid->fragments);
     shv_imposed_release(&hybrid->imposed);
     shv_probes_release(&hybrid->probes);
-    shv_node_contact_release(&hybrid->contact);
     shv_surface_contact_release(&hybrid->coupling.surface);
     shv_coupled_bodies_release(hybrid);
     shv_obstacles_release(&hybrid->obstacles);

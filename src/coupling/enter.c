@@ -95,7 +95,6 @@ static double obstacle_energy(const ShvHybrid *hybrid, const ShvObstacle *obstac
 
 static void changed(ShvHybrid *hybrid)
 {
-    shv_node_contact_invalidate(&hybrid->contact);
     shv_surface_contact_invalidate(&hybrid->coupling.surface);
     hybrid->awake.stale = true; /* what is dormant goes on: it sees what comes near */
 }

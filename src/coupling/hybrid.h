@@ -12,7 +12,6 @@
 #include "base/timer.h"
 #include "cohesive/cohesive.h"
 #include "conditions/imposed.h"
-#include "contact/node_contact.h"
 #include "contact/surface_contact.h"
 #include "fragment/fragment.h"
 #include "fragment/free_rotation.h"
@@ -177,7 +176,6 @@ typedef struct ShvHybrid {
     double obstacle_time;      /* s: time to which free ones have been moved */
     uint8_t *waiting;          /* per obstacle: it is not in the scene; NULL: all are */
     ShvVec3 waiting_direction; /* whither they wait, of unit length */
-    ShvNodeContact contact;
     ShvObstacleContact obstacle_contact;
 
     ShvFragments fragments;
@@ -244,12 +242,10 @@ ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *erro
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
 void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
-/* rest.c; and between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold
-   it). */
-/* What has dissipated in a body that wakes now, after shv_waking_contact_begin. */
+/* rest.c: what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
+   start, in its pose, and its motion; how long after its last crack a body that wakes now goes to rest at the latest, s; those that
+   may rest do; between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold it). */
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
-/* How long after its last crack a body that wakes now goes to rest at the latest, s. */
-/* Nodes of a fragment get its shape at the start, in its pose, and its motion. */
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
@@ -267,10 +263,8 @@ ShvStatus shv_hybrid_forces(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error);
 double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit);
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
-/* Parts that both kicks share: cohesive tractions and closing faces; surfaces that meet; works of cohesion and conditions. */
+/* Parts that both kicks share: cohesive tractions and closing faces; works of cohesion, contact and conditions. */
 void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
-ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error);
-ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
 /* coupled_bodies.c: room for the present fragments; who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
    step, and back, with the kinetic energy of the time. */

@@ -99,7 +99,6 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, solid, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, cohesive, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, obstacles, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvHybrid, contact, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, coupling.surface, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, coupling.bodies, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, imposed, SHV_FIELD_KEPT),
@@ -116,7 +115,6 @@ bool shv_hybrid_archive(ShvHybrid *hybrid, ShvArchive *archive)
 {
     const bool good = archive_rest(hybrid, archive) && shv_state_archive(&hybrid->state, archive) &&
                       archive_solid(&hybrid->solid, archive) && shv_obstacles_archive(&hybrid->obstacles, archive) &&
-                      shv_node_contact_archive(&hybrid->contact, archive) &&
                       shv_surface_contact_archive(&hybrid->coupling.surface, archive) &&
                       archive_coupled_bodies(&hybrid->coupling.bodies, archive) &&
                       shv_imposed_archive(&hybrid->imposed, archive) && archive_probes(&hybrid->probes, archive) &&

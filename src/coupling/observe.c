@@ -36,9 +36,8 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
         ghost->obstacle_angular = shv_madd(ghost->obstacle_angular, 0.5, turn);
     }
     /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
-    ghost->obstacle_exchange =
-        hybrid->stabiliser.active ? 0.5 * hybrid->stabiliser.relax.obstacle_work : hybrid->contact.obstacle_work[0];
-    if (hybrid->coupling.mutual) ghost->obstacle_exchange += hybrid->coupling.surface.obstacle_work[0];
+    ghost->obstacle_exchange = hybrid->coupling.surface.obstacle_work[0];
+    if (hybrid->stabiliser.active) ghost->obstacle_exchange += 0.5 * hybrid->stabiliser.relax.obstacle_work;
 }
 
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
@@ -96,33 +95,6 @@ void shv_hybrid_resume(ShvHybrid *hybrid)
            3 * (size_t)hybrid->state.node_count * sizeof(double));
 }
 
-static void add_momentum(ShvLedgerView *balance, ShvVec3 position, ShvVec3 momentum, ShvVec3 spin)
-{
-    shv_add_to3(balance->momentum, momentum);
-    shv_add_to3(balance->angular_momentum, shv_add(spin, shv_cross(position, momentum)));
-}
-
-/* A fragment whose nodes are the state in flight. */
-static void add_flying_nodes(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
-{
-    ShvVec3 momentum, angular;
-    double kinetic;
-    shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
-    balance->kinetic += kinetic;
-    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
-    shv_add_to3(balance->momentum, momentum);
-    shv_add_to3(balance->angular_momentum, angular);
-}
-
-static void add_flying(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
-{
-    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    const ShvVec3 spin = shv_apply(&inertia, fragment->angular_velocity);
-    if (!fragment->coupled) balance->kinetic += shv_fragment_kinetic(fragment);
-    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
-    add_momentum(balance, fragment->position, shv_scale(fragment->velocity, fragment->mass), spin);
-}
-
 static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
 {
     const ShvState *state = &hybrid->state;
@@ -135,7 +107,8 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
         const ShvVec3 x = shv_state_position(state, node);
         const ShvVec3 momentum = shv_scale(shv_load3(state->velocity + 3 * (int64_t)node), state->mass[node]);
         balance->gravity_potential -= state->mass[node] * shv_dot(gravity, x);
-        add_momentum(balance, x, momentum, shv_vec3(0.0, 0.0, 0.0));
+        shv_add_to3(balance->momentum, momentum);
+        shv_add_to3(balance->angular_momentum, shv_cross(x, momentum));
     }
     balance->strain += shv_solid_strain_energy(&hybrid->solid, state);
 }
@@ -156,10 +129,17 @@ static void add_kept_strain(const ShvHybrid *hybrid, ShvLedgerView *balance, con
 /* Whatever is not awake. */
 static void add_fragment(const ShvHybrid *hybrid, ShvLedgerView *balance, const ShvFragment *fragment)
 {
-    if (fragment->mode == SHV_MODE_BINNED)
-        balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
-    if (fragment->mode != SHV_MODE_FLIGHT) return;
-    (hybrid->backend->keeps_nodes ? add_flying_nodes : add_flying)(hybrid, balance, fragment);
+    double momentum[3], angular[3];
+    if (fragment->mode != SHV_MODE_BINNED && fragment->mode != SHV_MODE_FLIGHT) return;
+    balance->gravity_potential -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), fragment->position);
+    if (fragment->mode == SHV_MODE_BINNED) return;
+    if (!fragment->coupled) balance->kinetic += shv_hybrid_kinetic_in_flight(hybrid, fragment);
+    if (hybrid->backend->keeps_nodes)
+        shv_audit_nodes(hybrid, fragment, momentum, angular, NULL);
+    else
+        shv_audit_rigid(fragment, momentum, angular);
+    shv_add_to3(balance->momentum, shv_load3(momentum));
+    shv_add_to3(balance->angular_momentum, shv_load3(angular));
     add_kept_strain(hybrid, balance, fragment);
 }
 

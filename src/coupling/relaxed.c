@@ -79,11 +79,12 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(refresh_bars(hybrid, error));
     SHV_TRY(mark_fixed(hybrid, error));
     SHV_TRY(shv_relax_begin(&hybrid->stabiliser.relax, state, awake->nodes, awake->node_count, error));
-    SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    SHV_TRY(shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
     shv_hybrid_pull_and_close(hybrid, kick, after);
-    SHV_TRY(shv_hybrid_resolve_contact(hybrid, after, error));
+    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     const ShvRelaxStep step = settings_of(hybrid, after);
     SHV_TRY(relax_or_explain(hybrid, &step, error));

@@ -28,11 +28,9 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
     const ShvImposed *imposed = &hybrid->imposed;
     ShvLedger *ledger = &hybrid->observer.ledger;
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
-    if (hybrid->coupling.mutual) {
-        const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-        shv_surface_contact_book(&hybrid->coupling.surface, &bodies);
-        shv_surface_contact_book_ledger(&hybrid->coupling.surface, ledger);
-    }
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    shv_surface_contact_book(&hybrid->coupling.surface, &bodies);
+    shv_surface_contact_book_ledger(&hybrid->coupling.surface, ledger);
     shv_ledger_book(ledger, SHV_WORK_CONSTRAINT, imposed->constraint_work[0], imposed->constraint_work[1]);
     shv_ledger_book(ledger, SHV_WORK_TRACTION, imposed->traction_work[0], imposed->traction_work[1]);
 }
@@ -44,31 +42,6 @@ void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after)
     shv_cohesive_close(&hybrid->cohesive, &hybrid->state, kick, after);
 }
 
-ShvStatus shv_hybrid_detect_contact(ShvHybrid *hybrid, double after, ShvError *error)
-{
-    if (!hybrid->coupling.mutual) return SHV_OK;
-    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-    return shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, hybrid->gravity, error);
-}
-
-ShvStatus shv_hybrid_resolve_contact(ShvHybrid *hybrid, double after, ShvError *error)
-{
-    if (!hybrid->coupling.mutual) return SHV_OK;
-    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
-    const double start = shv_now();
-    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
-    shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
-    return SHV_OK;
-}
-
-static void book_contact(ShvHybrid *hybrid)
-{
-    ShvNodeContact *contact = &hybrid->contact;
-    shv_node_contact_book(contact, &hybrid->state);
-    shv_node_contact_book_ledger(contact, &hybrid->observer.ledger);
-    shv_ledger_book(&hybrid->observer.ledger, SHV_WORK_CONTACT, contact->obstacle_work[0], contact->obstacle_work[1]);
-}
-
 ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
     if (hybrid->stabiliser.active) return shv_hybrid_kick_relaxed(hybrid, before, after, error);
@@ -77,25 +50,21 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     const double kick = 0.5 * (before + after);
     shv_ledger_begin_step(&hybrid->observer.ledger);
     double start = shv_now();
-    SHV_TRY(shv_hybrid_detect_contact(hybrid, after, error));
-    SHV_TRY(shv_node_contact_begin(&hybrid->contact, state, &hybrid->obstacles, awake->nodes, awake->node_count, after,
-                                   hybrid->gravity, error));
+    const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
+    SHV_TRY(shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);
     shv_hybrid_pull_and_close(hybrid, kick, after);
     start = shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
-    SHV_TRY(shv_hybrid_resolve_contact(hybrid, after, error));
-    start = shv_now();
-    SHV_TRY(shv_node_contact_apply(&hybrid->contact, state, &hybrid->obstacles, after, hybrid->gravity, error));
+    SHV_TRY(shv_surface_contact_apply(&hybrid->coupling.surface, &bodies, after, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
     /* What closing and contact changed, the law must answer: its work is that of the openings that really come. */
     if (hybrid->model.can_break) shv_cohesive_pull(&hybrid->cohesive, state, kick, after);
     shv_costs_add(&hybrid->costs, SHV_COST_COHESIVE, start);
     shv_imposed_apply(&hybrid->imposed, state, before, after);
     shv_hybrid_book_forces(hybrid, after);
-    book_contact(hybrid);
     return SHV_OK;
 }
 
@@ -122,8 +91,8 @@ static ShvStatus observe_now_and_then(ShvHybrid *hybrid, ShvError *error)
 /* Whether obstacles pushed nodes in the step just kicked, and with what impulse. */
 static bool pushed_by_obstacles(const ShvHybrid *hybrid, ShvVec3 *impulse)
 {
-    *impulse = hybrid->stabiliser.active ? shv_vec3(0.0, 0.0, 0.0) : hybrid->contact.impulse;
-    if (!hybrid->stabiliser.active) return hybrid->contact.touching > 0;
+    *impulse = hybrid->coupling.surface.push;
+    if (!hybrid->stabiliser.active) return hybrid->coupling.surface.pushed > 0;
     const ShvRelax *relax = &hybrid->stabiliser.relax;
     for (int32_t i = 0; i < relax->touch_count; i++)
         if (relax->touches[i].push > 0.0)
@@ -149,8 +118,7 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
     if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
     SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
     const ShvRelax *relax = hybrid->stabiliser.active ? &hybrid->stabiliser.relax : NULL;
-    const ShvSurfaceContact *surface = hybrid->coupling.mutual ? &hybrid->coupling.surface : NULL;
-    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->contact, surface, relax, &hybrid->imposed);
+    if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->coupling.surface, relax, &hybrid->imposed);
     return SHV_OK;
 }
 

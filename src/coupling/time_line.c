@@ -126,7 +126,7 @@ static ShvStatus synchronise_now(ShvHybrid *hybrid, ShvError *error)
 static void resume_now(ShvHybrid *hybrid)
 {
     if (hybrid->awake.count > 0) shv_hybrid_resume(hybrid);
-    shv_node_contact_invalidate(&hybrid->contact);
+    shv_surface_contact_invalidate(&hybrid->coupling.surface);
 }
 
 /* `value`: as the log tells it. */

@@ -77,17 +77,16 @@ void shv_waking_contact_follow(ShvHybrid *hybrid)
 {
     const ShvState *state = &hybrid->state;
     if (!hybrid->model.can_break) return; /* nothing then has corners to find a node's fragment by */
-    for (int32_t k = 0; k < hybrid->contact.touching && !hybrid->stabiliser.active; k++) {
-        const ShvNodeTouch *touch = &hybrid->contact.touches[k];
-        note(hybrid, fragment_of(state, touch->node), touch->obstacle, -1, touch->normal_impulse);
-    }
     for (int32_t k = 0; k < hybrid->stabiliser.relax.touch_count && hybrid->stabiliser.active; k++) {
         const ShvRelaxTouch *touch = &hybrid->stabiliser.relax.touches[k];
         note(hybrid, fragment_of(state, touch->node), touch->obstacle, -1, touch->normal_impulse);
     }
-    for (int32_t k = 0; k < hybrid->coupling.surface.pair_count && hybrid->coupling.mutual; k++) {
+    for (int32_t k = 0; k < hybrid->coupling.surface.pair_count; k++) {
         const ShvFacetPair *pair = &hybrid->coupling.surface.pairs[k];
-        if (pair->element < 0) continue; /* a coupled body's contact with an obstacle */
+        if (pair->element < 0) {
+            note(hybrid, pair->fragments[0], -1 - pair->element, -1, pair->normal_impulse);
+            continue;
+        }
         note(hybrid, pair->fragments[0], -1, pair->fragments[1], pair->normal_impulse);
         note(hybrid, pair->fragments[1], -1, pair->fragments[0], pair->normal_impulse);
     }

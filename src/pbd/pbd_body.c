@@ -85,10 +85,9 @@ static ShvStatus find_turn(ShvPbdBody *body, const ShvRigidWorld *world, double 
     const ShvFreeRotation rotation = shv_free_rotation_make(&field->inertia);
     const ShvQuat start = shv_quat_identity();
     const double turn = step * shv_free_rotation_fastest(&rotation, start, field->angular_momentum);
-    if (!(turn <= SHV_LARGEST_ROTATION))
-        return shv_fail(error, SHV_DIVERGED,
-                        "Fragment %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.",
-                        (int)fragment_of(body, world)->id, turn, step);
+    const ShvFragment *fragment = fragment_of(body, world);
+    SHV_TRY(shv_rigid_check_motion("fragment", fragment->id, fragment->position, fragment->velocity,
+                                   fragment->angular_velocity, turn, error));
     if (turn == 0.0) return SHV_OK;
     body->rotation = shv_free_rotation_advance(&rotation, start, field->angular_momentum, step);
     body->spin = shv_free_rotation_velocity(&rotation, body->rotation, field->angular_momentum);

@@ -313,37 +313,22 @@ static bool is_touched(const ShvSampledProbe *probe, const ShvState *state, int3
     return probe->obstacle >= 0 ? obstacle == probe->obstacle : is_chosen(probe, state->origin[node]);
 }
 
-/* N·s on the probe's nodes, or by all nodes on its obstacle the other way round. */
-static ShvVec3 touch_impulse(const ShvSampledProbe *probe, const ShvNodeContact *contact, const ShvRelax *relax,
-                             const ShvState *state)
+/* N·s on the probe's nodes by obstacles, other bodies and faces of cracks that meet again; or by its obstacle on all that it meets. */
+static ShvVec3 contact_impulse(const ShvSampledProbe *probe, const ShvSurfaceContact *contact, const ShvRelax *relax,
+                               const ShvState *state)
 {
     ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; !relax && k < contact->touching; k++) {
-        const ShvNodeTouch *touch = &contact->touches[k];
-        if (is_touched(probe, state, touch->node, touch->obstacle))
-            impulse = shv_add(impulse, shv_madd(touch->friction, touch->normal_impulse, touch->normal));
-    }
     for (int32_t k = 0; relax && k < relax->touch_count; k++) {
         const ShvRelaxTouch *touch = &relax->touches[k];
         if (touch->push > 0.0 && is_touched(probe, state, touch->node, touch->obstacle))
             impulse = shv_add(impulse, shv_add(touch->friction, touch->impulse));
     }
-    return impulse;
-}
-
-/* N·s by other bodies, and by faces of cracks that meet again, on the probe's nodes; of an obstacle's probe by its obstacle on
-   coupled bodies. */
-static ShvVec3 contact_pair_impulse(const ShvSampledProbe *probe, const ShvSurfaceContact *surface,
-                                    const ShvState *state)
-{
-    ShvVec3 impulse = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < surface->pair_count; k++) {
-        const ShvFacetPair *pair = &surface->pairs[k];
+    for (int32_t k = 0; k < contact->pair_count; k++) {
+        const ShvFacetPair *pair = &contact->pairs[k];
         const ShvVec3 given = shv_madd(pair->friction, pair->normal_impulse, pair->normal);
-        if (is_touched(probe, state, pair->node, -1 - pair->element))
-            impulse = shv_madd(impulse, 1.0 - pair->share, given);
-        if (pair->end >= 0 && is_touched(probe, state, pair->end, -1 - pair->element))
-            impulse = shv_madd(impulse, pair->share, given);
+        for (int c = 0; c < pair->node_count; c++)
+            if (is_touched(probe, state, pair->nodes[c], -1 - pair->element))
+                impulse = shv_madd(impulse, pair->shares[c], given);
         for (int c = 0; c < 3 && pair->element >= 0 && probe->obstacle < 0; c++)
             if (is_chosen(probe, state->origin[pair->corners[c]]))
                 impulse = shv_add(impulse, shv_facet_pair_share(pair, c, given));
@@ -372,8 +357,7 @@ static void synchronise(double velocity[3], ShvVec3 after, double share)
 }
 
 void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before, double after,
-                    const ShvNodeContact *contact, const ShvSurfaceContact *surface, const ShvRelax *relax,
-                    const ShvImposed *imposed)
+                    const ShvSurfaceContact *contact, const ShvRelax *relax, const ShvImposed *imposed)
 {
     const ShvState *state = scene->state;
     const double kick = 0.5 * (before + after), share = before / (before + after);
@@ -387,8 +371,7 @@ void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before
                              : mean_of(probe, state, state->velocity),
                     share);
         if (probe->definition->kind != SHV_PROBE_POINT) {
-            ShvVec3 impulse = touch_impulse(probe, contact, relax, state);
-            if (surface) impulse = shv_add(impulse, contact_pair_impulse(probe, surface, state));
+            const ShvVec3 impulse = contact_impulse(probe, contact, relax, state);
             shv_store3(sample->contact, shv_scale(impulse, (obstacle ? -1.0 : 1.0) / kick));
         }
         if (probe->definition->kind == SHV_PROBE_NODES)

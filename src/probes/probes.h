@@ -4,7 +4,6 @@
 #define SHV_PROBES_PROBES_H
 
 #include "conditions/imposed.h"
-#include "contact/node_contact.h"
 #include "contact/surface_contact.h"
 #include "fragment/fragment.h"
 #include "pbd/relax.h"
@@ -53,11 +52,10 @@ void shv_probes_release(ShvProbes *probes);
 bool shv_probes_due(ShvProbes *probes, const ShvState *state);
 /* Before the kick of a step: begins a row. Samples of bodies that are not wholly awake are NaN. */
 ShvStatus shv_probes_begin(ShvProbes *probes, const ShvProbeScene *scene, const uint8_t *awake, ShvError *error);
-/* After the kick between steps of `before` and `after` seconds: completes the row. Obstacles push by `relax` where bars are, else
-   (`relax` NULL) by `contact`; bodies meet by `surface` (NULL: they do not). */
+/* After the kick between steps of `before` and `after` seconds: completes the row. `relax`: pushes of obstacles where bars are, NULL
+   elsewhere. */
 void shv_probes_end(ShvProbes *probes, const ShvProbeScene *scene, double before, double after,
-                    const ShvNodeContact *contact, const ShvSurfaceContact *surface, const ShvRelax *relax,
-                    const ShvImposed *imposed);
+                    const ShvSurfaceContact *contact, const ShvRelax *relax, const ShvImposed *imposed);
 /* A row of the probes whose bodies fly, if there are such; all of them and the obstacles when `none_awake`. `keeps_nodes`: the
    nodes of what flies are in the state. */
 ShvStatus shv_probes_fly(ShvProbes *probes, const ShvProbeScene *scene, bool none_awake, bool keeps_nodes,

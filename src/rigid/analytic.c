@@ -87,19 +87,10 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
 
 static ShvStatus check_motion(const ShvFlightBody *body, const ShvFragment *fragment, double step, ShvError *error)
 {
-    if (!shv_finite3(fragment->position) || !shv_finite3(fragment->velocity) ||
-        !shv_finite3(fragment->angular_velocity))
-        return shv_fail(error, SHV_DIVERGED,
-                        "The motion of fragment %d is not finite any more: use a smaller rigid.time_step or check its "
-                        "velocities.",
-                        (int)fragment->id);
     const double turn =
         step * shv_free_rotation_fastest(&body->rotation, fragment->orientation, body->angular_momentum);
-    if (!(turn <= SHV_LARGEST_ROTATION))
-        return shv_fail(error, SHV_DIVERGED,
-                        "Fragment %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.",
-                        (int)fragment->id, turn, step);
-    return SHV_OK;
+    return shv_rigid_check_motion("fragment", fragment->id, fragment->position, fragment->velocity,
+                                  fragment->angular_velocity, turn, error);
 }
 
 /* Moves one body; *woke tells whether it leaves flight. */

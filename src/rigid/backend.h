@@ -68,6 +68,11 @@ struct ShvRigidBackend {
                               contacts' impulses, and the caller moves them over the same step (shv_obstacles_advance) */
 };
 
+/* Refuses what is not finite, or turns by more than SHV_LARGEST_ROTATION, rad, in the step. `kind`: "fragment" or "obstacle". */
+ShvStatus shv_rigid_check_motion(const char *kind, int32_t number, ShvVec3 position, ShvVec3 velocity, ShvVec3 spin,
+                                 double turn, ShvError *error);
+ShvStatus shv_rigid_check_mass(const ShvFragment *fragment, ShvError *error);
+
 /* Room in a block of a backend. */
 #define SHV_BACKEND_RESERVE(backend, block, room, wanted, what, error)                                                 \
     SHV_RESERVE((backend)->world.fragments->memory, SHV_PART_RIGID, (block), (room), (wanted), (what), (error))

@@ -91,18 +91,9 @@ static void take_out(ShvRigidBackend *backend, int32_t fragment)
 
 static ShvStatus check_motion(const ShvBullet *bullet, const ShvBulletRigidBody *body, ShvError *error)
 {
-    const char *kind = body->fragment >= 0 ? "fragment" : "obstacle";
-    const int number = (int)(body->fragment >= 0 ? body->fragment : body->obstacle);
-    if (!shv_finite3(body->position) || !shv_finite3(body->velocity) || !shv_finite3(body->spin))
-        return shv_fail(error, SHV_DIVERGED,
-                        "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
-                        "velocities.",
-                        kind, number);
-    if (!(body->fastest * bullet->step <= SHV_LARGEST_ROTATION))
-        return shv_fail(error, SHV_DIVERGED,
-                        "The %s %d turns by %.3g rad in one rigid step of %.3g s: use a smaller rigid.time_step.", kind,
-                        number, body->fastest * bullet->step, bullet->step);
-    return SHV_OK;
+    const bool fragment = body->fragment >= 0;
+    return shv_rigid_check_motion(fragment ? "fragment" : "obstacle", fragment ? body->fragment : body->obstacle,
+                                  body->position, body->velocity, body->spin, body->fastest * bullet->step, error);
 }
 
 static bool same_gravity(const ShvBullet *bullet, const ShvBulletRigidBody *body)

@@ -24,9 +24,7 @@ ShvStatus shv_bullet_body_fragment(ShvBulletRigidBody *body, ShvBulletWorld *bul
                                  .mass = record->mass,
                                  .dust = record->dust,
                                  .born = true};
-    if (!(record->mass > 0.0) || !isfinite(record->mass))
-        return shv_fail(error, SHV_BAD_INPUT, "fragment %d has the mass %g kg and cannot fly: check the density",
-                        (int)record->id, record->mass);
+    SHV_TRY(shv_rigid_check_mass(record, error));
     body->rotation = shv_free_rotation_make(&record->inertia);
     SHV_TRY(shv_convex_pieces_make(&body->pieces, world->fragments, world->model, world->state, fragment, error));
     const ShvStatus status = add_pieces(body, bullet, error);

@@ -146,9 +146,7 @@ static ShvStatus add(ShvRigidBackend *backend, int32_t fragment, ShvError *error
     BulletPlain *plain = (BulletPlain *)backend;
     const ShvRigidWorld *world = &backend->world;
     const ShvFragment *record = &world->fragments->items[fragment];
-    if (!(record->mass > 0.0) || !isfinite(record->mass))
-        return shv_fail(error, SHV_BAD_INPUT, "fragment %d has the mass %g kg and cannot fly: check the density",
-                        (int)record->id, record->mass);
+    SHV_TRY(shv_rigid_check_mass(record, error));
     SHV_TRY(reserve_body(plain, obstacle_count(plain) + fragment, error));
     ShvConvexPieces pieces;
     SHV_TRY(shv_convex_pieces_make(&pieces, world->fragments, world->model, world->state, fragment, error));
@@ -231,12 +229,10 @@ static double energy(const BulletPlain *plain, int32_t number)
 static ShvStatus check_motion(const BulletPlain *plain, int32_t number, ShvError *error)
 {
     const PlainBody *body = &plain->bodies[number];
-    if (shv_finite3(body->position) && shv_finite3(body->velocity) && shv_finite3(body->spin)) return SHV_OK;
     const bool fragment = fragment_of(plain, number) != NULL;
-    return shv_fail(error, SHV_DIVERGED,
-                    "The motion of %s %d is not finite any more: use a smaller rigid.time_step or check its "
-                    "velocities.",
-                    fragment ? "fragment" : "obstacle", (int)(fragment ? number - obstacle_count(plain) : number));
+    return shv_rigid_check_motion(fragment ? "fragment" : "obstacle",
+                                  fragment ? number - obstacle_count(plain) : number, body->position, body->velocity,
+                                  body->spin, 0.0, error);
 }
 
 static ShvStatus begin(BulletPlain *plain, ShvVec3 gravity, ShvError *error)

@@ -21,7 +21,6 @@ typedef struct Surfaces {
     ShvSolid solid;
     ShvCohesive cohesive;
     ShvObstacles obstacles;
-    ShvNodeContact floor_contact;
     ShvSurfaceContact contact;
     ShvCoupledBody coupled_body[MOST_FRAGMENTS];
     ShvCoupledBody *coupled_bodies[MOST_FRAGMENTS];
@@ -111,7 +110,6 @@ static inline void surfaces_relist(Surfaces *s)
     shv_release(seen);
     shv_release(s->before);
     s->before = shv_allocate(NULL, SHV_PART_GENERAL, 3 * (size_t)s->state.node_count, sizeof(double));
-    shv_node_contact_invalidate(&s->floor_contact);
 }
 static inline void surfaces_list_nodes(Surfaces *s)
 {
@@ -130,7 +128,6 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
     ShvObstacleDefinition plane = plane_definition("floor", shv_vec3(0.0, 0.0, 1.0), 0.0);
     plane.friction = friction;
     s->obstacles = make_obstacles(&plane, floor ? 1 : 0);
-    shv_node_contact_create(&s->floor_contact, s->memory);
     check_ok(shv_surface_contact_create(&s->contact, s->memory, &s->model, friction, &s->error), s->error);
     for (int32_t i = 0; i < s->model.object_count; i++) {
         s->awake[i] = 1;
@@ -149,7 +146,6 @@ static inline void surfaces_build(Surfaces *s, double friction, bool floor)
 static inline void surfaces_release(Surfaces *s)
 {
     shv_surface_contact_release(&s->contact);
-    shv_node_contact_release(&s->floor_contact);
     shv_obstacles_release(&s->obstacles);
     if (s->model.can_break) shv_cohesive_release(&s->cohesive);
     shv_solid_release(&s->solid);
@@ -279,8 +275,6 @@ static inline void surfaces_audit(Surfaces *s, const double *force, double kick,
     ShvLedger ledger = {0};
     if (s->model.can_break) shv_cohesive_book(&s->cohesive, &s->state, step, &ledger);
     shv_surface_contact_book_ledger(&s->contact, &ledger);
-    shv_node_contact_book(&s->floor_contact, &s->state);
-    shv_node_contact_book_ledger(&s->floor_contact, &ledger);
     for (int i = 0; i < SHV_WORK_COUNT; i++) work += ledger.booked[i];
     for (int32_t k = 0; k < s->node_count; k++) {
         const int64_t i = 3 * (int64_t)s->nodes[k];
@@ -303,10 +297,8 @@ static inline void surfaces_kick(Surfaces *s, double step)
     memcpy(force, state->force, bytes);
     memcpy(s->before, state->velocity, bytes);
     const double bodies_before = coupled_bodies_kinetic(s);
-    check_ok(shv_surface_contact_begin(&s->contact, &s->bodies, step, s->gravity, &s->error), s->error);
-    check_ok(shv_node_contact_begin(&s->floor_contact, state, &s->obstacles, s->nodes, s->node_count, step, s->gravity,
-                                    &s->error),
-             s->error);
+    s->bodies.gravity = shv_load3(s->gravity);
+    check_ok(shv_surface_contact_begin(&s->contact, &s->bodies, step, &s->error), s->error);
     shv_motion_kick(state, s->nodes, s->node_count, kick, s->gravity, 1);
     ShvVec3 body_velocity[MOST_FRAGMENTS];
     ShvCoupledBody body_before[MOST_FRAGMENTS];
@@ -324,7 +316,6 @@ static inline void surfaces_kick(Surfaces *s, double step)
     check_ok(shv_surface_contact_apply(&s->contact, &s->bodies, step, &s->error), s->error);
     s->gain = fmax(s->gain, surfaces_kinetic(s, state->velocity) + coupled_bodies_kinetic(s) - kinetic);
     s->deepest = fmax(s->deepest, s->contact.deepest);
-    check_ok(shv_node_contact_apply(&s->floor_contact, state, &s->obstacles, step, s->gravity, &s->error), s->error);
     if (s->model.can_break) shv_cohesive_pull(&s->cohesive, state, kick, step);
     shv_surface_contact_book(&s->contact, &s->bodies);
     double gravity_work = 0.0;

@@ -88,7 +88,7 @@ static void internal_forces_keep_momentum(void **unused)
         state->displacement[3 * i + 2] += 0.01;
         state->velocity[3 * i + 2] += 1.0;
     }
-    shv_node_contact_invalidate(&hybrid.contact);
+    shv_surface_contact_invalidate(&hybrid.coupling.surface);
     const double opening = 2.0 * stage.material.fracture_energy / stage.material.cohesive_strength;
     double scale = 0.0;
     for (int32_t i = 0; i < state->node_count; i++)

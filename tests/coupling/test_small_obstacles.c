@@ -40,8 +40,9 @@ static double deepest(const ShvHybrid *hybrid)
 {
     const ShvObstacle *obstacle = &hybrid->obstacles.items[0];
     double depth = 0.0;
-    for (int32_t k = 0; k < hybrid->contact.boundary_count; k++) {
-        const int32_t element = hybrid->contact.boundary[k] / 4, face = hybrid->contact.boundary[k] % 4;
+    const ShvAdjacency *adjacency = &hybrid->model.adjacency;
+    for (int64_t k = adjacency->interior_count; k < adjacency->facet_count; k++) {
+        const int32_t element = adjacency->facet_elements[2 * k], face = adjacency->facet_faces[2 * k];
         if (!hybrid->awake.flags[hybrid->state.element_fragment[element]]) continue;
         ShvFacetShape facet = {.apex =
                                    shv_state_position(&hybrid->state, shv_state_node(&hybrid->state, element, face))};
