@@ -215,22 +215,25 @@ static inline void shv_wide_read_matrices(const double rows[8 * SHV_LANES], cons
 }
 
 /* Of every lane the mean over its six edges. */
-static inline void shv_block_mean_stress(const ShvSmoothedEdges *smoothing, int32_t block, ShvWide p[3][3])
+static inline void shv_block_find_mean(const ShvSmoothedEdges *smoothing, int32_t block)
 {
     _Alignas(64) double rows[8 * SHV_LANES], last[SHV_LANES];
     const ShvWide share = shv_wide_set1(1.0 / SHV_TET_EDGES);
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + lane);
+    const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * SHV_LANES * (int64_t)block;
+    double *mean = smoothing->mean + 9 * SHV_LANES * (int64_t)block;
+    ShvWide p[3][3];
+    for (int lane = 0; lane < SHV_LANES; lane++, domain += SHV_TET_EDGES) {
         ShvWide sum = shv_wide_load(smoothing->stress + 8 * (int64_t)domain[0]);
-        last[lane] = smoothing->stress_zz[domain[0]];
+        double own = smoothing->stress_zz[domain[0]];
         for (int k = 1; k < SHV_TET_EDGES; k++) {
             sum = shv_wide_add(sum, shv_wide_load(smoothing->stress + 8 * (int64_t)domain[k]));
-            last[lane] += smoothing->stress_zz[domain[k]];
+            own += smoothing->stress_zz[domain[k]];
         }
         shv_wide_store(rows + 8 * lane, sum);
+        last[lane] = own;
     }
     shv_wide_read_matrices(rows, last, p);
-    for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_mul(share, p[c / 3][c % 3]);
+    for (int c = 0; c < 9; c++) shv_wide_store(mean + c * SHV_LANES, shv_wide_mul(share, p[c / 3][c % 3]));
 }
 
 static inline ShvWide shv_block_mean_energy(const ShvSmoothedEdges *smoothing, int32_t block)
@@ -261,7 +264,8 @@ static inline void shv_batch_stress(const ShvSolid *solid, int32_t batch, ShvWid
 {
     const int32_t block = shv_batch_block(solid, batch);
     if (block >= 0) {
-        shv_block_mean_stress(&solid->smoothing, block, p);
+        const double *mean = solid->smoothing.mean + 9 * SHV_LANES * (int64_t)block;
+        for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_load(mean + c * SHV_LANES);
         return;
     }
     const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
