@@ -20,6 +20,7 @@ static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
         SHV_FIELD_OF(ShvSmoothedEdges, blocks, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvSmoothedEdges, batch_block, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvSmoothedEdges, edge_domain, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSmoothedEdges, lane_active, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, block_active, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSmoothedEdges, gradient, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSmoothedEdges, gradient_zz, SHV_FIELD_ROOM),

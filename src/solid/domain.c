@@ -106,6 +106,7 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
 {
     release_groups(smoothing);
     shv_release(smoothing->blocks);
+    shv_release(smoothing->lane_active);
     shv_release(smoothing->block_active);
     shv_release(smoothing->batch_block);
     shv_release(smoothing->gradient);
@@ -308,12 +309,36 @@ static ShvStatus fill_layout(ShvSolid *solid, const ShvState *state, ShvSmoothed
     return SHV_OK;
 }
 
+/* All tets round an edge are needed where one is. */
+static void follow_domain(const ShvSmoothedEdges *smoothing, int32_t domain)
+{
+    const int32_t count = shv_domain_edge_count(smoothing, domain);
+    uint8_t highest = SHV_ACTIVE_NOT, *group = &smoothing->group_active[domain / SHV_LANES];
+    for (int32_t i = 0; i < count; i++) {
+        const uint8_t own = smoothing->lane_active[*shv_domain_member(smoothing, domain, i)];
+        if (own > highest) highest = own;
+    }
+    if (highest > *group) *group = highest;
+    for (int32_t i = 0; i < count; i++) {
+        uint8_t *block = &smoothing->block_active[*shv_domain_member(smoothing, domain, i) / SHV_LANES];
+        if (highest > *block) *block = highest;
+    }
+}
+
+static void follow_lanes(const ShvSmoothedEdges *smoothing)
+{
+    memset(smoothing->block_active, SHV_ACTIVE_NOT, (size_t)smoothing->block_count);
+    memset(smoothing->group_active, SHV_ACTIVE_NOT, (size_t)smoothing->group_count);
+    for (int32_t domain = 0; domain < SHV_LANES * smoothing->group_count; domain++) follow_domain(smoothing, domain);
+}
+
 ShvStatus shv_smoothing_lay_out(ShvSolid *solid, const ShvState *state, ShvError *error)
 {
     const ShvSmoothedEdges *old = &solid->smoothing;
     ShvSmoothedEdges fresh = {.block_count = old->block_count,
                               .blocks = old->blocks,
                               .batch_block = old->batch_block,
+                              .lane_active = old->lane_active,
                               .block_active = old->block_active,
                               .gradient = old->gradient,
                               .gradient_zz = old->gradient_zz,
@@ -328,7 +353,7 @@ ShvStatus shv_smoothing_lay_out(ShvSolid *solid, const ShvState *state, ShvError
     release_groups(status == SHV_OK ? old : &fresh);
     if (status != SHV_OK) return status;
     solid->smoothing = fresh;
-    shv_solid_follow_active(solid);
+    follow_lanes(&fresh);
     return SHV_OK;
 }
 
@@ -371,33 +396,27 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     smoothing->gradient = shv_allocate(solid->memory, SHV_PART_STATE, 8 * lanes, sizeof *smoothing->gradient);
     smoothing->gradient_zz = shv_allocate(solid->memory, SHV_PART_STATE, lanes, sizeof *smoothing->gradient_zz);
     smoothing->mean = shv_allocate(solid->memory, SHV_PART_STATE, 9 * lanes, sizeof *smoothing->mean);
-    if (!smoothing->gradient || !smoothing->gradient_zz || !smoothing->mean)
-        return shv_fail_memory(error, "smoothed elements", 18 * lanes * sizeof *smoothing->gradient);
+    smoothing->lane_active = shv_allocate(solid->memory, SHV_PART_STATE, lanes, 1);
+    if (!smoothing->gradient || !smoothing->gradient_zz || !smoothing->mean || !smoothing->lane_active)
+        return shv_fail_memory(error, "smoothed elements", (18 * sizeof *smoothing->gradient + 1) * lanes);
     choose_windows(smoothing, solid->model->threads);
-    return shv_smoothing_lay_out(solid, state, error);
+    SHV_TRY(shv_smoothing_lay_out(solid, state, error));
+    shv_solid_follow_active(solid, NULL, NULL);
+    return SHV_OK;
 }
 
-/* A batch may hold tets of bodies that rest beside others that do not; of those, too, all tets round an edge are needed. */
-static void follow_domain(const ShvSolid *solid, int32_t domain)
-{
-    const ShvSmoothedEdges *smoothing = &solid->smoothing;
-    const int32_t count = shv_domain_edge_count(smoothing, domain);
-    bool any = false;
-    for (int32_t i = 0; i < count && !any; i++)
-        any = solid->batch_active[smoothing->blocks[*shv_domain_member(smoothing, domain, i) / SHV_LANES]];
-    if (!any) return;
-    smoothing->group_active[domain / SHV_LANES] = 1;
-    for (int32_t i = 0; i < count; i++)
-        smoothing->block_active[*shv_domain_member(smoothing, domain, i) / SHV_LANES] = 1;
-}
-
-void shv_solid_follow_active(const ShvSolid *solid)
+void shv_solid_follow_active(const ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     if (smoothing->block_count == 0) return;
-    memset(smoothing->block_active, 0, (size_t)smoothing->block_count);
-    memset(smoothing->group_active, 0, (size_t)smoothing->group_count);
-    for (int32_t domain = 0; domain < SHV_LANES * smoothing->group_count; domain++) follow_domain(solid, domain);
+    for (int32_t lane = 0; lane < SHV_LANES * smoothing->block_count; lane++) {
+        const int32_t batch = smoothing->blocks[lane / SHV_LANES], element = batch * SHV_LANES + lane % SHV_LANES;
+        const bool is_awake = element < solid->model->mesh.element_count && (!awake || awake[element_fragment[element]]);
+        smoothing->lane_active[lane] = !solid->batch_active[batch] ? SHV_ACTIVE_NOT
+                                       : is_awake                  ? SHV_ACTIVE_AWAKE
+                                                                   : SHV_ACTIVE_BATCH;
+    }
+    follow_lanes(smoothing);
 }
 
 ShvStatus shv_smoothing_create(ShvSolid *solid, const ShvState *state, ShvError *error)

@@ -6,7 +6,7 @@
 /* ---- stress ---- */
 
 /* Eight matrices in rows, each but for its last number. */
-static void write_matrices(ShvWide m[3][3], double *rows)
+static inline void write_matrices(ShvWide m[3][3], double *rows)
 {
     for (int half = 0; half < 2; half++) {
         ShvWide quad[4];
@@ -32,26 +32,18 @@ static void find_gradient(const ShvSolid *solid, const ShvState *state, int32_t 
 /* Mean over the tets of each domain. What a domain has less than the widest adds exactly nothing. */
 static void read_gradients(const ShvSmoothedEdges *smoothing, int32_t group, ShvWide h[3][3])
 {
-    _Alignas(64) double rows[8 * SHV_LANES], last[SHV_LANES];
-    ShvWide sums[SHV_LANES];
-    double ends[SHV_LANES];
     const int32_t *members = smoothing->members + smoothing->group_member[group];
     const int32_t *stop = members + (int64_t)SHV_LANES * smoothing->group_width[group];
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        sums[lane] = shv_wide_zero();
-        ends[lane] = 0.0;
-    }
+    ShvWide sum[SHV_LANES];
+    double last[SHV_LANES] = {0.0};
+    for (int lane = 0; lane < SHV_LANES; lane++) sum[lane] = shv_wide_zero();
     for (; members < stop; members += SHV_LANES)
         for (int lane = 0; lane < SHV_LANES; lane++) {
             const int64_t tet = members[lane];
-            sums[lane] = shv_wide_add(sums[lane], shv_wide_load(smoothing->gradient + 8 * tet));
-            ends[lane] += smoothing->gradient_zz[tet];
+            sum[lane] = shv_wide_add(sum[lane], shv_wide_load(smoothing->gradient + 8 * tet));
+            last[lane] += smoothing->gradient_zz[tet];
         }
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        shv_wide_store(rows + 8 * lane, sums[lane]);
-        last[lane] = ends[lane];
-    }
-    shv_wide_read_matrices(rows, last, h);
+    shv_wide_turn_matrices(sum, last, h);
     const ShvWide scale = shv_wide_load(smoothing->inverse_volume + SHV_LANES * (int64_t)group);
     for (int c = 0; c < 9; c++) h[c / 3][c % 3] = shv_wide_mul(scale, h[c / 3][c % 3]);
 }
@@ -62,13 +54,11 @@ static void read_offsets(const ShvSmoothedEdges *smoothing, int32_t group, ShvWi
         offset[c / 3][c % 3] = shv_wide_load(smoothing->offset + (9 * (int64_t)group + c) * SHV_LANES);
 }
 
-static ShvElasticity group_elasticity(const ShvSolid *solid, int32_t group)
+static ShvElasticity mixed_elasticity(const ShvSolid *solid, int32_t group)
 {
-    const ShvMaterial *all = solid->model->materials, *materials[SHV_LANES];
-    const int16_t same = solid->smoothing.group_material[group];
-    if (same >= 0) return shv_material_elasticity(&all[same]);
+    const ShvMaterial *materials[SHV_LANES];
     for (int lane = 0; lane < SHV_LANES; lane++)
-        materials[lane] = &all[solid->smoothing.material[SHV_LANES * (int64_t)group + lane]];
+        materials[lane] = &solid->model->materials[solid->smoothing.material[SHV_LANES * (int64_t)group + lane]];
     return shv_mixed_elasticity(materials);
 }
 
@@ -98,7 +88,9 @@ static void find_stress(const ShvSolid *solid, int32_t group, bool with_energy)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int64_t first = SHV_LANES * (int64_t)group;
-    const ShvElasticity elasticity = group_elasticity(solid, group);
+    const int16_t same = smoothing->group_material[group];
+    const ShvElasticity elasticity =
+        same >= 0 ? shv_material_elasticity(&solid->model->materials[same]) : mixed_elasticity(solid, group);
     const bool has_offset = smoothing->group_offset[group];
     ShvWide h[3][3], p[3][3], offset[3][3];
     read_gradients(smoothing, group, h);
@@ -115,14 +107,20 @@ static void find_stress(const ShvSolid *solid, int32_t group, bool with_energy)
 
 /* ---- of all that is active ---- */
 
+static uint8_t least_active(bool with_energy)
+{
+    return with_energy ? SHV_ACTIVE_BATCH : SHV_ACTIVE_AWAKE;
+}
+
 static void find_window(const ShvSolid *solid, const ShvState *state, int32_t window, bool with_energy)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t end = (window + 1) * smoothing->window_blocks, count = smoothing->block_count;
+    const uint8_t least = least_active(with_energy);
     for (int32_t block = window * smoothing->window_blocks; block < end && block < count; block++)
-        if (smoothing->block_active[block]) find_gradient(solid, state, block);
+        if (smoothing->block_active[block] >= least) find_gradient(solid, state, block);
     for (int32_t group = smoothing->window_group[window]; group < smoothing->window_group[window + 1]; group++)
-        if (smoothing->group_active[group]) find_stress(solid, group, with_energy);
+        if (smoothing->group_active[group] >= least) find_stress(solid, group, with_energy);
     for (int32_t i = smoothing->window_ready[window]; i < smoothing->window_ready[window + 1]; i++) {
         const int32_t block = smoothing->ready_blocks[i];
         if (solid->batch_active[smoothing->blocks[block]] && !smoothing->block_late[block]) shv_block_find_mean(smoothing, block);
@@ -134,6 +132,7 @@ static void smooth(const ShvSolid *solid, const ShvState *state, bool with_energ
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int32_t regions = smoothing->region_count;
     const int64_t windows = smoothing->window_count;
+    const uint8_t least = least_active(with_energy);
 #pragma omp parallel num_threads(solid->model->threads) if (solid->model->threads > 1)
     {
 #pragma omp for schedule(static)
@@ -142,7 +141,7 @@ static void smooth(const ShvSolid *solid, const ShvState *state, bool with_energ
                 find_window(solid, state, (int32_t)window, with_energy);
 #pragma omp for schedule(static)
         for (int32_t group = smoothing->window_group[windows]; group < smoothing->group_count; group++)
-            if (smoothing->group_active[group]) find_stress(solid, group, with_energy);
+            if (smoothing->group_active[group] >= least) find_stress(solid, group, with_energy);
 #pragma omp for schedule(static)
         for (int32_t i = 0; i < smoothing->late_count; i++)
             if (solid->batch_active[smoothing->blocks[smoothing->late_blocks[i]]])

@@ -23,6 +23,9 @@ enum { SHV_TET_EDGES = 6 };
 /* Corners of edge k of a tet. */
 static const int shv_tet_edges[SHV_TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
+/* A body that rests may have tets in batches beside others that do not: energies are found of all of a batch, forces of what is awake. */
+enum { SHV_ACTIVE_NOT, SHV_ACTIVE_BATCH, SHV_ACTIVE_AWAKE };
+
 /* Lanes are those of batches with smoothed elements, block after block; lane l of block b is numbered 8 b + l. Edge k of a lane is
    numbered 6 × lane + k. An element without smoothing beside others in a batch is a domain of its own.
 
@@ -35,7 +38,8 @@ typedef struct ShvSmoothedEdges {
     int32_t *blocks;       /* block_count: their batches */
     int32_t *batch_block;  /* of each batch of the solid; −1: none of its elements is smoothed. NULL: nowhere */
     int32_t *edge_domain;  /* of each edge */
-    uint8_t *block_active; /* some tet of it is in a domain that is active */
+    uint8_t *lane_active;  /* SHV_ACTIVE_…, of each */
+    uint8_t *block_active; /* of the domains of its lanes the highest */
     /* matrices in rows: eight numbers that fill a register, and the ninth apart */
     double *gradient, *gradient_zz; /* of a lane, volume × displacement gradient, m³; one block more, of zeros */
     double *mean;                   /* of a block, the mean stress of its lanes' edges, Pa: 9 × SHV_LANES */
@@ -44,7 +48,7 @@ typedef struct ShvSmoothedEdges {
     int32_t last_lanes;     /* lanes of the last group that have a domain */
     int32_t settled_groups; /* those that domains were laid out in */
     int32_t *group_member, *group_width; /* lanes of domain l: members[group_member + 8 i + l], i < group_width; behind its last the zeros */
-    uint8_t *group_active, *group_offset; /* some tet is in an active batch; some G is not zero */
+    uint8_t *group_active, *group_offset; /* of its domains' lanes the highest; whether some G is not zero */
     int16_t *group_material;              /* −1: of its domains */
     int32_t *members;
     int32_t member_count, member_capacity;

@@ -103,7 +103,8 @@ static ShvStatus part(ShvSolid *solid, int32_t from, int32_t begin, int32_t end,
         make_late(smoothing, *shv_domain_member(smoothing, from, i) / SHV_LANES);
         shv_smoothing_set_edge(smoothing, *domain, i - begin, edge_of(smoothing, from, i));
     }
-    if (smoothing->group_active[from / SHV_LANES]) smoothing->group_active[*domain / SHV_LANES] = 1;
+    if (smoothing->group_active[from / SHV_LANES] > smoothing->group_active[*domain / SHV_LANES])
+        smoothing->group_active[*domain / SHV_LANES] = smoothing->group_active[from / SHV_LANES];
     return SHV_OK;
 }
 

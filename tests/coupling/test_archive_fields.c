@@ -37,7 +37,7 @@ static const Size sizes[] = {
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
-    SIZE(ShvSolid, "coupling/hybrid_archive.c", 280),
+    SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
     SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5280),
 };
 
