@@ -163,7 +163,8 @@ static void *take(ShvMemory *memory, ShvPart part, size_t count, size_t size)
     if (size != 0 && count > ((size_t)PTRDIFF_MAX - ALIGNMENT) / size) return NULL;
     const size_t bytes = count * size;
     void *start = NULL;
-    if (!admitted || posix_memalign(&start, bytes < PAGE ? ALIGNMENT : PAGE, ALIGNMENT + bytes) != 0) return miss(bytes);
+    if (!admitted || posix_memalign(&start, bytes < PAGE ? ALIGNMENT : PAGE, ALIGNMENT + bytes) != 0)
+        return miss(bytes);
     ask_for_pages(start, bytes);
     *(Header *)start = (Header){memory, bytes, part};
     if (memory) {

@@ -156,7 +156,8 @@ static inline ShvWide shv_wide_load(const double *p)
 }
 static inline ShvWide shv_wide_set(const double lane[8])
 {
-    return (ShvWide){_mm256_set_pd(lane[3], lane[2], lane[1], lane[0]), _mm256_set_pd(lane[7], lane[6], lane[5], lane[4])};
+    return (ShvWide){_mm256_set_pd(lane[3], lane[2], lane[1], lane[0]),
+                     _mm256_set_pd(lane[7], lane[6], lane[5], lane[4])};
 }
 static inline void shv_wide_store(double *p, ShvWide a)
 {

@@ -34,7 +34,8 @@ static ShvStatus reserve(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t g
 }
 
 /* All of its lanes are empty, and of a material that is there. */
-static ShvStatus open_group(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t width, int16_t material, ShvError *error)
+static ShvStatus open_group(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t width, int16_t material,
+                            ShvError *error)
 {
     const int32_t group = smoothing->group_count, size = SHV_LANES * width;
     SHV_TRY(reserve(solid, smoothing, group + 1, smoothing->member_count + size, error));
@@ -42,15 +43,14 @@ static ShvStatus open_group(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_
     smoothing->group_width[group] = width;
     smoothing->group_material[group] = material;
     for (int lane = 0; lane < SHV_LANES; lane++) smoothing->material[SHV_LANES * group + lane] = material;
-    for (int32_t i = 0; i < size; i++)
-        smoothing->members[smoothing->member_count++] = shv_smoothing_no_lane(smoothing);
+    for (int32_t i = 0; i < size; i++) smoothing->members[smoothing->member_count++] = shv_smoothing_no_lane(smoothing);
     smoothing->group_count++;
     smoothing->last_lanes = 0;
     return SHV_OK;
 }
 
-ShvStatus shv_smoothing_add_domain(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t count, int32_t width, bool apart,
-                                   int16_t material, int32_t *domain, ShvError *error)
+ShvStatus shv_smoothing_add_domain(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t count, int32_t width,
+                                   bool apart, int16_t material, int32_t *domain, ShvError *error)
 {
     const int32_t last = smoothing->group_count - 1;
     if (apart || last < 0 || smoothing->last_lanes == SHV_LANES || smoothing->group_width[last] < count)
@@ -119,9 +119,10 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
 
 /* An edge of a tet on its way to a domain. */
 typedef struct Candidate {
-    int32_t nodes[2]; /* the lower first; {−1, element} where that is not smoothed; {−1, domain} once there are domains */
+    int32_t
+        nodes[2]; /* the lower first; {−1, element} where that is not smoothed; {−1, domain} once there are domains */
     int32_t material, edge;
-    int32_t first, count; /* edge of its domain, and how many it has */
+    int32_t first, count;   /* edge of its domain, and how many it has */
     int32_t window, offset; /* in which all of them are there; whether it goes on from the strain of another */
 } Candidate;
 
@@ -411,7 +412,8 @@ void shv_solid_follow_active(const ShvSolid *solid, const int32_t *element_fragm
     if (smoothing->block_count == 0) return;
     for (int32_t lane = 0; lane < SHV_LANES * smoothing->block_count; lane++) {
         const int32_t batch = smoothing->blocks[lane / SHV_LANES], element = batch * SHV_LANES + lane % SHV_LANES;
-        const bool is_awake = element < solid->model->mesh.element_count && (!awake || awake[element_fragment[element]]);
+        const bool is_awake =
+            element < solid->model->mesh.element_count && (!awake || awake[element_fragment[element]]);
         smoothing->lane_active[lane] = !solid->batch_active[batch] ? SHV_ACTIVE_NOT
                                        : is_awake                  ? SHV_ACTIVE_AWAKE
                                                                    : SHV_ACTIVE_BATCH;

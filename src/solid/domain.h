@@ -10,8 +10,8 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing);
 
 /* A domain for so many edges, in the last group or, where that is full or not as wide or `apart` is asked for, in a new one that is
    `width` wide or more. Its edges are to be set, then it is closed. */
-ShvStatus shv_smoothing_add_domain(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t count, int32_t width, bool apart,
-                                   int16_t material, int32_t *domain, ShvError *error);
+ShvStatus shv_smoothing_add_domain(ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t count, int32_t width,
+                                   bool apart, int16_t material, int32_t *domain, ShvError *error);
 void shv_smoothing_set_edge(ShvSmoothedEdges *smoothing, int32_t domain, int32_t i, int32_t edge);
 void shv_smoothing_close_domain(const ShvSolid *solid, ShvSmoothedEdges *smoothing, int32_t domain, int32_t count);
 /* Domains in groups and windows anew; which there are, their offsets and stresses stay. */
@@ -44,7 +44,8 @@ static inline void shv_edge_nodes(const ShvState *state, int32_t element, int k,
 /* Where the lane of a domain's i-th edge is noted. */
 static inline int32_t *shv_domain_member(const ShvSmoothedEdges *smoothing, int32_t domain, int32_t i)
 {
-    return smoothing->members + smoothing->group_member[domain / SHV_LANES] + (int64_t)SHV_LANES * i + domain % SHV_LANES;
+    return smoothing->members + smoothing->group_member[domain / SHV_LANES] + (int64_t)SHV_LANES * i +
+           domain % SHV_LANES;
 }
 
 /* The lane with no strain. */

@@ -123,7 +123,8 @@ static void find_window(const ShvSolid *solid, const ShvState *state, int32_t wi
         if (smoothing->group_active[group] >= least) find_stress(solid, group, with_energy);
     for (int32_t i = smoothing->window_ready[window]; i < smoothing->window_ready[window + 1]; i++) {
         const int32_t block = smoothing->ready_blocks[i];
-        if (solid->batch_active[smoothing->blocks[block]] && !smoothing->block_late[block]) shv_block_find_mean(smoothing, block);
+        if (solid->batch_active[smoothing->blocks[block]] && !smoothing->block_late[block])
+            shv_block_find_mean(smoothing, block);
     }
 }
 

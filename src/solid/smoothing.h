@@ -47,16 +47,17 @@ typedef struct ShvSmoothedEdges {
     int32_t group_count, group_capacity;
     int32_t last_lanes;     /* lanes of the last group that have a domain */
     int32_t settled_groups; /* those that domains were laid out in */
-    int32_t *group_member, *group_width; /* lanes of domain l: members[group_member + 8 i + l], i < group_width; behind its last the zeros */
+    int32_t *group_member,
+        *group_width; /* lanes of domain l: members[group_member + 8 i + l], i < group_width; behind its last the zeros */
     uint8_t *group_active, *group_offset; /* of its domains' lanes the highest; whether some G is not zero */
     int16_t *group_material;              /* −1: of its domains */
     int32_t *members;
     int32_t member_count, member_capacity;
-    double *inverse_volume;     /* of the tets of a domain, 1/m³ */
-    double *stress, *stress_zz; /* of a domain, first Piola-Kirchhoff, Pa */
-    double *energy;             /* of a volume, J/m³, where it was asked for */
-    double *offset;             /* of a group, 9 × SHV_LANES: G */
-    int16_t *material;          /* of a domain */
+    double *inverse_volume;                            /* of the tets of a domain, 1/m³ */
+    double *stress, *stress_zz;                        /* of a domain, first Piola-Kirchhoff, Pa */
+    double *energy;                                    /* of a volume, J/m³, where it was asked for */
+    double *offset;                                    /* of a group, 9 × SHV_LANES: G */
+    int16_t *material;                                 /* of a domain */
     int32_t region_count, window_count, window_blocks; /* blocks a window */
     int32_t *window_group; /* window_count + 1: first group of each window; the last: the first late one */
     int32_t *window_ready; /* window_count + 1, into ready_blocks: those that are complete with the window */

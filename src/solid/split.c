@@ -13,7 +13,8 @@ static int32_t edge_of(const ShvSmoothedEdges *smoothing, int32_t domain, int32_
     return edge;
 }
 
-static void nodes_of(const ShvSmoothedEdges *smoothing, const ShvState *state, int32_t domain, int32_t i, int32_t nodes[2])
+static void nodes_of(const ShvSmoothedEdges *smoothing, const ShvState *state, int32_t domain, int32_t i,
+                     int32_t nodes[2])
 {
     const int32_t edge = edge_of(smoothing, domain, i);
     shv_edge_nodes(state, shv_edge_element(smoothing, edge), edge % SHV_TET_EDGES, nodes);
@@ -97,8 +98,8 @@ static ShvStatus part(ShvSolid *solid, int32_t from, int32_t begin, int32_t end,
     enum { LIKELY_WIDTH = 4 };
     ShvSmoothedEdges *smoothing = &solid->smoothing;
     const bool first = smoothing->group_count == smoothing->settled_groups;
-    SHV_TRY(shv_smoothing_add_domain(solid, smoothing, end - begin, LIKELY_WIDTH, first, smoothing->material[from], domain,
-                                     error));
+    SHV_TRY(shv_smoothing_add_domain(solid, smoothing, end - begin, LIKELY_WIDTH, first, smoothing->material[from],
+                                     domain, error));
     for (int32_t i = begin; i < end; i++) {
         make_late(smoothing, *shv_domain_member(smoothing, from, i) / SHV_LANES);
         shv_smoothing_set_edge(smoothing, *domain, i - begin, edge_of(smoothing, from, i));
