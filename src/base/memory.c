@@ -1,8 +1,10 @@
+#define _DEFAULT_SOURCE /* madvise */
 #include "base/memory.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* Counters of the parts, and one more for their sum. */
 struct ShvMemory {
@@ -143,6 +145,19 @@ static void *miss(size_t bytes)
     return NULL;
 }
 
+/* Large pages where the system has them: what is read from all over a large block otherwise waits for addresses to be looked up. */
+enum { PAGE = 2 << 20 };
+
+static void ask_for_pages(void *start, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    if (bytes >= PAGE) madvise(start, bytes / PAGE * PAGE, MADV_HUGEPAGE);
+#else
+    (void)start;
+    (void)bytes;
+#endif
+}
+
 /* An aligned block whose bytes are not yet set. */
 static void *take(ShvMemory *memory, ShvPart part, size_t count, size_t size)
 {
@@ -150,7 +165,9 @@ static void *take(ShvMemory *memory, ShvPart part, size_t count, size_t size)
     if (size != 0 && count > ((size_t)PTRDIFF_MAX - ALIGNMENT) / size) return NULL;
     const size_t bytes = count * size;
     void *start = NULL;
-    if (!admitted || posix_memalign(&start, ALIGNMENT, ALIGNMENT + bytes) != 0) return miss(bytes);
+    if (!admitted || posix_memalign(&start, bytes < PAGE ? ALIGNMENT : PAGE, ALIGNMENT + bytes) != 0)
+        return miss(bytes);
+    ask_for_pages(start, bytes);
     *(Header *)start = (Header){memory, bytes, part};
     if (memory) {
         count_in(memory, (int)part, bytes);

@@ -28,6 +28,11 @@ static inline ShvWide shv_wide_load(const double *p)
 {
     return _mm512_load_pd(p);
 }
+/* Of numbers that may still be in registers. */
+static inline ShvWide shv_wide_set(const double lane[8])
+{
+    return _mm512_set_pd(lane[7], lane[6], lane[5], lane[4], lane[3], lane[2], lane[1], lane[0]);
+}
 static inline void shv_wide_store(double *p, ShvWide a)
 {
     _mm512_store_pd(p, a);
@@ -149,6 +154,11 @@ static inline ShvWide shv_wide_load(const double *p)
 {
     return (ShvWide){_mm256_load_pd(p), _mm256_load_pd(p + 4)};
 }
+static inline ShvWide shv_wide_set(const double lane[8])
+{
+    return (ShvWide){_mm256_set_pd(lane[3], lane[2], lane[1], lane[0]),
+                     _mm256_set_pd(lane[7], lane[6], lane[5], lane[4])};
+}
 static inline void shv_wide_store(double *p, ShvWide a)
 {
     _mm256_store_pd(p, a.low);
@@ -250,6 +260,7 @@ typedef struct ShvWideMask {
 SHV_WIDE_LOOP(ShvWide, zero, (void), 0.0)
 SHV_WIDE_LOOP(ShvWide, set1, (double s), s)
 SHV_WIDE_LOOP(ShvWide, load, (const double *p), p[i])
+SHV_WIDE_LOOP(ShvWide, set, (const double lane[8]), lane[i])
 SHV_WIDE_LOOP(ShvWide, gather, (const double *base, const int32_t *index), base[index[i]])
 SHV_WIDE_LOOP(ShvWide, add, (ShvWide a, ShvWide b), a.lane[i] + b.lane[i])
 SHV_WIDE_LOOP(ShvWide, sub, (ShvWide a, ShvWide b), a.lane[i] - b.lane[i])

@@ -141,7 +141,7 @@ static double time_step_cost(ShvHybrid *hybrid)
     const size_t batches = (size_t)hybrid->solid.batch_count;
     double best = HUGE_VAL;
     memset(active, 1, batches);
-    shv_solid_follow_active(&hybrid->solid);
+    shv_solid_follow_active(&hybrid->solid, NULL, NULL);
     for (int i = 0; i < REPEATS; i++) {
         const double start = shv_now();
         shv_motion_clear_force(&hybrid->state, NULL, hybrid->state.node_count, hybrid->model.threads);

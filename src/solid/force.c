@@ -117,10 +117,12 @@ static void put_forces(const ShvSolid *solid, ShvState *state, const int32_t *no
 static void mark_near_splits(const ShvSmoothedEdges *smoothing, const ShvState *state, uint8_t *marks)
 {
     for (int32_t i = 0; i < smoothing->split_count; i++) {
-        const int32_t domain = smoothing->split[i], *members = smoothing->members + smoothing->first_member[domain];
-        for (int32_t m = 0; m < smoothing->member_count[domain]; m++)
+        const int32_t domain = smoothing->split[i], edges = shv_domain_edge_count(smoothing, domain);
+        for (int32_t m = 0; m < edges; m++) {
+            const int32_t edge = SHV_TET_EDGES * *shv_domain_member(smoothing, domain, m);
             for (int corner = 0; corner < 4; corner++)
-                marks[shv_state_node(state, shv_edge_element(smoothing, members[m]), corner)] = 1;
+                marks[shv_state_node(state, shv_edge_element(smoothing, edge), corner)] = 1;
+        }
     }
 }
 

@@ -204,33 +204,34 @@ static inline int32_t shv_batch_block(const ShvSolid *solid, int32_t batch)
 /* Where the matrices of eight neighbours begin, in fours of numbers: each fills two. */
 static const int32_t shv_rows[SHV_LANES] = {0, 2, 4, 6, 8, 10, 12, 14};
 
-/* Eight matrices, each but for its last number in a row of `rows`, as wide numbers. */
-static inline void shv_wide_read_matrices(const double rows[8 * SHV_LANES], const double last[SHV_LANES],
-                                          ShvWide m[3][3])
+/* Eight matrices, each a row but for its last number, as wide numbers. */
+static inline void shv_wide_turn_matrices(const ShvWide row[SHV_LANES], const double last[SHV_LANES], ShvWide m[3][3])
 {
+    _Alignas(64) double rows[8 * SHV_LANES];
     ShvWide quads[2][4];
+    for (int lane = 0; lane < SHV_LANES; lane++) shv_wide_store(rows + 8 * lane, row[lane]);
     for (int half = 0; half < 2; half++) shv_wide_load_quads(rows + 4 * half, shv_rows, quads[half]);
     for (int c = 0; c < 8; c++) m[c / 3][c % 3] = quads[c / 4][c % 4];
-    m[2][2] = shv_wide_load(last);
+    m[2][2] = shv_wide_set(last);
 }
 
 /* Of every lane the mean over its six edges. */
-static inline void shv_block_mean_stress(const ShvSmoothedEdges *smoothing, int32_t block, ShvWide p[3][3])
+static inline void shv_block_find_mean(const ShvSmoothedEdges *smoothing, int32_t block)
 {
-    _Alignas(64) double rows[8 * SHV_LANES], last[SHV_LANES];
     const ShvWide share = shv_wide_set1(1.0 / SHV_TET_EDGES);
-    for (int lane = 0; lane < SHV_LANES; lane++) {
-        const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * (SHV_LANES * (int64_t)block + lane);
-        ShvWide sum = shv_wide_load(smoothing->stress + 8 * (int64_t)domain[0]);
+    const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * SHV_LANES * (int64_t)block;
+    double last[SHV_LANES], *mean = smoothing->mean + 9 * SHV_LANES * (int64_t)block;
+    ShvWide sum[SHV_LANES], p[3][3];
+    for (int lane = 0; lane < SHV_LANES; lane++, domain += SHV_TET_EDGES) {
+        sum[lane] = shv_wide_load(smoothing->stress + 8 * (int64_t)domain[0]);
         last[lane] = smoothing->stress_zz[domain[0]];
         for (int k = 1; k < SHV_TET_EDGES; k++) {
-            sum = shv_wide_add(sum, shv_wide_load(smoothing->stress + 8 * (int64_t)domain[k]));
+            sum[lane] = shv_wide_add(sum[lane], shv_wide_load(smoothing->stress + 8 * (int64_t)domain[k]));
             last[lane] += smoothing->stress_zz[domain[k]];
         }
-        shv_wide_store(rows + 8 * lane, sum);
     }
-    shv_wide_read_matrices(rows, last, p);
-    for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_mul(share, p[c / 3][c % 3]);
+    shv_wide_turn_matrices(sum, last, p);
+    for (int c = 0; c < 9; c++) shv_wide_store(mean + c * SHV_LANES, shv_wide_mul(share, p[c / 3][c % 3]));
 }
 
 static inline ShvWide shv_block_mean_energy(const ShvSmoothedEdges *smoothing, int32_t block)
@@ -256,12 +257,18 @@ static inline ShvWide shv_batch_energy(const ShvSolid *solid, const ShvState *st
     return shv_wide_mul(volume, shv_wide_energy_density(&elasticity, h));
 }
 
+static inline void shv_block_stress(const ShvSmoothedEdges *smoothing, int32_t block, ShvWide p[3][3])
+{
+    const double *mean = smoothing->mean + 9 * SHV_LANES * (int64_t)block;
+    for (int c = 0; c < 9; c++) p[c / 3][c % 3] = shv_wide_load(mean + c * SHV_LANES);
+}
+
 /* First Piola-Kirchhoff stress of every lane with the displacement gradient `h`, or that which its edges have. */
 static inline void shv_batch_stress(const ShvSolid *solid, int32_t batch, ShvWide h[3][3], ShvWide p[3][3])
 {
     const int32_t block = shv_batch_block(solid, batch);
     if (block >= 0) {
-        shv_block_mean_stress(&solid->smoothing, block, p);
+        shv_block_stress(&solid->smoothing, block, p);
         return;
     }
     const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
@@ -313,8 +320,15 @@ static inline void shv_batch_scatter(const ShvSolid *solid, ShvState *state, int
 
 static inline void shv_batch_add_force(const ShvSolid *solid, ShvState *state, int32_t batch)
 {
+    const int32_t block = shv_batch_block(solid, batch);
+    if (block >= 0) {
+        ShvWide mean[3][3];
+        shv_block_stress(&solid->smoothing, block, mean);
+        shv_batch_scatter(solid, state, batch, mean);
+        return;
+    }
     ShvWide h[3][3], p[3][3];
-    if (shv_batch_block(solid, batch) < 0) shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_displacement_gradient(solid, state, batch, h);
     shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
 }

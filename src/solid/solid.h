@@ -34,8 +34,9 @@ void shv_solid_release(ShvSolid *solid);
 
 /* Finds the stress of smoothed edges at the present displacements: before anything below that asks for it. */
 void shv_solid_smooth(const ShvSolid *solid, const ShvState *state);
-/* Tells that batches have become active, or are so no more. */
-void shv_solid_follow_active(const ShvSolid *solid);
+/* Tells that batches have become active, or are so no more, and whether each fragment is awake (NULL: all are). What rests beside others in
+   a batch has no stress or force of its own. */
+void shv_solid_follow_active(const ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake);
 /* Tells of nodes that were split, their copies among them, at the displacements of the last shv_solid_smooth. */
 ShvStatus shv_solid_split(ShvSolid *solid, const ShvState *state, const int32_t *nodes, int32_t count, ShvError *error);
 

@@ -19,7 +19,7 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 896),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 904),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1216),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
@@ -36,8 +36,8 @@ static const Size sizes[] = {
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
-    SIZE(ShvSolid, "coupling/hybrid_archive.c", 280),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5040),
+    SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5160),
 };
 
 static void test_no_field_is_new(void **state)
