@@ -1,33 +1,36 @@
-#include "evaluate/free_top.h"
+#include "evaluate/closed_form.h"
 
-static const double half_pi = 1.57079632679489661923;
+static const double pi = 3.14159265358979323846;
 
 /* ---- elliptic functions ---- */
 
 enum { MEANS = 16 };
 
-/* Arithmetic-geometric mean of 1 and √complement, with the terms on the way; returns their number. */
-static int descend(double complement, double a[MEANS], double c[MEANS])
+/* Arithmetic-geometric mean of 1 and √complement: the steps to it, and their number (Abramowitz and Stegun 16.4, 17.6). */
+typedef struct Means {
+    double a[MEANS], b[MEANS], c[MEANS];
+    int last;
+} Means;
+
+static Means means_of(double complement)
 {
+    Means means = {.a = {1.0}, .b = {sqrt(complement)}, .c = {sqrt(1.0 - complement)}};
     int n = 0;
-    double b = sqrt(complement);
-    a[0] = 1.0;
-    c[0] = sqrt(1.0 - complement);
-    while (n + 1 < MEANS && fabs(c[n]) > 1e-16 * a[n]) {
-        a[n + 1] = 0.5 * (a[n] + b);
-        c[n + 1] = 0.5 * (a[n] - b);
-        b = sqrt(a[n] * b);
+    while (n + 1 < MEANS && fabs(means.c[n]) > 1e-16 * means.a[n]) {
+        means.a[n + 1] = 0.5 * (means.a[n] + means.b[n]);
+        means.c[n + 1] = 0.5 * (means.a[n] - means.b[n]);
+        means.b[n + 1] = sqrt(means.a[n] * means.b[n]);
         n++;
     }
-    return n;
+    means.last = n;
+    return means;
 }
 
 ShvElliptic shv_elliptic(double u, double complement)
 {
-    double a[MEANS], c[MEANS];
-    const int count = descend(complement, a, c);
-    double angle = ldexp(a[count] * u, count);
-    for (int n = count; n > 0; n--) angle = 0.5 * (angle + asin(c[n] / a[n] * sin(angle)));
+    const Means means = means_of(complement);
+    double angle = ldexp(means.a[means.last] * u, means.last);
+    for (int n = means.last; n > 0; n--) angle = 0.5 * (angle + asin(means.c[n] / means.a[n] * sin(angle)));
     const double sn = sin(angle), cn = cos(angle);
     /* dn² = 1 − m sn² = cn² + (1 − m) sn² */
     return (ShvElliptic){sn, cn, sqrt(cn * cn + complement * sn * sn)};
@@ -35,35 +38,19 @@ ShvElliptic shv_elliptic(double u, double complement)
 
 double shv_elliptic_quarter(double complement)
 {
-    double a[MEANS], c[MEANS];
-    const int count = descend(complement, a, c);
-    return half_pi / a[count];
-}
-
-/* Carlson's R_F(x, y, 1) by duplication, series to fifth order (Carlson 1979). */
-static double carlson(double x, double y)
-{
-    double z = 1.0, mean = 0.0, dx = 1.0, dy = 1.0, dz = 1.0;
-    while (fmax(fabs(dx), fmax(fabs(dy), fabs(dz))) > 1e-3) {
-        const double lambda = sqrt(x * y) + sqrt(y * z) + sqrt(z * x);
-        x = 0.25 * (x + lambda);
-        y = 0.25 * (y + lambda);
-        z = 0.25 * (z + lambda);
-        mean = (x + y + z) / 3.0;
-        dx = (mean - x) / mean;
-        dy = (mean - y) / mean;
-        dz = (mean - z) / mean;
-    }
-    const double second = dx * dy - dz * dz, third = dx * dy * dz;
-    return (1.0 + (second / 24.0 - 0.1 - 3.0 * third / 44.0) * second + third / 14.0) / sqrt(mean);
+    const Means means = means_of(complement);
+    return 0.5 * pi / means.a[means.last];
 }
 
 double shv_elliptic_integral(double angle, double complement)
 {
-    const double halves = round(angle / (2.0 * half_pi)), rest = angle - 2.0 * half_pi * halves;
-    const double s = sin(rest), c = cos(rest);
-    const double part = s * carlson(c * c, c * c + complement * s * s);
-    return halves != 0.0 ? 2.0 * halves * shv_elliptic_quarter(complement) + part : part;
+    const Means means = means_of(complement);
+    for (int n = 0; n < means.last; n++) {
+        /* tan(next − angle) = b/a tan(angle), in the same half turn */
+        const double more = atan2(means.b[n] * sin(angle), means.a[n] * cos(angle));
+        angle += more + 2.0 * pi * round((angle - more) / (2.0 * pi));
+    }
+    return ldexp(angle, -means.last) / means.a[means.last];
 }
 
 /* ---- the top ---- */

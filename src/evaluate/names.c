@@ -56,10 +56,8 @@ static bool crack_function(ShvNames *names, const char *function, const ShvOutco
 static double trajectory_function(ShvNames *names, int index, const ShvOutcome *other)
 {
     const ShvOutcome *run = names->run->outcome;
-    if (!names->trajectory) return (double)NAN;
     if (names->followed != run || names->beside != other) {
-        const ShvStatus status =
-            shv_trajectory_error_measure(names->trajectory, run, other, names->errors, &names->error);
+        const ShvStatus status = shv_trajectory_errors(run, other, names->errors, &names->error);
         if (status != SHV_OK) names->status = status;
         names->followed = run;
         names->beside = other;

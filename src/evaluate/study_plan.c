@@ -77,24 +77,41 @@ static void read_multiple(Planner *planner, const char *text, const ShvNode *nod
                   shv_quoted(text).text);
 }
 
+static void append(char *text, size_t size, const char *format, ...)
+{
+    const size_t length = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    shv_format_list(text + length, size - length, format, arguments);
+    va_end(arguments);
+}
+
 /* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
 static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
                          const int32_t *chosen)
 {
-    char series[200] = "", label[64] = "";
+    char series[200] = "", label[64] = "", name[1024] = "", title[300];
+    const ShvStudyPlan *plan = planner->plan;
     for (int32_t i = 0; i < count; i++) {
         const char *value = axes[i].values[chosen[i]], *dot = strrchr(axes[i].key, '.');
-        const bool step = strcmp(axes[i].key, step_key) == 0, along = strcmp(axes[i].key, planner->along) == 0;
-        const bool number = strchr("+-.0123456789", value[0]) != NULL;
-        char *to = along ? label : series;
-        const size_t size = along ? sizeof label : sizeof series, length = strlen(to);
-        shv_format(to + length, size - length, "%s%s%s%.60s%s", length > 0 ? ", " : "",
-                   number && !along ? (dot ? dot + 1 : axes[i].key) : "", number && !along ? " " : "", value,
-                   step ? "×" : "");
+        const char *times = strcmp(axes[i].key, step_key) == 0 ? "×" : "";
+        if (strcmp(axes[i].key, planner->along) == 0)
+            append(label, sizeof label, "%s%.60s%s", label[0] ? ", " : "", value, times);
+        else if (strchr("+-.0123456789", value[0]))
+            append(series, sizeof series, "%s%s %.60s%s", series[0] ? ", " : "", dot ? dot + 1 : axes[i].key, value,
+                   times);
+        else
+            append(series, sizeof series, "%s%.60s%s", series[0] ? ", " : "", value, times);
     }
-    if (series[0] == '\0') shv_format(series, sizeof series, "runs");
+    if (series[0] == '\0') append(series, sizeof series, "runs");
+    for (int32_t i = 0; i < plan->key_count; i++)
+        if (setting->values[i][0])
+            append(name, sizeof name, "%s%s=%s", name[0] ? " " : "", plan->keys[i], setting->values[i]);
+    shv_format(title, sizeof title, "%s%s%s", series, label[0] ? ", " : "", label);
     setting->series = shv_pool_text(planner->pool, series, strlen(series));
     setting->label = shv_pool_text(planner->pool, label, strlen(label));
+    setting->title = shv_pool_text(planner->pool, title, strlen(title));
+    setting->name = name[0] ? shv_pool_text(planner->pool, name, strlen(name)) : "reference";
 }
 
 /* One combination: `chosen` says which value of each axis. */
@@ -187,16 +204,17 @@ static void read_block(Planner *planner, const ShvNode *block, const char *along
     ShvStudyPlan *plan = planner->plan;
     const int32_t count = read_axes(planner, block, true, axes);
     if (count == 0) return;
-    int64_t settings = plan->setting_count, own = 1;
+    int64_t own = 1;
     for (int32_t i = 0; i < count && own <= SHV_STUDY_MOST_SETTINGS; i++) own *= axes[i].count;
-    if (settings + own > SHV_STUDY_MOST_SETTINGS) {
+    if (plan->setting_count + own > SHV_STUDY_MOST_SETTINGS) {
         shv_error(planner->diagnostics, block->place, "more than %d settings; give fewer values",
                   (int)SHV_STUDY_MOST_SETTINGS);
         return;
     }
-    ShvStudySetting *grown = shv_pool_take(planner->pool, (size_t)(settings + own), sizeof *grown);
+    /* One more than there are: that of a reference of its own comes last. */
+    ShvStudySetting *grown = shv_pool_take(planner->pool, (size_t)(plan->setting_count + own + 1), sizeof *grown);
     if (!grown) return;
-    if (settings > 0) memcpy(grown, plan->settings, (size_t)settings * sizeof *grown);
+    if (plan->settings) memcpy(grown, plan->settings, (size_t)plan->setting_count * sizeof *grown);
     plan->settings = grown;
     planner->along = choose_along(along, axes, count);
     do fill_setting(planner, &plan->settings[plan->setting_count++], axes, count, chosen, block);
@@ -235,7 +253,8 @@ static void read_reference(Planner *planner, const ShvNode *node)
             shv_error(planner->diagnostics, node->place, "the reference is one run: give one value of '%.60s'",
                       axes[i].key);
     planner->along = "";
-    if (count > 0) fill_setting(planner, &plan->reference_setting, axes, count, chosen, node);
+    if (count > 0 && plan->settings)
+        fill_setting(planner, &plan->settings[plan->setting_count], axes, count, chosen, node);
 }
 
 typedef struct MeasureItem {

@@ -33,11 +33,17 @@ static void put_head(const ShvStudy *study, FILE *stream)
 
 static void put_html(const ShvStudy *study, FILE *stream)
 {
+    char text[1024];
     put_head(study, stream);
     shv_html_heading(stream, 2, "Runs");
     shv_study_put_runs(study, stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
-    shv_study_put_failures(study, stream);
+    /* Messages are long: below the table, not in it. */
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        if (study->rows[i].status == SHV_OK) continue;
+        shv_format(text, sizeof text, "%.600s failed: %s", study->rows[i].name, study->rows[i].message);
+        shv_html_paragraph(stream, text);
+    }
     shv_html_heading(stream, 2, "Error against run time");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "<figure>\n");
@@ -69,7 +75,7 @@ static void put_measure(const ShvStudyRow *row, int32_t measure, FILE *stream)
 
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
-    const ShvStudySetting *setting = shv_study_setting(study, index);
+    const ShvStudySetting *setting = &study->plan.settings[index];
     const ShvStudyRow *row = &study->rows[index];
     ShvMembers keys = {.stream = stream}, costs = keys, measures = keys, members = {.stream = stream, .any = true};
     shv_print(stream, "{\"setting\": {");

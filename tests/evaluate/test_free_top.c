@@ -3,7 +3,7 @@
 #include "check.h"
 
 #include "base/random.h"
-#include "evaluate/free_top.h"
+#include "evaluate/closed_form.h"
 
 static void test_elliptic(void **state)
 {
