@@ -105,7 +105,7 @@ static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, 
                                      .displacement = (double)NAN,
                                      .energy_kept = (double)NAN};
         point->closed_form =
-            shv_bars_alone_stiffness(&probe->bars, row->stiffness, row->iterations, point->multiple * row->stable_step);
+            shv_probe_bars_alone(probe, row->stiffness, row->iterations, point->multiple * row->stable_step);
         point->outcome = last ? SHV_STABLE : shv_probe_judge(probe, row, point->multiple, options->steps);
         if (point->outcome == SHV_STABLE) shv_probe_measure(probe, row, point);
         if (point->multiple > row->refused_above) point->outcome = SHV_REFUSED;
@@ -148,7 +148,6 @@ static ShvStatus measure_modulus(ShvStability *stability, const ShvSceneDefiniti
     ShvProbe probe;
     ShvStatus status = shv_probe_create(&probe, scene, &stability->options, modulus, error);
     if (status == SHV_OK) status = shv_probe_refer(&probe, error);
-    if (status == SHV_OK) status = shv_bars_alone(&probe, error);
     if (status == SHV_OK) status = measure_rows(stability, scene, &probe, error);
     shv_probe_release(&probe);
     return status;
