@@ -46,53 +46,6 @@ static void print_case(const ShvVerifyCase *verified)
     fflush(stdout);
 }
 
-/* ---- JSON ---- */
-
-static void print_member(const char *name, const char *text)
-{
-    printf(", \"%s\": ", name);
-    shv_cli_print_json_text(text);
-}
-
-static void print_number(const char *name, double value)
-{
-    printf(", \"%s\": ", name);
-    shv_cli_print_json_number(value);
-}
-
-static void print_json_row(const ShvVerifyCase *verified, const ShvVerifyRow *row, bool comma)
-{
-    static const char *const comparisons[] = {"near", "below", "above", "shown"};
-    printf("%s\n  {\"case\": ", comma ? "," : "");
-    shv_cli_print_json_text(verified->name);
-    print_member("quantity", row->quantity);
-    print_member("run", row->run);
-    print_member("unit", row->unit);
-    print_member("compare", comparisons[row->compare]);
-    print_number("reference", row->reference);
-    print_number("value", row->value);
-    print_number("error", row->error);
-    print_number("tolerance", row->tolerance);
-    printf(", \"absolute\": %s", row->absolute ? "true" : "false");
-    print_member("verdict", shv_verdict_name(row->verdict));
-    print_number("seconds", row->seconds);
-    print_member("source", row->source);
-    print_member("note", row->note);
-    printf("}");
-}
-
-static void print_json(const ShvVerifyCase *const *cases, int32_t count)
-{
-    bool comma = false;
-    printf("[");
-    for (int32_t i = 0; i < count; i++)
-        for (int32_t k = 0; k < cases[i]->row_count; k++) {
-            print_json_row(cases[i], &cases[i]->rows[k], comma);
-            comma = true;
-        }
-    printf("\n]\n");
-}
-
 /* ---- running ---- */
 
 typedef struct Work {
@@ -206,7 +159,7 @@ static int32_t finish(const Work *work)
 {
     const ShvVerifyCase sum = shv_verify_sum(work->cases, work->count);
     if (work->arguments->values[JSON])
-        print_json(work->cases, work->count);
+        shv_verify_print_json(work->cases, work->count, stdout);
     else
         printf("%d cases: %d pass, %d miss with an explanation, %d miss without one; %.1f s\n", (int)work->count,
                (int)sum.passes, (int)sum.explained, (int)sum.misses, sum.seconds);

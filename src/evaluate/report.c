@@ -1,4 +1,4 @@
-/* The table of verification as HTML and as Markdown. */
+/* The table of verification as HTML, Markdown and JSON. */
 #include <math.h>
 #include <string.h>
 
@@ -118,6 +118,44 @@ static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
     shv_table_end(&table);
     put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph);
 }
+
+/* ---- JSON ---- */
+
+static void put_json_row(FILE *stream, const ShvVerifyCase *verified, const ShvVerifyRow *row)
+{
+    static const char *const comparisons[] = {"near", "below", "above", "shown"};
+    ShvMembers members = {.stream = stream};
+    shv_print(stream, "\n  {");
+    shv_member_text(&members, "case", verified->name);
+    shv_member_text(&members, "quantity", row->quantity);
+    shv_member_text(&members, "run", row->run);
+    shv_member_text(&members, "unit", row->unit);
+    shv_member_text(&members, "compare", comparisons[row->compare]);
+    shv_member_number(&members, "reference", row->reference);
+    shv_member_number(&members, "value", row->value);
+    shv_member_number(&members, "error", row->error);
+    shv_member_number(&members, "tolerance", row->tolerance);
+    shv_member_flag(&members, "absolute", row->absolute);
+    shv_member_text(&members, "verdict", shv_verdict_name(row->verdict));
+    shv_member_number(&members, "seconds", row->seconds);
+    shv_member_text(&members, "source", row->source);
+    shv_member_text(&members, "note", row->note);
+    shv_print(stream, "}");
+}
+
+void shv_verify_print_json(const ShvVerifyCase *const *cases, int32_t count, FILE *stream)
+{
+    const char *comma = "";
+    shv_print(stream, "[");
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = 0; k < cases[i]->row_count; k++, comma = ",") {
+            shv_print(stream, "%s", comma);
+            put_json_row(stream, cases[i], &cases[i]->rows[k]);
+        }
+    shv_print(stream, "\n]\n");
+}
+
+/* ---- pages ---- */
 
 typedef struct Page {
     bool html;
