@@ -120,28 +120,37 @@ static double gap_of(const Setting *setting, const ShvBodyState *start, double *
 
 /* ---- laws ---- */
 
+/* What a law does not know, and what to change; of the body and its plane. */
+typedef struct Fault {
+    bool is;
+    const char *format;
+} Fault;
+
+static ShvStatus refuse(const Setting *setting, const Fault *faults, int count, ShvError *error)
+{
+    for (int i = 0; i < count; i++)
+        if (faults[i].is) return shv_fail(error, SHV_BAD_INPUT, faults[i].format, setting->name, setting->plane->name);
+    return SHV_OK;
+}
+
 static ShvStatus start_bounce(ShvClosedForm *form, const Setting *setting, ShvError *error)
 {
-    const ShvVec3 n = setting->normal;
+    const ShvVec3 n = setting->normal, velocity = form->start.velocity;
     double aside;
     form->height = gap_of(setting, &form->start, &aside);
     form->direction = n;
-    form->speed = shv_dot(n, form->start.velocity);
+    form->speed = shv_dot(n, velocity);
     form->pull = -shv_dot(n, form->gravity);
     form->restitution = setting->plane->restitution;
-    if (!(form->pull > 0.0) || shv_norm(shv_cross(n, form->gravity)) > nearly * form->pull)
-        return shv_fail(error, SHV_BAD_INPUT, "a bounce needs gravity straight on to '%s'", setting->plane->name);
-    if (form->height < 0.0)
-        return shv_fail(error, SHV_BAD_INPUT, "a bounce must begin above '%s'", setting->plane->name);
-    if (shv_norm(shv_cross(n, form->start.velocity)) > nearly * shv_norm(form->start.velocity) ||
-        shv_norm(form->start.angular_velocity) > 0.0)
-        return shv_fail(error, SHV_BAD_INPUT, "a bounce is straight: give '%s' no other velocity and no spin",
-                        setting->name);
-    if (aside > nearly * setting->body->radius)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "'%s' would begin to turn: its lowest point is %.3g m beside the vertical through its centre",
-                        setting->name, aside);
-    return SHV_OK;
+    const Fault faults[] = {
+        {!(form->pull > 0.0) || shv_norm(shv_cross(n, form->gravity)) > nearly * form->pull,
+         "a bounce of '%s' needs gravity straight on to '%s'"},
+        {form->height < 0.0, "a bounce of '%s' must begin above '%s'"},
+        {shv_norm(shv_cross(n, velocity)) > nearly * shv_norm(velocity) || shv_norm(form->start.angular_velocity) > 0.0,
+         "a bounce is straight: give '%s' no velocity along '%s' and no spin"},
+        {aside > nearly * setting->body->radius,
+         "'%s' would begin to turn on '%s': its lowest point is beside the vertical through its centre"}};
+    return refuse(setting, faults, 4, error);
 }
 
 static ShvStatus must_touch(const ShvClosedForm *form, const Setting *setting, ShvError *error)
@@ -154,53 +163,39 @@ static ShvStatus must_touch(const ShvClosedForm *form, const Setting *setting, S
                     setting->plane->name, gap);
 }
 
-/* What moves a body along its plane must lie in one line: velocity, gravity, and for a ball the slip. */
-static ShvStatus find_line(ShvClosedForm *form, const Setting *setting, ShvVec3 slip, ShvError *error)
-{
-    const ShvVec3 n = setting->normal;
-    const ShvVec3 along = shv_madd(form->gravity, -shv_dot(form->gravity, n), n);
-    const ShvVec3 line[3] = {form->start.velocity, slip, along};
-    const double size[3] = {shv_norm(line[0]), shv_norm(line[1]), nearly * shv_norm(form->gravity)};
-    form->direction = shv_unit(shv_norm(along) > size[2] ? along : size[0] > 0.0 ? line[0] : slip);
-    if (shv_norm(form->direction) == 0.0) form->direction = shv_unit(shv_cross(n, shv_vec3(n.y, n.z, -n.x)));
-    for (int k = 0; k < 2; k++)
-        if (shv_norm(shv_cross(line[k], form->direction)) > nearly * size[k])
-            return shv_fail(error, SHV_BAD_INPUT,
-                            "'%s' must move along the slope of '%s' or against it, in one straight line", setting->name,
-                            setting->plane->name);
-    form->speed = shv_dot(form->start.velocity, form->direction);
-    form->pull = shv_norm(along) > size[2] ? shv_dot(along, form->direction) : 0.0;
-    return SHV_OK;
-}
-
-/* Sliding, and the rolling of a sphere. */
+/* Sliding, and the rolling of a sphere: what moves a body along its plane must lie in one line: velocity, gravity, and for a ball
+   the slip. */
 static ShvStatus start_along(ShvClosedForm *form, const Setting *setting, ShvError *error)
 {
-    const ShvBody *body = setting->body;
     const ShvObstacleDefinition *plane = setting->plane, *own = setting->own;
-    const ShvVec3 n = setting->normal, spin = form->start.angular_velocity;
-    const bool rolls = form->law == SHV_REFERENCE_ROLL;
-    if (rolls && (!own || own->shape != SHV_OBSTACLE_SPHERE))
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' is not round enough to roll: give a sphere with mass",
-                        setting->name);
+    const ShvVec3 n = setting->normal, spin = form->start.angular_velocity, velocity = form->start.velocity;
+    const ShvVec3 along = shv_madd(form->gravity, -shv_dot(form->gravity, n), n);
+    const bool rolls = form->law == SHV_REFERENCE_ROLL, round = own && own->shape == SHV_OBSTACLE_SPHERE;
+    const bool steep = shv_norm(along) > nearly * shv_norm(form->gravity);
+    SHV_TRY(refuse(setting,
+                   &(Fault){rolls && !round, "'%s' is not round enough to roll on '%s': give a sphere with mass"}, 1,
+                   error));
     SHV_TRY(must_touch(form, setting, error));
-    if (!rolls && shv_norm(spin) > 0.0)
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' slides without turning: remove its angular_velocity",
-                        setting->name);
     /* Against an object the plane's own friction holds, between obstacles the geometric mean. */
     form->friction = -shv_dot(form->gravity, n) * sqrt((own ? own->friction : plane->friction) * plane->friction);
     form->radius = rolls ? own->radius : 0.0;
-    form->shape = rolls ? body->inertia.m[0][0] / (body->mass * form->radius * form->radius) : HUGE_VAL;
+    form->shape =
+        rolls ? setting->body->inertia.m[0][0] / (setting->body->mass * form->radius * form->radius) : HUGE_VAL;
     /* Velocity of the rim at the top, against the centre: ω × r n. */
     const ShvVec3 rim = shv_scale(shv_cross(spin, n), form->radius);
-    SHV_TRY(find_line(form, setting, rim, error));
-    if (!rolls) return SHV_OK;
+    form->direction = shv_unit(steep ? along : shv_norm(velocity) > 0.0 ? velocity : rim);
+    if (shv_norm(form->direction) == 0.0) form->direction = shv_unit(shv_cross(n, shv_vec3(n.y, n.z, -n.x)));
+    form->speed = shv_dot(velocity, form->direction);
+    form->pull = steep ? shv_dot(along, form->direction) : 0.0;
     form->axis = shv_cross(n, form->direction);
     form->rim_speed = shv_dot(rim, form->direction);
-    if (fabs(shv_dot(n, spin)) > nearly * shv_norm(spin))
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' must not spin about the normal of '%s'", setting->name,
-                        plane->name);
-    return SHV_OK;
+    const Fault faults[] = {
+        {!rolls && shv_norm(spin) > 0.0, "'%s' slides on '%s' without turning: remove its angular_velocity"},
+        {shv_norm(shv_cross(velocity, form->direction)) > nearly * shv_norm(velocity) ||
+             shv_norm(shv_cross(rim, form->direction)) > nearly * shv_norm(rim),
+         "'%s' must move along the slope of '%s' or against it, in one straight line"},
+        {rolls && fabs(shv_dot(n, spin)) > nearly * shv_norm(spin), "'%s' must not spin about the normal of '%s'"}};
+    return refuse(setting, faults, 3, error);
 }
 
 ShvStatus shv_closed_form(ShvClosedForm *form, const ShvSceneDefinition *scene, const ShvSimulation *simulation,

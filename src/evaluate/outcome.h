@@ -14,7 +14,6 @@ typedef enum ShvClock { SHV_CLOCK_NONE, SHV_CLOCK_FRAME, SHV_CLOCK_PROBE } ShvCl
 
 typedef struct ShvOutcomeList {
     char name[96];
-    uint64_t hash; /* of the name */
     ShvClock clock;
     double *values;
     int64_t count, capacity;

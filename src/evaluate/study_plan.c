@@ -159,6 +159,14 @@ static int32_t read_values(Planner *planner, const ShvNode *node, const char ***
     return count;
 }
 
+static bool given_twice(const Axis *axis)
+{
+    for (int32_t i = 0; i < axis->count; i++)
+        for (int32_t k = 0; k < i; k++)
+            if (axis->values[i] && axis->values[k] && strcmp(axis->values[i], axis->values[k]) == 0) return true;
+    return false;
+}
+
 static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, Axis *axes)
 {
     int32_t count = 0;
@@ -173,6 +181,8 @@ static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, A
         axis->column = columns ? column_of(planner, entry->key) : -1;
         axis->count = read_values(planner, entry->value, &axis->values);
         if (axis->count == 0 || (columns && axis->column < 0)) return 0;
+        if (given_twice(axis))
+            shv_error(planner->diagnostics, entry->value->place, "a value of '%.60s' is given twice", axis->key);
     }
     return count;
 }

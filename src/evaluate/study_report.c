@@ -126,10 +126,12 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
 
 /* ---- files ---- */
 
-/* A file of a study as it is written: `put` NULL is the figure of a measure. */
+typedef void (*PutFile)(const ShvStudy *study, FILE *stream);
+
+/* A file as it is written: `put` NULL is the figure of a measure. */
 typedef struct Writing {
     const ShvStudy *study;
-    void (*put)(const ShvStudy *study, FILE *stream);
+    PutFile put;
     int32_t measure;
 } Writing;
 
@@ -147,34 +149,30 @@ static void put_file(const void *data, FILE *stream)
         shv_study_put_error_plot(writing->study, writing->measure, stream, false);
 }
 
-static ShvStatus write_file(const Writing *writing, const char *name, ShvError *error)
-{
-    ShvExportOptions options = shv_export_default();
-    char path[SHV_STUDY_PATH];
-    options.force = true;
-    options.memory = writing->study->memory;
-    SHV_TRY(shv_study_path(writing->study, -1, name, path, error));
-    return shv_output_write(&options, path, put_file, writing, error);
-}
-
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
 {
     static const struct {
         const char *name;
-        void (*put)(const ShvStudy *study, FILE *stream);
+        PutFile put;
     } files[] = {{"results.csv", shv_study_put_results},
                  {"timings.csv", shv_study_put_timings},
                  {"table.md", shv_study_put_markdown},
                  {"study.json", shv_study_print_json},
                  {"cost.svg", put_costs},
                  {"report.html", put_html}};
+    enum { FILES = sizeof files / sizeof files[0] };
+    ShvExportOptions options = shv_export_default();
+    options.force = true;
+    options.memory = study->memory;
     if (!study->view.rows) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        char name[96];
-        shv_format(name, sizeof name, "error_%s.svg", study->plan.measures[i].name);
-        SHV_TRY(write_file(&(Writing){study, NULL, i}, name, error));
+    for (int32_t i = 0; i < FILES + study->plan.measure_count; i++) {
+        const bool figure = i >= FILES;
+        char name[96], path[SHV_STUDY_PATH];
+        shv_format(name, sizeof name, figure ? "error_%s.svg" : "%s",
+                   figure ? study->plan.measures[i - FILES].name : files[i].name);
+        SHV_TRY(shv_study_path(study, -1, name, path, error));
+        const Writing writing = {study, figure ? NULL : files[i].put, i - FILES};
+        SHV_TRY(shv_output_write(&options, path, put_file, &writing, error));
     }
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
-        SHV_TRY(write_file(&(Writing){study, files[i].put, 0}, files[i].name, error));
     return SHV_OK;
 }
