@@ -20,20 +20,18 @@ const ShvObstacleDefinition *shv_body_obstacle(const ShvSceneDefinition *scene, 
 /* The homogeneous solid. */
 static ShvStatus describe_obstacle(ShvBody *body, const ShvObstacleDefinition *obstacle, ShvError *error)
 {
-    double square[3]; /* mean of x² and so on over the solid */
-    for (int k = 0; k < 3; k++) {
-        if (obstacle->shape == SHV_OBSTACLE_SPHERE)
-            square[k] = obstacle->radius * obstacle->radius / 5.0;
-        else if (obstacle->shape == SHV_OBSTACLE_BOX)
-            square[k] = obstacle->size[k] * obstacle->size[k] / 12.0;
-        else
-            return shv_fail(error, SHV_UNSUPPORTED,
-                            "'%s' is a free obstacle of triangles, whose inertia a comparison does not know; use a "
-                            "sphere, a box or an object",
-                            obstacle->name);
-    }
+    const double r = obstacle->radius, *a = obstacle->size;
+    const bool ball = obstacle->shape == SHV_OBSTACLE_SPHERE;
+    if (!ball && obstacle->shape != SHV_OBSTACLE_BOX)
+        return shv_fail(error, SHV_UNSUPPORTED,
+                        "'%s' is a free obstacle of triangles, whose inertia a comparison does not know; use a "
+                        "sphere, a box or an object",
+                        obstacle->name);
     body->mass = obstacle->mass;
-    for (int k = 0; k < 3; k++) body->inertia.m[k][k] = body->mass * (square[(k + 1) % 3] + square[(k + 2) % 3]);
+    for (int k = 0; k < 3; k++) {
+        const double y = a[(k + 1) % 3], z = a[(k + 2) % 3];
+        body->inertia.m[k][k] = body->mass * (ball ? r * r / 5.0 + r * r / 5.0 : y * y / 12.0 + z * z / 12.0);
+    }
     return SHV_OK;
 }
 

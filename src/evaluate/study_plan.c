@@ -27,6 +27,11 @@ typedef struct Axis {
 static const char *const step_key = "step";
 #define LENGTH_OF(array) ((int)(sizeof(array) / sizeof *(array)))
 
+static const char *copy(const Planner *planner, const char *text)
+{
+    return shv_pool_text(planner->pool, text, strlen(text));
+}
+
 /* ---- keys of all runs ---- */
 
 static const char *assignment(ShvPool *pool, const char *key, const char *value)
@@ -50,8 +55,7 @@ static void read_fixed(Planner *planner, const ShvNode *set, const char *const *
     for (const ShvEntry *entry = set ? set->first : NULL; entry; entry = entry->next)
         planner->fixed[planner->fixed_count++] =
             assignment(planner->pool, entry->key->text, shv_tree_text(planner->pool, entry->value));
-    for (int32_t i = 0; i < more_count; i++)
-        planner->fixed[planner->fixed_count++] = shv_pool_text(planner->pool, more[i], strlen(more[i]));
+    for (int32_t i = 0; i < more_count; i++) planner->fixed[planner->fixed_count++] = copy(planner, more[i]);
 }
 
 /* ---- settings ---- */
@@ -66,7 +70,7 @@ static int32_t column_of(Planner *planner, const ShvNode *key)
         shv_error(planner->diagnostics, key->place, "a study varies at most %d keys", (int)SHV_STUDY_MOST_KEYS);
         return -1;
     }
-    plan->keys[plan->key_count] = shv_pool_text(planner->pool, key->text, strlen(key->text));
+    plan->keys[plan->key_count] = copy(planner, key->text);
     return plan->key_count++;
 }
 
@@ -108,10 +112,10 @@ static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis 
         if (setting->values[i][0])
             append(name, sizeof name, "%s%s=%s", name[0] ? " " : "", plan->keys[i], setting->values[i]);
     shv_format(title, sizeof title, "%s%s%s", series, label[0] ? ", " : "", label);
-    setting->series = shv_pool_text(planner->pool, series, strlen(series));
-    setting->label = shv_pool_text(planner->pool, label, strlen(label));
-    setting->title = shv_pool_text(planner->pool, title, strlen(title));
-    setting->name = name[0] ? shv_pool_text(planner->pool, name, strlen(name)) : "reference";
+    setting->series = copy(planner, series);
+    setting->label = copy(planner, label);
+    setting->title = copy(planner, title);
+    setting->name = copy(planner, name[0] ? name : "reference");
 }
 
 /* One combination: `chosen` says which value of each axis. */
@@ -122,13 +126,10 @@ static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis 
     const char **overrides = shv_pool_take(pool, (size_t)(planner->fixed_count + count), sizeof *overrides);
     const char **values = shv_pool_take(pool, SHV_STUDY_MOST_KEYS, sizeof *values);
     if (!overrides || !values) return;
-    if (planner->fixed_count > 0) memcpy(overrides, planner->fixed, (size_t)planner->fixed_count * sizeof *overrides);
+    *setting =
+        (ShvStudySetting){.overrides = overrides, .multiple = (double)NAN, .values = values, .line = node->place.line};
+    for (int32_t i = 0; i < planner->fixed_count; i++) overrides[setting->override_count++] = planner->fixed[i];
     for (int32_t i = 0; i < SHV_STUDY_MOST_KEYS; i++) values[i] = "";
-    *setting = (ShvStudySetting){.overrides = overrides,
-                                 .override_count = planner->fixed_count,
-                                 .multiple = (double)NAN,
-                                 .values = values,
-                                 .line = node->place.line};
     for (int32_t i = 0; i < count; i++) {
         const char *value = axes[i].values[chosen[i]];
         if (!value) return;
@@ -304,12 +305,10 @@ static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *meas
 {
     if (node->kind == SHV_NODE_MAPPING) return read_formula(planner, node, measure);
     const char *names[SHV_STUDY_MOST_MEASURES], *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
-    const int32_t count = shv_measure_count();
     const ShvMeasure *known = shv_measure_named(text);
-    if (known) {
-        *measure = *known;
-        return true;
-    }
+    if (known) *measure = *known;
+    if (known) return true;
+    const int32_t count = shv_measure_count();
     for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
     const char *near = shv_nearest_name(text, names, (size_t)count);
     shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
@@ -329,12 +328,11 @@ static void read_measures(Planner *planner, const ShvNode *node)
     for (const ShvEntry *item = node->first; item; item = item->next) {
         ShvMeasure *measure = &plan->measures[plan->measure_count];
         if (!read_measure(planner, item->value, measure)) continue;
-        bool twice = false;
-        for (int32_t i = 0; i < plan->measure_count; i++) twice |= strcmp(plan->measures[i].name, measure->name) == 0;
-        if (twice)
-            shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
-                      shv_quoted(measure->name).text);
-        plan->measure_count += !twice;
+        for (int32_t i = 0; i < plan->measure_count; i++)
+            if (strcmp(plan->measures[i].name, measure->name) == 0)
+                shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
+                          shv_quoted(measure->name).text);
+        plan->measure_count++;
     }
 }
 
