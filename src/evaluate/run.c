@@ -79,17 +79,16 @@ static bool take_note(Pull *pull, const ShvCheckpoint *found)
     if (shv_outcome_parse(&before, (const char *)found->note, found->note_size, "a checkpoint", pull->order->memory,
                           &ignored) != SHV_OK)
         return false;
-    const bool good = !pull->order->tracked ||
-                      shv_outcome_number(&before, "track.bodies") == shv_outcome_number(pull->outcome, "track.bodies");
-    if (good) {
-        shv_outcome_release(pull->outcome);
-        *pull->outcome = before;
-        shv_processor_name(pull->outcome->processor, sizeof pull->outcome->processor);
-        pull->seconds = shv_outcome_number(pull->outcome, "run.so_far");
-    } else {
+    if (pull->order->tracked &&
+        shv_outcome_number(&before, "track.bodies") != shv_outcome_number(pull->outcome, "track.bodies")) {
         shv_outcome_release(&before);
+        return false;
     }
-    return good;
+    shv_outcome_release(pull->outcome);
+    *pull->outcome = before;
+    shv_processor_name(pull->outcome->processor, sizeof pull->outcome->processor);
+    pull->seconds = shv_outcome_number(pull->outcome, "run.so_far");
+    return true;
 }
 
 /* Loads the latest checkpoint into a simulation of which the first frame has been asked for. What does not fit is as good as
@@ -102,13 +101,14 @@ static ShvStatus go_on(Pull *pull, ShvError *error)
     ShvError ignored;
     const ShvCheckpointMark own = mark_of(pull);
     ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, NULL, NULL, &ignored);
-    const bool goes_on = status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found);
-    if (goes_on) {
+    if (status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found)) {
         pull->sequence = found.mark.sequence;
         status = shv_simulation_load(pull->simulation, found.descriptor, found.size, error);
+    } else {
+        status = SHV_OK;
     }
     shv_checkpoint_close(&found);
-    return goes_on ? status : SHV_OK;
+    return status;
 }
 
 /* ---- simulations ---- */

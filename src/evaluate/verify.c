@@ -27,18 +27,6 @@ double shv_run_seconds(const ShvOutcome *outcome)
 
 /* ---- runs ---- */
 
-/* All faults of a scene in one message. */
-static void join_faults(const ShvDiagnostics *diagnostics, ShvError *error)
-{
-    char text[sizeof error->message] = "";
-    size_t length = 0;
-    const int32_t count = diagnostics ? shv_diagnostics_count(diagnostics) : 0;
-    for (int32_t i = 0; i < count && length + 1 < sizeof text; i++)
-        length += (size_t)shv_format(text + length, sizeof text - length, "%s%s", i ? " " : "",
-                                     shv_diagnostics_get(diagnostics, i)->message);
-    if (count > 0) memcpy(error->message, text, sizeof text);
-}
-
 static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
 {
     const char *overrides[MOST_OVERRIDES], *at = run->set;
@@ -54,10 +42,7 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
     if (work->failed) return shv_fail_memory(error, "overrides", 0);
     SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder,
                           run->scene ? run->scene : verifier->judge.item->scene, &path, error));
-    ShvDiagnostics *diagnostics = NULL;
-    const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, &diagnostics, error);
-    if (status == SHV_BAD_INPUT && run->expect) join_faults(diagnostics, error);
-    shv_diagnostics_destroy(diagnostics);
+    const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, NULL, error);
     shv_release(path);
     return status;
 }
