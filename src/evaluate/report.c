@@ -49,8 +49,9 @@ static const char *class_of(ShvVerdict verdict)
 }
 
 /* Shares of the reference in percent. */
-static void put_row(ShvTable *table, const ShvVerifyRow *row)
+static void put_row(ShvTable *table, const void *data, int32_t index)
 {
+    const ShvVerifyRow *row = (const ShvVerifyRow *)data + index;
     const double scale = row->absolute ? 1.0 : 100.0;
     const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
     shv_table_text(table, "quantity", NULL, row->quantity);
@@ -62,7 +63,6 @@ static void put_row(ShvTable *table, const ShvVerifyRow *row)
     put_figure(table, "tolerance", "", row->absolute ? "%.3g" : "%.3g %%", tolerance);
     shv_table_text(table, "verdict", class_of(row->verdict), shv_verdict_name(row->verdict));
     put_figure(table, "run time, s", "", "%.3g", row->seconds);
-    shv_table_end_row(table);
 }
 
 /* A sentence once, however many rows it belongs to. */
@@ -103,7 +103,6 @@ static void markdown_paragraph(FILE *stream, const char *text)
 
 static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
 {
-    static const ShvVerifyRow heads = {.run = ""};
     char command[256];
     shv_format(command, sizeof command, "shiver verify --full %s", of->name);
     if (html) {
@@ -112,10 +111,7 @@ static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
     } else {
         shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", of->title, of->name, of->scene);
     }
-    ShvTable table = shv_table_begin(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN);
-    put_row(&table, &heads);
-    for (int32_t i = 0; i < of->row_count; i++) put_row(&table, &of->rows[i]);
-    shv_table_end(&table);
+    shv_table_write(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN, of->row_count, put_row, of->rows);
     put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph);
 }
 

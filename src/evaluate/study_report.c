@@ -126,53 +126,44 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
 
 /* ---- files ---- */
 
-typedef void (*PutFile)(const ShvStudy *study, FILE *stream);
-
-/* A file as it is written: `put` NULL is the figure of a measure. */
-typedef struct Writing {
-    const ShvStudy *study;
-    PutFile put;
-    int32_t measure;
-} Writing;
-
 static void put_costs(const ShvStudy *study, FILE *stream)
 {
     shv_study_put_cost_plot(study, stream, false);
 }
 
-static void put_file(const void *data, FILE *stream)
+static const struct {
+    const char *name;
+    void (*put)(const ShvStudy *study, FILE *stream);
+} files[] = {{"results.csv", shv_study_put_results},
+             {"timings.csv", shv_study_put_timings},
+             {"table.md", shv_study_put_markdown},
+             {"study.json", shv_study_print_json},
+             {"cost.svg", put_costs},
+             {"report.html", put_html}};
+enum { FILES = sizeof files / sizeof files[0] };
+
+/* Those above, and a figure of each measure. */
+static void put_file(const void *data, int index, FILE *stream)
 {
-    const Writing *writing = data;
-    if (writing->put)
-        writing->put(writing->study, stream);
+    if (index < FILES)
+        files[index].put(data, stream);
     else
-        shv_study_put_error_plot(writing->study, writing->measure, stream, false);
+        shv_study_put_error_plot(data, index - FILES, stream, false);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
 {
-    static const struct {
-        const char *name;
-        PutFile put;
-    } files[] = {{"results.csv", shv_study_put_results},
-                 {"timings.csv", shv_study_put_timings},
-                 {"table.md", shv_study_put_markdown},
-                 {"study.json", shv_study_print_json},
-                 {"cost.svg", put_costs},
-                 {"report.html", put_html}};
-    enum { FILES = sizeof files / sizeof files[0] };
+    const char *names[FILES + SHV_STUDY_MOST_MEASURES];
+    char figures[SHV_STUDY_MOST_MEASURES][96], folder[SHV_STUDY_PATH];
     ShvExportOptions options = shv_export_default();
     options.force = true;
     options.memory = study->memory;
     if (!study->view.rows) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
-    for (int32_t i = 0; i < FILES + study->plan.measure_count; i++) {
-        const bool figure = i >= FILES;
-        char name[96], path[SHV_STUDY_PATH];
-        shv_format(name, sizeof name, figure ? "error_%s.svg" : "%s",
-                   figure ? study->plan.measures[i - FILES].name : files[i].name);
-        SHV_TRY(shv_study_path(study, -1, name, path, error));
-        const Writing writing = {study, figure ? NULL : files[i].put, i - FILES};
-        SHV_TRY(shv_output_write(&options, path, put_file, &writing, error));
+    for (int i = 0; i < FILES; i++) names[i] = files[i].name;
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        shv_format(figures[i], sizeof figures[i], "error_%s.svg", study->plan.measures[i].name);
+        names[FILES + i] = figures[i];
     }
-    return SHV_OK;
+    SHV_TRY(shv_study_path(study, -1, "", folder, error));
+    return shv_output_write_all(&options, folder, names, FILES + study->plan.measure_count, put_file, study, error);
 }

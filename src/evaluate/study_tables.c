@@ -11,7 +11,7 @@
 typedef enum Kind { RESULTS = 1, TIMINGS = 2, LINES = 4, RUNS = 8 } Kind;
 
 typedef struct Cells {
-    ShvTable table;
+    ShvTable *table;
     Kind kind;
     const ShvStudy *study;
     const ShvStudyRow *row; /* of a setting, or the scatter of an ensemble, which has nothing but errors */
@@ -37,7 +37,7 @@ static const Column columns[] = {{"stable step", "s", ROW(stable_step), RESULTS}
 static void put_number(Cells *cells, const char *name, const char *unit, const char *class, double value)
 {
     char head[160], text[SHV_OUTPUT_NUMBER] = "";
-    const bool csv = cells->table.form == SHV_TABLE_CSV;
+    const bool csv = cells->table->form == SHV_TABLE_CSV;
     shv_format(head, sizeof head, unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", name, unit);
     if (csv && isfinite(value))
         shv_output_format(text, value);
@@ -45,7 +45,7 @@ static void put_number(Cells *cells, const char *name, const char *unit, const c
         shv_format(text, sizeof text, "%.3g", value);
     else if (!csv && !cells->scatter)
         shv_format(text, sizeof text, "–");
-    shv_table_text(&cells->table, head, cells->kind == RUNS && !class ? "number" : class, text);
+    shv_table_text(cells->table, head, cells->kind == RUNS && !class ? "number" : class, text);
 }
 
 static void put_part(Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
@@ -74,7 +74,7 @@ static void put_numbers(Cells *cells)
         double value;
         memcpy(&value, (const char *)cells->row + columns[i].offset, sizeof value);
         if (!(columns[i].in & cells->kind) || (columns[i].in == LINES && !has_figure(cells->study, -1))) continue;
-        if (cells->table.form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
+        if (cells->table->form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
         const bool doubtful = columns[i].offset == ROW(seconds) && !cells->study->view.timings_valid;
         put_number(cells, columns[i].head, columns[i].unit, doubtful && cells->kind == RUNS ? "number warn" : NULL,
                    value);
@@ -86,13 +86,13 @@ static void put_setting(Cells *cells)
     const ShvStudyRow *row = cells->row;
     const ShvStudyPlan *plan = &cells->study->plan;
     if (cells->kind == LINES)
-        shv_table_put(&cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
+        shv_table_put(cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
                       row->is_reference ? " (reference)" : "");
     for (int32_t i = 0; i < plan->key_count && cells->kind != LINES; i++)
-        shv_table_text(&cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
-    if (cells->table.form != SHV_TABLE_CSV) return;
-    shv_table_text(&cells->table, "reference", NULL, row->is_reference ? "yes" : "");
-    shv_table_text(&cells->table, "status", NULL, shv_status_name(row->status));
+        shv_table_text(cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
+    if (cells->table->form != SHV_TABLE_CSV) return;
+    shv_table_text(cells->table, "reference", NULL, row->is_reference ? "yes" : "");
+    shv_table_text(cells->table, "status", NULL, shv_status_name(row->status));
 }
 
 static void put_error(Cells *cells, int32_t measure)
@@ -108,8 +108,8 @@ static void put_error(Cells *cells, int32_t measure)
     }
     if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[measure]);
     const char *class = best ? "number best" : ensemble && error <= scatter ? "number warn" : "number";
-    if (cells->kind == RUNS && ensemble && !cells->table.heads && isfinite(error) && isfinite(low))
-        shv_table_put(&cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
+    if (cells->kind == RUNS && ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
+        shv_table_put(cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
     else
         put_part(cells, "error of ", of, class, error);
     if (cells->kind != RESULTS || !ensemble) return;
@@ -122,18 +122,18 @@ static void put_error(Cells *cells, int32_t measure)
 static void put_errors(Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
-    const bool told = cells->kind == LINES && row->status != SHV_OK && !cells->table.heads;
+    const bool told = cells->kind == LINES && row->status != SHV_OK && !cells->table->heads;
     bool first = true;
     for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
         if (cells->kind == LINES && !has_figure(cells->study, i)) continue;
         if (told)
-            shv_table_put(&cells->table, "", NULL, first ? "failed: %.*s" : "", (int)strcspn(row->message, ";"),
+            shv_table_put(cells->table, "", NULL, first ? "failed: %.*s" : "", (int)strcspn(row->message, ";"),
                           row->message);
         else
             put_error(cells, i);
         first = false;
     }
-    if (told && first) shv_table_put(&cells->table, "", NULL, "failed: %s", row->message);
+    if (told && first) shv_table_put(cells->table, "", NULL, "failed: %s", row->message);
 }
 
 static void put_row(Cells *cells)
@@ -143,42 +143,45 @@ static void put_row(Cells *cells)
     char head[96];
     put_setting(cells);
     if (cells->kind == TIMINGS)
-        shv_table_text(&cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
+        shv_table_text(cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
     put_numbers(cells);
     if (cells->kind == RUNS)
-        shv_table_text(&cells->table, "", failed ? "miss" : NULL,
+        shv_table_text(cells->table, "", failed ? "miss" : NULL,
                        failed              ? "failed"
                        : row->is_reference ? "reference"
                                            : "");
     if (cells->kind != TIMINGS) put_errors(cells);
-    if (cells->kind == RESULTS) shv_table_text(&cells->table, "message", NULL, row->message);
+    if (cells->kind == RESULTS) shv_table_text(cells->table, "message", NULL, row->message);
     if (cells->kind != TIMINGS) return;
     for (int c = 0; c < SHV_COST_COUNT; c++) put_number(cells, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
     for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
         shv_format(head, sizeof head, "on front of %s", cells->study->plan.measures[i].name);
-        shv_table_text(&cells->table, head, NULL, row->on_front[i] ? "yes" : "");
+        shv_table_text(cells->table, head, NULL, row->on_front[i] ? "yes" : "");
     }
 }
 
-/* Heads, all rows, and below them that of the scatter where there is one. */
-static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form, Kind kind)
+static void put_cells(ShvTable *table, const void *data, int32_t index)
 {
+    Cells cells = *(const Cells *)data;
+    const ShvStudy *study = cells.study;
     ShvStudyRow scatter = {.series = "scatter", .label = ""};
-    const int32_t count = study->setting_count, more = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
-    Cells cells = {.table = shv_table_begin(stream, form), .kind = kind, .study = study};
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         scatter.values[i] = (double)NAN;
         scatter.errors[i] = study->view.scatter[i];
     }
-    for (int32_t i = -1; i < count + more; i++) {
-        const int32_t index = i < 0 ? 0 : i;
-        cells.scatter = i == count;
-        cells.row = cells.scatter ? &scatter : &study->rows[index];
-        cells.values = cells.scatter || !study->plan.settings ? NULL : study->plan.settings[index].values;
-        put_row(&cells);
-        shv_table_end_row(&cells.table);
-    }
-    shv_table_end(&cells.table);
+    cells.table = table;
+    cells.scatter = index == study->setting_count;
+    cells.row = cells.scatter ? &scatter : &study->rows[index];
+    cells.values = cells.scatter || !study->plan.settings ? NULL : study->plan.settings[index].values;
+    put_row(&cells);
+}
+
+/* All rows, and below them that of the scatter where there is one. */
+static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form, Kind kind)
+{
+    const Cells cells = {.kind = kind, .study = study};
+    const int32_t more = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
+    shv_table_write(stream, form, study->setting_count + more, put_cells, &cells);
 }
 
 void shv_study_put_results(const ShvStudy *study, FILE *stream)
@@ -201,14 +204,14 @@ void shv_study_put_runs(const ShvStudy *study, FILE *stream)
     put_table(study, stream, SHV_TABLE_HTML, RUNS);
 }
 
+static void put_definition(ShvTable *table, const void *data, int32_t index)
+{
+    const ShvMeasure *measure = (const ShvMeasure *)data + index;
+    shv_table_text(table, "measure", NULL, measure->name);
+    shv_table_text(table, "error", NULL, measure->sentence ? measure->sentence : measure->error);
+}
+
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream)
 {
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int32_t i = -1; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i < 0 ? 0 : i];
-        shv_table_text(&table, "measure", NULL, measure->name);
-        shv_table_text(&table, "error", NULL, measure->sentence ? measure->sentence : measure->error);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
+    shv_table_write(stream, SHV_TABLE_HTML, study->plan.measure_count, put_definition, study->plan.measures);
 }

@@ -10,55 +10,37 @@
 
 /* ---- numbers of rows and points ---- */
 
-typedef struct Field {
-    const char *name;   /* in JSON */
-    const char *format; /* in the text */
-    size_t offset;
-} Field;
-
 #define ROW(member)   offsetof(ShvStabilityRow, member)
 #define POINT(member) offsetof(ShvStabilityPoint, member)
 #define COUNT(array)  ((int)(sizeof(array) / sizeof *(array)))
-static const Field setting_fields[] = {{"youngs_modulus", NULL, ROW(modulus)}, {"k", NULL, ROW(stiffness)}},
-                   limit_fields[] = {{"stable_step", "%.3e", ROW(stable_step)},
-                                     {"limit", "%.2f", ROW(limit)},
-                                     {"failed", "%.2f", ROW(failed)},
-                                     {"over_mesh", "%.2f", ROW(over_mesh)}},
-                   odd_fields[] = {{"unstable_below", NULL, ROW(unstable_below)},
-                                   {"stable_again", NULL, ROW(stable_again)},
-                                   {"refused_above", NULL, ROW(refused_above)}},
-                   point_fields[] = {{"step", "%.2f", POINT(multiple)},
-                                     {"stiffness", "%.4g", POINT(stiffness)},
-                                     {"bars_alone", "%.4g", POINT(closed_form)},
-                                     {"frequency", "%.4f", POINT(frequency)},
-                                     {"displacement", "%.3g", POINT(displacement)},
-                                     {"energy_kept", "%.3g", POINT(energy_kept)}};
+static const ShvNumberField setting_fields[] = {{"youngs_modulus", NULL, ROW(modulus)}, {"k", NULL, ROW(stiffness)}},
+                            limit_fields[] = {{"stable_step", "%.3e", ROW(stable_step)},
+                                              {"limit", "%.2f", ROW(limit)},
+                                              {"failed", "%.2f", ROW(failed)},
+                                              {"over_mesh", "%.2f", ROW(over_mesh)}},
+                            odd_fields[] = {{"unstable_below", NULL, ROW(unstable_below)},
+                                            {"stable_again", NULL, ROW(stable_again)},
+                                            {"refused_above", NULL, ROW(refused_above)}},
+                            point_fields[] = {{"step", "%.2f", POINT(multiple)},
+                                              {"stiffness", "%.4g", POINT(stiffness)},
+                                              {"bars_alone", "%.4g", POINT(closed_form)},
+                                              {"frequency", "%.4f", POINT(frequency)},
+                                              {"displacement", "%.3g", POINT(displacement)},
+                                              {"energy_kept", "%.3g", POINT(energy_kept)}};
 
-static double number_of(const void *item, const Field *field)
-{
-    double value;
-    memcpy(&value, (const char *)item + field->offset, sizeof value);
-    return value;
-}
-
-static void put_text(FILE *stream, const void *item, const Field *fields, int count)
+static void put_text(FILE *stream, const void *item, const ShvNumberField *fields, int count)
 {
     for (int i = 0; i < count; i++) {
         char text[32];
-        const double value = number_of(item, &fields[i]);
+        const double value = shv_number_of(item, &fields[i]);
         shv_format(text, sizeof text, isfinite(value) ? fields[i].format : isnan(value) ? "-" : "inf", value);
         shv_print(stream, " %9s", text);
     }
 }
 
-static void put_csv(FILE *stream, const void *item, const Field *fields, int count)
+static void put_csv(FILE *stream, const void *item, const ShvNumberField *fields, int count)
 {
-    for (int i = 0; i < count; i++) shv_output_number(stream, number_of(item, &fields[i]));
-}
-
-static void put_json(ShvMembers *members, const void *item, const Field *fields, int count)
-{
-    for (int i = 0; i < count; i++) shv_member_number(members, fields[i].name, number_of(item, &fields[i]));
+    for (int i = 0; i < count; i++) shv_output_number(stream, shv_number_of(item, &fields[i]));
 }
 
 /* ---- text ---- */
@@ -118,10 +100,10 @@ static void put_row_json(FILE *stream, const ShvStabilityRow *row)
 {
     ShvMembers members = {.stream = stream};
     shv_member_flag(&members, "bars", row->iterations > 0);
-    put_json(&members, row, setting_fields, COUNT(setting_fields));
+    shv_member_fields(&members, row, setting_fields, COUNT(setting_fields));
     shv_member_number(&members, "iterations", row->iterations);
-    put_json(&members, row, limit_fields, COUNT(limit_fields));
-    put_json(&members, row, odd_fields, COUNT(odd_fields));
+    shv_member_fields(&members, row, limit_fields, COUNT(limit_fields));
+    shv_member_fields(&members, row, odd_fields, COUNT(odd_fields));
     shv_member_text(&members, "beyond", shv_stability_class_name(row->beyond));
     shv_member_text(&members, "far", shv_stability_class_name(row->far));
     shv_member_flag(&members, "monotone", row->monotone);
@@ -130,7 +112,7 @@ static void put_row_json(FILE *stream, const ShvStabilityRow *row)
         ShvMembers point = {.stream = stream};
         shv_print(stream, k > 0 ? "},\n  {" : "[{");
         shv_member_text(&point, "class", shv_stability_class_name(row->points[k].outcome));
-        put_json(&point, &row->points[k], point_fields, COUNT(point_fields));
+        shv_member_fields(&point, &row->points[k], point_fields, COUNT(point_fields));
     }
     shv_print(stream, row->point_count > 0 ? "}]" : "[]");
 }
@@ -160,16 +142,6 @@ static void put_lines(FILE *stream, const ShvStability *stability, const ShvStab
         put_csv(stream, &row->points[k], point_fields, COUNT(point_fields));
         shv_print(stream, "\n");
     }
-}
-
-static void put_table(FILE *stream, const ShvStability *stability)
-{
-    shv_print(stream,
-              "stabiliser,iterations,youngs_modulus [Pa],k,stable_step [s],limit [stable steps],"
-              "failed [stable steps],limit over that without bars,unstable_below [stable steps],"
-              "stable_again [stable steps],class at failed,class at 3 x failed,steps,class,"
-              "step [stable steps],stiffness,stiffness of bars alone,frequency,displacement error,energy kept\n");
-    for (int32_t i = 0; i < stability->count; i++) put_lines(stream, stability, &stability->rows[i]);
 }
 
 /* ---- plots, of the first modulus ---- */
@@ -242,18 +214,21 @@ static void put_picture(FILE *stream, const ShvStability *stability, int picture
 
 /* ---- files ---- */
 
-typedef struct Writing {
-    const ShvStability *stability;
-    int picture; /* −1: the table */
-} Writing;
-
-static void put_file(const void *data, FILE *stream)
+static void put_file(const void *data, int index, FILE *stream)
 {
-    const Writing *writing = data;
-    if (writing->picture < 0)
-        put_table(stream, writing->stability);
-    else
-        put_picture(stream, writing->stability, writing->picture);
+    put_picture(stream, data, index);
+}
+
+static void put_table(const void *data, int index, FILE *stream)
+{
+    const ShvStability *stability = data;
+    (void)index;
+    shv_print(stream,
+              "stabiliser,iterations,youngs_modulus [Pa],k,stable_step [s],limit [stable steps],"
+              "failed [stable steps],limit over that without bars,unstable_below [stable steps],"
+              "stable_again [stable steps],class at failed,class at 3 x failed,steps,class,"
+              "step [stable steps],stiffness,stiffness of bars alone,frequency,displacement error,energy kept\n");
+    for (int32_t i = 0; i < stability->count; i++) put_lines(stream, stability, &stability->rows[i]);
 }
 
 ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error)
@@ -270,13 +245,8 @@ ShvStatus shv_stability_write(const ShvStability *stability, const char *csv, co
     ShvExportOptions options = shv_export_default();
     options.force = force;
     options.memory = stability->memory;
+    static const char *const whole[] = {""};
     SHV_TRY(shv_stability_check_files(csv, svg, force, error));
-    for (int i = csv ? -1 : 0; i < (svg ? PICTURES : 0); i++) {
-        char *path = shv_output_path(&options, i < 0 ? csv : svg, i < 0 ? "" : suffixes[i]);
-        if (!path) return shv_fail_memory(error, "the name of a file", 0);
-        const ShvStatus status = shv_output_write(&options, path, put_file, &(Writing){stability, i}, error);
-        shv_release(path);
-        SHV_TRY(status);
-    }
-    return SHV_OK;
+    if (csv) SHV_TRY(shv_output_write_all(&options, csv, whole, 1, put_table, stability, error));
+    return svg ? shv_output_write_all(&options, svg, suffixes, PICTURES, put_file, stability, error) : SHV_OK;
 }
