@@ -19,7 +19,7 @@ ShvFreeTop shv_free_top(const ShvMat3 *inertia, ShvQuat orientation, ShvVec3 spi
 static void advance(ShvFreeTop *top, double step)
 {
     enum { TERMS = 20 };
-    double spin[TERMS][3], pose[TERMS][4], power = 1.0;
+    double spin[TERMS][3], pose[TERMS][4];
     const ShvQuat start = top->pose;
     memcpy(spin[0], top->spin, sizeof spin[0]);
     memcpy(pose[0], (const double[]){start.w, start.x, start.y, start.z}, sizeof pose[0]);
@@ -36,14 +36,13 @@ static void advance(ShvFreeTop *top, double step)
         const double half = 0.5 / (n + 1);
         memcpy(pose[n + 1], (const double[]){half * turn.w, half * turn.x, half * turn.y, half * turn.z}, sizeof *pose);
     }
-    double sum[4];
-    memcpy(sum, pose[0], sizeof sum);
-    for (int n = 1; n < TERMS; n++) {
-        power *= step;
-        for (int i = 0; i < 3; i++) top->spin[i] += power * spin[n][i];
-        for (int i = 0; i < 4; i++) sum[i] += power * pose[n][i];
+    double turned[4] = {0.0, 0.0, 0.0, 0.0}, rates[3] = {0.0, 0.0, 0.0};
+    for (int n = TERMS - 1; n >= 0; n--) { /* the smallest first: what rounds is the sum */
+        for (int i = 0; i < 3; i++) rates[i] = spin[n][i] + step * rates[i];
+        for (int i = 0; i < 4; i++) turned[i] = pose[n][i] + step * turned[i];
     }
-    top->pose = shv_quat_unit((ShvQuat){sum[0], sum[1], sum[2], sum[3]});
+    memcpy(top->spin, rates, sizeof rates);
+    top->pose = shv_quat_unit((ShvQuat){turned[0], turned[1], turned[2], turned[3]});
 }
 
 void shv_free_top_at(ShvFreeTop *top, double time, ShvQuat *orientation, ShvVec3 *spin)
