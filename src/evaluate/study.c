@@ -39,10 +39,7 @@ ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinit
 {
     ShvSceneDefinition changed = *scene;
     if (member == 0) return changed;
-    if (study->plan.seeds) {
-        changed.seed += (uint64_t)member;
-        return changed;
-    }
+    if (study->plan.seeds) changed.seed += (uint64_t)member;
     for (int32_t i = 0; i < scene->object_count; i++) {
         objects[i] = scene->objects[i];
         for (int k = 0; k < 3; k++)

@@ -52,12 +52,15 @@ ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, c
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
-/* study_tables.c */
-void shv_study_put_runs(const ShvStudy *study, FILE *stream);
+/* study_tables.c: the same rows in four tables: two of CSV, that of table.md, and that of the page with the scatter below. */
+typedef enum ShvStudyTable {
+    SHV_STUDY_RESULTS = 1,
+    SHV_STUDY_TIMINGS = 2,
+    SHV_STUDY_LINES = 4,
+    SHV_STUDY_RUNS = 8
+} ShvStudyTable;
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
-void shv_study_put_results(const ShvStudy *study, FILE *stream);
-void shv_study_put_markdown(const ShvStudy *study, FILE *stream);
-void shv_study_put_timings(const ShvStudy *study, FILE *stream);
 /* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);
 void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within);

@@ -36,7 +36,7 @@ static void put_html(const ShvStudy *study, FILE *stream)
     char text[1024];
     put_head(study, stream);
     shv_html_heading(stream, 2, "Runs");
-    shv_study_put_runs(study, stream);
+    shv_study_put_table(study, SHV_STUDY_RUNS, stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
     /* Messages are long: below the table, not in it. */
     for (int32_t i = 0; i < study->setting_count; i++) {
@@ -126,40 +126,33 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
 
 /* ---- files ---- */
 
-static void put_costs(const ShvStudy *study, FILE *stream)
-{
-    shv_study_put_cost_plot(study, stream, false);
-}
-
-static const struct {
-    const char *name;
-    void (*put)(const ShvStudy *study, FILE *stream);
-} files[] = {{"results.csv", shv_study_put_results},
-             {"timings.csv", shv_study_put_timings},
-             {"table.md", shv_study_put_markdown},
-             {"study.json", shv_study_print_json},
-             {"cost.svg", put_costs},
-             {"report.html", put_html}};
-enum { FILES = sizeof files / sizeof files[0] };
+enum { RESULTS, TIMINGS, TABLE, JSON, COSTS, PAGE, FILES };
 
 /* Those above, and a figure of each measure. */
 static void put_file(const void *data, int index, FILE *stream)
 {
-    if (index < FILES)
-        files[index].put(data, stream);
+    const ShvStudy *study = data;
+    if (index <= TABLE)
+        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index), stream);
+    else if (index == JSON)
+        shv_study_print_json(study, stream);
+    else if (index == COSTS)
+        shv_study_put_cost_plot(study, stream, false);
+    else if (index == PAGE)
+        put_html(study, stream);
     else
-        shv_study_put_error_plot(data, index - FILES, stream, false);
+        shv_study_put_error_plot(study, index - FILES, stream, false);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
 {
-    const char *names[FILES + SHV_STUDY_MOST_MEASURES];
+    const char *names[FILES + SHV_STUDY_MOST_MEASURES] = {"results.csv", "timings.csv", "table.md",
+                                                          "study.json",  "cost.svg",    "report.html"};
     char figures[SHV_STUDY_MOST_MEASURES][96], folder[SHV_STUDY_PATH];
     ShvExportOptions options = shv_export_default();
     options.force = true;
     options.memory = study->memory;
     if (!study->view.rows) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
-    for (int i = 0; i < FILES; i++) names[i] = files[i].name;
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_format(figures[i], sizeof figures[i], "error_%s.svg", study->plan.measures[i].name);
         names[FILES + i] = figures[i];

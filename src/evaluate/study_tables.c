@@ -7,12 +7,10 @@
 #include "export/output.h"
 #include "export/table.h"
 
-/* The same row in four tables: two of CSV, that of table.md and that of the page. */
-typedef enum Kind { RESULTS = 1, TIMINGS = 2, LINES = 4, RUNS = 8 } Kind;
-
+/* A row as it is put. */
 typedef struct Cells {
     ShvTable *table;
-    Kind kind;
+    ShvStudyTable kind;
     const ShvStudy *study;
     const ShvStudyRow *row; /* of a setting, or the scatter of an ensemble, which has nothing but errors */
     const char *const *values;
@@ -25,14 +23,14 @@ typedef struct Column {
     unsigned in;   /* tables */
 } Column;
 #define ROW(member) offsetof(ShvStudyRow, member)
-static const Column columns[] = {{"stable step", "s", ROW(stable_step), RESULTS},
-                                 {"step", "s", ROW(step), RESULTS | RUNS},
-                                 {"Courant number", "", ROW(courant), RESULTS | RUNS},
-                                 {"Courant", "", ROW(courant), LINES},
-                                 {"run time", "s", ROW(seconds), LINES | RUNS},
-                                 {"median", "s", ROW(seconds), TIMINGS},
-                                 {"least", "s", ROW(seconds_low), TIMINGS},
-                                 {"most", "s", ROW(seconds_high), TIMINGS}};
+static const Column columns[] = {{"stable step", "s", ROW(stable_step), SHV_STUDY_RESULTS},
+                                 {"step", "s", ROW(step), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
+                                 {"Courant number", "", ROW(courant), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
+                                 {"Courant", "", ROW(courant), SHV_STUDY_LINES},
+                                 {"run time", "s", ROW(seconds), SHV_STUDY_LINES | SHV_STUDY_RUNS},
+                                 {"median", "s", ROW(seconds), SHV_STUDY_TIMINGS},
+                                 {"least", "s", ROW(seconds_low), SHV_STUDY_TIMINGS},
+                                 {"most", "s", ROW(seconds_high), SHV_STUDY_TIMINGS}};
 
 static void put_number(Cells *cells, const char *name, const char *unit, const char *class, double value)
 {
@@ -45,7 +43,7 @@ static void put_number(Cells *cells, const char *name, const char *unit, const c
         shv_format(text, sizeof text, "%.3g", value);
     else if (!csv && !cells->scatter)
         shv_format(text, sizeof text, "–");
-    shv_table_text(cells->table, head, cells->kind == RUNS && !class ? "number" : class, text);
+    shv_table_text(cells->table, head, cells->kind == SHV_STUDY_RUNS && !class ? "number" : class, text);
 }
 
 static void put_part(Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
@@ -73,11 +71,12 @@ static void put_numbers(Cells *cells)
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         double value;
         memcpy(&value, (const char *)cells->row + columns[i].offset, sizeof value);
-        if (!(columns[i].in & cells->kind) || (columns[i].in == LINES && !has_figure(cells->study, -1))) continue;
+        if (!(columns[i].in & cells->kind) || (columns[i].in == SHV_STUDY_LINES && !has_figure(cells->study, -1)))
+            continue;
         if (cells->table->form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
         const bool doubtful = columns[i].offset == ROW(seconds) && !cells->study->view.timings_valid;
-        put_number(cells, columns[i].head, columns[i].unit, doubtful && cells->kind == RUNS ? "number warn" : NULL,
-                   value);
+        put_number(cells, columns[i].head, columns[i].unit,
+                   doubtful && cells->kind == SHV_STUDY_RUNS ? "number warn" : NULL, value);
     }
 }
 
@@ -85,10 +84,10 @@ static void put_setting(Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
     const ShvStudyPlan *plan = &cells->study->plan;
-    if (cells->kind == LINES)
+    if (cells->kind == SHV_STUDY_LINES)
         shv_table_put(cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
                       row->is_reference ? " (reference)" : "");
-    for (int32_t i = 0; i < plan->key_count && cells->kind != LINES; i++)
+    for (int32_t i = 0; i < plan->key_count && cells->kind != SHV_STUDY_LINES; i++)
         shv_table_text(cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
     if (cells->table->form != SHV_TABLE_CSV) return;
     shv_table_text(cells->table, "reference", NULL, row->is_reference ? "yes" : "");
@@ -102,17 +101,17 @@ static void put_error(Cells *cells, int32_t measure)
     const double error = row->errors[measure], low = row->errors_low[measure], high = row->errors_high[measure];
     const double scatter = cells->study->view.scatter[measure];
     const bool best = row->on_front[measure], ensemble = cells->study->plan.members > 1 && !cells->scatter;
-    if (cells->kind == LINES) {
+    if (cells->kind == SHV_STUDY_LINES) {
         put_number(cells, of->name, of->error_unit, best ? "best" : NULL, error);
         return;
     }
     if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[measure]);
     const char *class = best ? "number best" : ensemble && error <= scatter ? "number warn" : "number";
-    if (cells->kind == RUNS && ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
+    if (cells->kind == SHV_STUDY_RUNS && ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
         shv_table_put(cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
     else
         put_part(cells, "error of ", of, class, error);
-    if (cells->kind != RESULTS || !ensemble) return;
+    if (cells->kind != SHV_STUDY_RESULTS || !ensemble) return;
     put_part(cells, "least error of ", of, NULL, low);
     put_part(cells, "most error of ", of, NULL, high);
     put_part(cells, "scatter of ", of, NULL, scatter);
@@ -122,10 +121,10 @@ static void put_error(Cells *cells, int32_t measure)
 static void put_errors(Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
-    const bool told = cells->kind == LINES && row->status != SHV_OK && !cells->table->heads;
+    const bool told = cells->kind == SHV_STUDY_LINES && row->status != SHV_OK && !cells->table->heads;
     bool first = true;
     for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
-        if (cells->kind == LINES && !has_figure(cells->study, i)) continue;
+        if (cells->kind == SHV_STUDY_LINES && !has_figure(cells->study, i)) continue;
         if (told)
             shv_table_put(cells->table, "", NULL, first ? "failed: %.*s" : "", (int)strcspn(row->message, ";"),
                           row->message);
@@ -142,17 +141,17 @@ static void put_row(Cells *cells)
     const bool failed = row->status != SHV_OK;
     char head[96];
     put_setting(cells);
-    if (cells->kind == TIMINGS)
+    if (cells->kind == SHV_STUDY_TIMINGS)
         shv_table_text(cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
     put_numbers(cells);
-    if (cells->kind == RUNS)
+    if (cells->kind == SHV_STUDY_RUNS)
         shv_table_text(cells->table, "", failed ? "miss" : NULL,
                        failed              ? "failed"
                        : row->is_reference ? "reference"
                                            : "");
-    if (cells->kind != TIMINGS) put_errors(cells);
-    if (cells->kind == RESULTS) shv_table_text(cells->table, "message", NULL, row->message);
-    if (cells->kind != TIMINGS) return;
+    if (cells->kind != SHV_STUDY_TIMINGS) put_errors(cells);
+    if (cells->kind == SHV_STUDY_RESULTS) shv_table_text(cells->table, "message", NULL, row->message);
+    if (cells->kind != SHV_STUDY_TIMINGS) return;
     for (int c = 0; c < SHV_COST_COUNT; c++) put_number(cells, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
     for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
         shv_format(head, sizeof head, "on front of %s", cells->study->plan.measures[i].name);
@@ -176,32 +175,14 @@ static void put_cells(ShvTable *table, const void *data, int32_t index)
     put_row(&cells);
 }
 
-/* All rows, and below them that of the scatter where there is one. */
-static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form, Kind kind)
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream)
 {
     const Cells cells = {.kind = kind, .study = study};
-    const int32_t more = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
-    shv_table_write(stream, form, study->setting_count + more, put_cells, &cells);
-}
-
-void shv_study_put_results(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_CSV, RESULTS);
-}
-
-void shv_study_put_timings(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_CSV, TIMINGS);
-}
-
-void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_MARKDOWN, LINES);
-}
-
-void shv_study_put_runs(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_HTML, RUNS);
+    const ShvTableForm form = kind == SHV_STUDY_RUNS    ? SHV_TABLE_HTML
+                              : kind == SHV_STUDY_LINES ? SHV_TABLE_MARKDOWN
+                                                        : SHV_TABLE_CSV;
+    const int32_t scatter = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
+    shv_table_write(stream, form, study->setting_count + scatter, put_cells, &cells);
 }
 
 static void put_definition(ShvTable *table, const void *data, int32_t index)
