@@ -59,15 +59,16 @@ static ShvStatus read_pick(const ShvStudyView *study, const char *text, int32_t 
                            ShvError *error)
 {
     const char *equals = strchr(text, '=');
-    const size_t length = equals ? (size_t)(equals - text) : 0;
+    const int length = equals ? (int)(equals - text) : 0;
     if (!equals || shv_parse_double(equals + 1, strlen(equals + 1), false, largest, NULL) != SHV_OK)
         return shv_fail(error, SHV_BAD_INPUT, "--pick needs error=LARGEST or MEASURE=LARGEST, not '%.60s'", text);
-    *measure = length == 5 && strncmp(text, "error", 5) == 0 ? 0 : -1;
+    *measure = strncmp(text, "error=", 6) == 0 ? 0 : -1;
     for (int32_t i = 0; i < study->measure_count; i++)
-        if (strlen(study->measures[i]) == length && strncmp(study->measures[i], text, length) == 0) *measure = i;
+        if ((int)strlen(study->measures[i]) == length && strncmp(study->measures[i], text, (size_t)length) == 0)
+            *measure = i;
     if (*measure < 0)
-        return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on",
-                        (int)length, text, study->measures[0]);
+        return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on", length,
+                        text, study->measures[0]);
     if (!study->timings_valid)
         return shv_fail(error, SHV_BAD_INPUT,
                         "run times of this study are not valid, so that nothing can be called cheapest; run it without "

@@ -34,23 +34,10 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
     return sum;
 }
 
-static const char *class_of(ShvVerdict verdict)
-{
-    switch (verdict) {
-    case SHV_VERDICT_PASS:
-        return "pass";
-    case SHV_VERDICT_EXPLAINED:
-        return "warn";
-    case SHV_VERDICT_SHOWN:
-        return NULL;
-    default:
-        return "miss";
-    }
-}
-
 /* Shares of the reference in percent. */
 static void put_row(ShvTable *table, const void *data, int32_t index)
 {
+    static const char *const classes[] = {"pass", "miss", "warn", NULL, "miss"}; /* of ShvVerdict */
     const ShvVerifyRow *row = (const ShvVerifyRow *)data + index;
     const double scale = row->absolute ? 1.0 : 100.0;
     const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
@@ -61,7 +48,7 @@ static void put_row(ShvTable *table, const void *data, int32_t index)
     shv_table_text(table, "unit", NULL, row->unit);
     put_figure(table, "error", "", row->absolute ? "%+.3g" : "%+.3g %%", scale * row->error);
     put_figure(table, "tolerance", "", row->absolute ? "%.3g" : "%.3g %%", tolerance);
-    shv_table_text(table, "verdict", class_of(row->verdict), shv_verdict_name(row->verdict));
+    shv_table_text(table, "verdict", classes[row->verdict], shv_verdict_name(row->verdict));
     put_figure(table, "run time, s", "", "%.3g", row->seconds);
 }
 

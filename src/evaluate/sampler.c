@@ -118,6 +118,13 @@ static void add_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
 #undef VECTOR
 }
 
+static double events_of(const ShvFrameView *frame, ShvRunEvent kind)
+{
+    double number = 0.0;
+    for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kind;
+    return number;
+}
+
 static void add_numbers(ShvOutcome *outcome, const ShvFrameView *frame)
 {
     const struct {
@@ -132,7 +139,11 @@ static void add_numbers(ShvOutcome *outcome, const ShvFrameView *frame)
                    {"frame.steps", (double)frame->steps},
                    {"frame.animation", frame->animation},
                    {"frame.edge_strain", frame->edge_strain},
-                   {"frame.bar_share", frame->bar_work_share}};
+                   {"frame.bar_share", frame->bar_work_share},
+                   {"frame.wakes", events_of(frame, SHV_RUN_WAKE)},
+                   {"frame.rests", events_of(frame, SHV_RUN_SLEEP)},
+                   {"frame.inversions", events_of(frame, SHV_RUN_INVERSION)},
+                   {"frame.squeezes", events_of(frame, SHV_RUN_SQUEEZE)}};
     for (size_t i = 0; i < COUNT(numbers); i++)
         shv_outcome_add(outcome, numbers[i].name, SHV_CLOCK_FRAME, numbers[i].value);
 }
@@ -213,17 +224,6 @@ static ShvStatus add_tip(ShvSampler *sampler, const ShvSimulation *simulation, S
 
 /* ---- the frame ---- */
 
-static void count_events(ShvOutcome *outcome, const ShvFrameView *frame)
-{
-    static const ShvRunEvent kinds[] = {SHV_RUN_WAKE, SHV_RUN_SLEEP, SHV_RUN_INVERSION, SHV_RUN_SQUEEZE};
-    static const char *const names[] = {"frame.wakes", "frame.rests", "frame.inversions", "frame.squeezes"};
-    for (size_t k = 0; k < COUNT(kinds); k++) {
-        double number = 0.0;
-        for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kinds[k];
-        shv_outcome_add(outcome, names[k], SHV_CLOCK_FRAME, number);
-    }
-}
-
 ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
     const size_t count = (size_t)shv_simulation_mesh(simulation).element_count;
@@ -244,7 +244,6 @@ ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation,
     add_corners(sampler, simulation);
     SHV_TRY(add_tip(sampler, simulation, error));
     add_probes(outcome, frame);
-    count_events(outcome, frame);
     if (sampler->tracked) track(sampler, frame);
     return outcome->failed ? shv_fail_memory(error, "what is kept of a run", 0) : SHV_OK;
 }
