@@ -83,6 +83,10 @@ int shv_cli_run(const ShvCommand *command, const ShvArguments *arguments);
 
 /* ---- shared by commands ---- */
 
+/* The command as it was given, for a report: its arguments, what it sets, and of its own options those from `first` to `last`. */
+void shv_cli_command_line(const ShvCommand *command, const ShvArguments *arguments, int first, int last, char *text,
+                          size_t size);
+
 /* Loads a scene with the overrides; all errors and warnings go to stderr. After an error *scene is NULL, and the exit status is
    returned that belongs to it. */
 int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments);

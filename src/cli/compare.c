@@ -5,59 +5,35 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "base/names.h"
 #include "base/text.h"
 #include "cli/command.h"
 
-enum { STEPS, ENGINES, OUTPUT, FORCE, JSON };
-
-static const char *const engines[] = {"bullet", "bullet_plain", "pbd", "analytic"};
-enum { ENGINE_COUNT = sizeof engines / sizeof engines[0], MOST_STEPS = 16 };
+enum { STEPS, ENGINES, OUTPUT, FORCE, JSON, MOST_STEPS = 16 };
 
 typedef struct Choice {
     double steps[MOST_STEPS], finest, coarsest;
     int32_t step_count;
-    bool engine[ENGINE_COUNT];
+    const char *engines; /* with commas between */
 } Choice;
-
-/* ---- lists ---- */
 
 static ShvStatus read_steps(const char *text, Choice *choice, ShvError *error)
 {
     static const char option[] = "--steps", what[] = "times in seconds, as in 1e-2,1e-3";
-    choice->coarsest = 0.0;
-    choice->finest = HUGE_VAL;
     SHV_TRY(shv_cli_read_numbers(text, option, what, choice->steps, MOST_STEPS, &choice->step_count, error));
+    choice->coarsest = choice->finest = choice->steps[0];
     for (int32_t i = 0; i < choice->step_count; i++) {
-        const double step = choice->steps[i];
-        if (!(step > 0.0)) return shv_fail(error, SHV_BAD_INPUT, "%s needs %s, not '%s'", option, what, text);
-        for (int32_t k = 0; k < i; k++)
-            if (choice->steps[k] == step)
-                return shv_fail(error, SHV_BAD_INPUT, "the time step %g s is given twice", step);
-        choice->coarsest = fmax(choice->coarsest, step);
-        choice->finest = fmin(choice->finest, step);
+        choice->coarsest = fmax(choice->coarsest, choice->steps[i]);
+        choice->finest = fmin(choice->finest, choice->steps[i]);
     }
-    return SHV_OK;
+    return choice->finest > 0.0 ? SHV_OK : shv_fail(error, SHV_BAD_INPUT, "%s needs %s, not '%s'", option, what, text);
 }
 
-static ShvStatus read_engines(const char *text, Choice *choice, ShvError *error)
+static bool has_engine(const Choice *choice, const char *engine)
 {
-    for (const char *at = text;; at++) {
-        const int length = (int)strcspn(at, ",");
-        char word[64];
-        int i = 0;
-        snprintf(word, sizeof word, "%.*s", length < 63 ? length : 63, at);
-        while (i < ENGINE_COUNT && strcmp(word, engines[i]) != 0) i++;
-        const char *near = shv_nearest_name(word, engines, ENGINE_COUNT);
-        if (i == ENGINE_COUNT)
-            return shv_fail(error, SHV_BAD_INPUT,
-                            "there is no rigid engine '%s'%s%s%s; give bullet, bullet_plain, pbd or analytic", word,
-                            near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
-        if (choice->engine[i]) return shv_fail(error, SHV_BAD_INPUT, "the engine %s is given twice", word);
-        choice->engine[i] = true;
-        at += length;
-        if (!*at) return SHV_OK;
-    }
+    const size_t length = strlen(engine);
+    for (const char *at = choice->engines; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
+        if (strncmp(at, engine, length) == 0 && (at[length] == ',' || at[length] == '\0')) return true;
+    return false;
 }
 
 /* ---- what a comparison cannot be made of ---- */
@@ -94,39 +70,32 @@ static ShvStatus check(const ShvSceneDefinition *scene, const Choice *choice, Sh
 /* Without a closed form: the finest run of the engine that knows best; bodies that could meet need one in which they do. */
 static ShvStatus put_reference(FILE *stream, const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    enum { BULLET = 0, ANALYTIC = 3 };
+    static const char *const knowing[] = {"bullet", "analytic"};
     int32_t bodies = scene->object_count;
     for (int32_t i = 0; i < scene->obstacle_count; i++) bodies += scene->obstacles[i].motion == SHV_OBSTACLE_FREE;
-    int engine = bodies > 1 ? BULLET : ANALYTIC;
-    if (!choice->engine[engine]) engine = BULLET + ANALYTIC - engine;
+    const char *first = knowing[bodies == 1], *second = knowing[bodies > 1];
+    const char *engine = has_engine(choice, first) ? first : second;
     if (scene->reference.law != SHV_REFERENCE_NONE) {
         shv_print(stream, "reference: closed form\n");
         return SHV_OK;
     }
-    if (!choice->engine[engine])
+    if (!has_engine(choice, engine))
         return shv_fail(error, SHV_BAD_INPUT,
                         "the scene names no `reference`, and none of the engines can stand for it; add bullet or "
                         "analytic");
-    shv_print(stream, "reference: {rigid.engine: %s, rigid.time_step: %.17g}\n", engines[engine], choice->finest);
+    shv_print(stream, "reference: {rigid.engine: %s, rigid.time_step: %.17g}\n", engine, choice->finest);
     return SHV_OK;
 }
 
 /* Nothing wakes, whatever the scene says: rigid motion alone. Frames are the same in all runs, and no step is cut by one. */
 static ShvStatus put_study(FILE *stream, const ShvSceneDefinition *scene, const Choice *choice, ShvError *error)
 {
-    const char *between = "";
     shv_print(stream, "shiver_study: 1\nname: \"");
     for (const char *c = scene->name ? scene->name : "comparison"; *c; c++)
         shv_print(stream, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
     shv_print(stream, "\"\nset: {rigid.wake: stress, output.fracture_every: 0, output.rate: %.17g}\n",
               fmin(scene->output.rate, 1.0 / choice->coarsest));
-    shv_print(stream, "vary: {rigid.engine: [");
-    for (int i = 0; i < ENGINE_COUNT; i++) {
-        if (!choice->engine[i]) continue;
-        shv_print(stream, "%s%s", between, engines[i]);
-        between = ", ";
-    }
-    shv_print(stream, "], rigid.time_step: [");
+    shv_print(stream, "vary: {rigid.engine: [%s], rigid.time_step: [", choice->engines);
     for (int32_t i = 0; i < choice->step_count; i++) shv_print(stream, "%s%g", i ? ", " : "", choice->steps[i]);
     shv_print(stream, "]}\nrepeats: 3\nmeasures: [position, orientation, velocity, surface, energy, energy_gain, "
                       "angular_momentum, missed_events, event_time, apex]\n");
@@ -140,14 +109,14 @@ static int compare(const ShvArguments *arguments, const ShvScene *scene, const C
     static const double short_run = 0.1;
     const ShvSceneDefinition *definition = shv_scene_definition(scene);
     ShvStudyOptions options = shv_study_default();
-    char *text = NULL, command[SHV_CLI_PATH];
+    char *text = NULL, command[2 * SHV_CLI_PATH];
     size_t length = 0;
     ShvError error;
     FILE *stream = open_memstream(&text, &length);
     ShvStatus status = stream ? check(definition, choice, &error) : shv_fail_memory(&error, "a study", 0);
     if (status == SHV_OK) status = put_study(stream, definition, choice, &error);
     if (stream) fclose(stream);
-    snprintf(command, sizeof command, "shiver compare %s", arguments->positional[0]);
+    shv_cli_command_line(&shv_command_compare, arguments, STEPS, ENGINES, command, sizeof command);
     options.output = folder;
     options.plan = text;
     options.scene_text = shv_scene_text(scene);
@@ -166,10 +135,9 @@ static int run(const ShvArguments *arguments)
 {
     char folder[SHV_CLI_PATH];
     ShvError error;
-    Choice choice = {.step_count = 0};
-    const char *steps = arguments->values[STEPS], *names = arguments->values[ENGINES];
+    const char *steps = arguments->values[STEPS], *engines = arguments->values[ENGINES];
+    Choice choice = {.engines = engines ? engines : "bullet,bullet_plain,pbd,analytic"};
     ShvStatus status = read_steps(steps ? steps : "1e-2,1e-3,1e-4", &choice, &error);
-    if (status == SHV_OK) status = read_engines(names ? names : "bullet,bullet_plain,pbd,analytic", &choice, &error);
     if (status == SHV_OK) status = shv_cli_scene_output(folder, arguments, arguments->values[OUTPUT], NULL, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     /* The engine that the scene names is not used; keys of pbd count. */

@@ -48,22 +48,25 @@ ShvStatus shv_jobs_read_number(const char *text, size_t length, int32_t least, i
     return SHV_OK;
 }
 
-ShvStatus shv_jobs_read_task(const char *text, int32_t *task, int32_t *tasks, ShvError *error)
+/* "I/N" */
+static ShvStatus read_task(const char *text, ShvShare *share, ShvError *error)
 {
     static const char what[] = "--task needs I/N, share I (from 1) of N";
     const char *slash = strchr(text, '/');
     if (!slash) return shv_fail(error, SHV_BAD_INPUT, "%s, not '%.60s'", what, text);
-    ShvStatus status = shv_jobs_read_number(slash + 1, strlen(slash + 1), 1, 1000000, what, tasks, error);
-    if (status == SHV_OK) status = shv_jobs_read_number(text, (size_t)(slash - text), 1, *tasks, what, task, error);
-    return status;
+    SHV_TRY(shv_jobs_read_number(slash + 1, strlen(slash + 1), 1, 1000000, what, &share->tasks, error));
+    return shv_jobs_read_number(text, (size_t)(slash - text), 1, share->tasks, what, &share->task, error);
 }
 
-ShvStatus shv_jobs_read(const char *text, int32_t *jobs, ShvError *error)
+ShvStatus shv_jobs_read(const char *jobs, const char *task, const char *merge, ShvShare *share, ShvError *error)
 {
-    *jobs = 0;
-    if (!text) return SHV_OK;
-    return shv_jobs_read_number(text, strlen(text), 1, MOST_JOBS, "--jobs needs a number of runs at a time, 1 to 256",
-                                jobs, error);
+    *share = (ShvShare){0, 0, 0};
+    if (jobs)
+        SHV_TRY(shv_jobs_read_number(jobs, strlen(jobs), 1, MOST_JOBS,
+                                     "--jobs needs a number of runs at a time, 1 to 256", &share->jobs, error));
+    if ((task != NULL) + (merge != NULL) + (jobs != NULL) > 1)
+        return shv_fail(error, SHV_BAD_INPUT, "of --jobs, --task and --merge only one can be given");
+    return task ? read_task(task, share, error) : SHV_OK;
 }
 
 ShvStatus shv_jobs_run(int32_t jobs, ShvJob job, const void *data, ShvError *error)

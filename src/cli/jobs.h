@@ -16,10 +16,11 @@ bool shv_jobs_asked_to_stop(void *data);
 /* A whole number from `least` to `most`; `what` says what is needed. */
 ShvStatus shv_jobs_read_number(const char *text, size_t length, int32_t least, int32_t most, const char *what,
                                int32_t *value, ShvError *error);
-/* "I/N", share I (from 1) of N. */
-ShvStatus shv_jobs_read_task(const char *text, int32_t *task, int32_t *tasks, ShvError *error);
-/* The value of --jobs; 0 for NULL. */
-ShvStatus shv_jobs_read(const char *text, int32_t *jobs, ShvError *error);
+/* What --jobs N, --task I/N and --merge say, of which one may be given (NULL: not given); 0 where it is not. */
+typedef struct ShvShare {
+    int32_t jobs, task, tasks; /* task: from 1 */
+} ShvShare;
+ShvStatus shv_jobs_read(const char *jobs, const char *task, const char *merge, ShvShare *share, ShvError *error);
 
 /* Runs `job` in `jobs` processes at a time, each with its index from 1 on, and waits for all of them. */
 typedef ShvStatus (*ShvJob)(const void *data, int32_t index, ShvError *error);

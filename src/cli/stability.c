@@ -55,20 +55,17 @@ static ShvStatus measure(const ShvArguments *arguments, const ShvScene *scene, S
                          ShvError *error)
 {
     const char *csv = arguments->values[CSV], *svg = arguments->values[SVG];
-    const bool force = arguments->values[FORCE] != NULL;
+    const bool force = arguments->values[FORCE] != NULL, json = arguments->values[JSON] != NULL;
+    ShvStability *stability = NULL;
     options->folder = shv_scene_folder(scene);
     options->begins = arguments->quiet ? NULL : say_setting;
-    ShvStability *stability = NULL;
     ShvStatus status = shv_stability_check_files(csv, svg, force, error);
     if (status == SHV_OK) status = shv_stability(&stability, shv_scene_definition(scene), options, error);
     if (status != SHV_OK) return status;
-    if (arguments->values[JSON])
-        shv_stability_print_json(stability, stdout);
-    else
-        shv_stability_print(stability, stdout);
+    (json ? shv_stability_print_json : shv_stability_print)(stability, stdout);
     status = shv_stability_write(stability, csv, svg, force, error);
-    if (status == SHV_OK && csv && !arguments->json) printf("wrote %s\n", csv);
-    if (status == SHV_OK && svg && !arguments->json)
+    if (status == SHV_OK && csv && !json) printf("wrote %s\n", csv);
+    if (status == SHV_OK && svg && !json)
         printf("wrote %s_limit.svg, %s_stiffness.svg and %s_error.svg\n", svg, svg, svg);
     shv_stability_destroy(stability);
     return status;
@@ -77,13 +74,11 @@ static ShvStatus measure(const ShvArguments *arguments, const ShvScene *scene, S
 static int run(const ShvArguments *arguments)
 {
     ShvError error;
-    if (arguments->values[SUITE]) return run_suite(arguments);
-    if (arguments->positional_count == 0) {
-        shv_fail(&error, SHV_BAD_INPUT, "stability needs a SCENE, or --suite");
-        return shv_cli_failed(SHV_BAD_INPUT, &error);
-    }
     ShvStabilityOptions options = shv_stability_default();
-    ShvStatus status = read_options(arguments, &options, &error);
+    if (arguments->values[SUITE]) return run_suite(arguments);
+    ShvStatus status = arguments->positional_count > 0
+                           ? read_options(arguments, &options, &error)
+                           : shv_fail(&error, SHV_BAD_INPUT, "stability needs a SCENE, or --suite");
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     ShvScene *scene;
     const int loaded = shv_cli_load_scene(&scene, arguments);

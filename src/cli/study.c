@@ -6,7 +6,7 @@
 #include "cli/command.h"
 #include "cli/jobs.h"
 
-enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON, OPTIONS };
+enum { OUTPUT, FORCE, JOBS, TASK, MERGE, PICK, JSON };
 
 static void say_run(void *data, const char *setting)
 {
@@ -14,37 +14,21 @@ static void say_run(void *data, const char *setting)
     fprintf(stderr, "shiver: running %s\n", setting);
 }
 
-/* ---- options ---- */
-
-/* The command as it was given, for the report. */
-static void write_command(const ShvArguments *arguments, char *text, size_t size)
-{
-    size_t length =
-        (size_t)snprintf(text, size, "shiver study %s %s", arguments->positional[0], arguments->positional[1]);
-    for (int i = 0; i < arguments->override_count && length < size; i++)
-        length += (size_t)snprintf(text + length, size - length, " --set '%s'", arguments->overrides[i]);
-    if (arguments->values[JOBS] && length < size)
-        snprintf(text + length, size - length, " --jobs %s", arguments->values[JOBS]);
-}
-
 /* ---- what is printed ---- */
 
-static void print_number(double value)
+static void print_number(double value, const char *mark)
 {
     char text[32] = "-";
     if (isfinite(value)) snprintf(text, sizeof text, "%.3g", value);
-    printf("  %12s", text);
+    printf("  %12s%s", text, mark);
 }
 
 static void print_row(const ShvStudyView *study, const ShvStudyRow *row, int width)
 {
     printf("%-*s", width, row->name);
-    print_number(row->seconds);
-    print_number(row->courant > 0.0 ? row->courant : (double)NAN);
-    for (int32_t i = 0; i < study->measure_count; i++) {
-        print_number(row->errors[i]);
-        printf("%s", row->on_front[i] ? "*" : " ");
-    }
+    print_number(row->seconds, "");
+    print_number(row->courant > 0.0 ? row->courant : (double)NAN, "");
+    for (int32_t i = 0; i < study->measure_count; i++) print_number(row->errors[i], row->on_front[i] ? "*" : " ");
     if (row->status != SHV_OK) printf("  failed: %s", row->message);
     printf("%s\n", row->is_reference ? "  (reference)" : "");
 }
@@ -66,10 +50,7 @@ static void print_table(const ShvStudyView *study)
     for (int32_t i = 0; i < study->measure_count; i++) any |= study->scatter[i] > 0.0;
     if (!any) return;
     printf("%-*s  %12s  %12s", width, "scatter", "", "");
-    for (int32_t i = 0; i < study->measure_count; i++) {
-        print_number(study->scatter[i]);
-        printf(" ");
-    }
+    for (int32_t i = 0; i < study->measure_count; i++) print_number(study->scatter[i], " ");
     printf("\n");
 }
 
@@ -78,15 +59,16 @@ static ShvStatus read_pick(const ShvStudyView *study, const char *text, int32_t 
                            ShvError *error)
 {
     const char *equals = strchr(text, '=');
-    const size_t length = equals ? (size_t)(equals - text) : 0;
+    const int length = equals ? (int)(equals - text) : 0;
     if (!equals || shv_parse_double(equals + 1, strlen(equals + 1), false, largest, NULL) != SHV_OK)
         return shv_fail(error, SHV_BAD_INPUT, "--pick needs error=LARGEST or MEASURE=LARGEST, not '%.60s'", text);
-    *measure = length == 5 && strncmp(text, "error", 5) == 0 ? 0 : -1;
+    *measure = strncmp(text, "error=", 6) == 0 ? 0 : -1;
     for (int32_t i = 0; i < study->measure_count; i++)
-        if (strlen(study->measures[i]) == length && strncmp(study->measures[i], text, length) == 0) *measure = i;
+        if ((int)strlen(study->measures[i]) == length && strncmp(study->measures[i], text, (size_t)length) == 0)
+            *measure = i;
     if (*measure < 0)
-        return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on",
-                        (int)length, text, study->measures[0]);
+        return shv_fail(error, SHV_BAD_INPUT, "the study does not measure '%.*s'; it measures %s and so on", length,
+                        text, study->measures[0]);
     if (!study->timings_valid)
         return shv_fail(error, SHV_BAD_INPUT,
                         "run times of this study are not valid, so that nothing can be called cheapest; run it without "
@@ -120,29 +102,30 @@ static int pick(const ShvStudy *study, const char *text, bool quiet)
 
 /* ---- the command ---- */
 
-/* A study with its share of the runs. */
-typedef struct Share {
-    const ShvArguments *arguments;
-    const ShvStudyOptions *options;
+/* A study, with its share of the runs. */
+typedef struct Order {
+    const char *scene, *file; /* file NULL: the study is options->plan */
+    ShvStudyOptions *options;
     int32_t jobs;
-} Share;
+    bool merge, json;
+    const char *pick;
+} Order;
 
 static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
 {
-    const Share *share = data;
-    ShvStudyOptions own = *share->options;
+    const Order *order = data;
+    ShvStudyOptions own = *order->options;
     ShvStudy *study = NULL;
     own.task = index;
-    own.tasks = share->jobs;
-    const char *const *files = share->arguments->positional;
-    const ShvStatus status = shv_study_open(&study, files[0], files[1], &own, error);
+    own.tasks = order->jobs;
+    const ShvStatus status = shv_study_open(&study, order->scene, order->file, &own, error);
     return status == SHV_OK ? shv_study_run(study, error) : status;
 }
 
-static ShvStatus make_runs(ShvStudy *study, const Share *share, bool merge, ShvError *error)
+static ShvStatus make_runs(ShvStudy *study, const Order *order, ShvError *error)
 {
-    if (merge) return SHV_OK;
-    return share->jobs > 1 ? shv_jobs_run(share->jobs, run_share, share, error) : shv_study_run(study, error);
+    if (order->merge) return SHV_OK;
+    return order->jobs > 1 ? shv_jobs_run(order->jobs, run_share, order, error) : shv_study_run(study, error);
 }
 
 static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
@@ -156,61 +139,60 @@ static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
     return SHV_OK;
 }
 
-/* The study in `file`, or that of options->plan; `what` of its own options, as far as there are such. Returns the exit status. */
-static int conduct(const Share *share, const char *file, const char *const what[OPTIONS], bool json)
+/* Returns the exit status. */
+static int conduct(const Order *order, bool quiet)
 {
     ShvError error;
     ShvStudy *study = NULL;
+    ShvStudyOptions *options = order->options;
+    const bool whole = options->tasks == 0;
+    options->begins = quiet ? NULL : say_run;
+    options->stop = shv_jobs_asked_to_stop;
     shv_jobs_catch_signals();
-    ShvStatus status = shv_study_open(&study, share->arguments->positional[0], file, share->options, &error);
-    if (status == SHV_OK) status = make_runs(study, share, what[MERGE] != NULL, &error);
-    if (status == SHV_OK && !what[TASK]) status = show(study, json, &error);
+    ShvStatus status = shv_study_open(&study, order->scene, order->file, options, &error);
+    if (status == SHV_OK) status = make_runs(study, order, &error);
+    if (status == SHV_OK && whole) status = show(study, order->json, &error);
     int result = status != SHV_OK ? shv_cli_failed(status, &error) : SHV_EXIT_DONE;
-    if (status == SHV_OK && what[PICK]) result = pick(study, what[PICK], json);
-    if (result == SHV_EXIT_DONE && !what[TASK] && !json) printf("wrote %s/report.html\n", share->options->output);
+    if (status == SHV_OK && order->pick) result = pick(study, order->pick, order->json);
+    if (result == SHV_EXIT_DONE && whole && !order->json) printf("wrote %s/report.html\n", options->output);
     shv_study_close(study);
     return result;
 }
 
 int shv_cli_study(const ShvArguments *arguments, ShvStudyOptions *options, bool json)
 {
-    static const char *const none[OPTIONS] = {NULL};
-    options->begins = arguments->quiet ? NULL : say_run;
-    options->stop = shv_jobs_asked_to_stop;
-    return conduct(&(Share){.arguments = arguments, .options = options}, NULL, none, json);
-}
-
-static ShvStatus read_options(const ShvArguments *arguments, ShvStudyOptions *options, int32_t *jobs, ShvError *error)
-{
-    const char *const *values = arguments->values;
-    const ShvStatus status = shv_jobs_read(values[JOBS], jobs, error);
-    if (status != SHV_OK) return status;
-    if ((values[TASK] != NULL) + (values[MERGE] != NULL) + (values[JOBS] != NULL) > 1)
-        return shv_fail(error, SHV_BAD_INPUT, "of --jobs, --task and --merge only one can be given");
-    if (values[TASK] && values[PICK])
-        return shv_fail(error, SHV_BAD_INPUT, "--pick needs all runs; give it with --merge once all tasks are done");
-    options->force = values[FORCE] != NULL;
-    options->shared = *jobs > 1;
-    options->overrides = arguments->overrides;
-    options->override_count = arguments->override_count;
-    options->begins = arguments->quiet ? NULL : say_run;
-    options->stop = shv_jobs_asked_to_stop;
-    return values[TASK] ? shv_jobs_read_task(values[TASK], &options->task, &options->tasks, error) : SHV_OK;
+    return conduct(&(Order){.scene = arguments->positional[0], .options = options, .json = json}, arguments->quiet);
 }
 
 static int run(const ShvArguments *arguments)
 {
     char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
+    const char *const *values = arguments->values, *file = arguments->positional[1];
     ShvError error;
+    ShvShare share;
     ShvStudyOptions options = shv_study_default();
-    Share share = {.arguments = arguments, .options = &options};
-    ShvStatus status = read_options(arguments, &options, &share.jobs, &error);
-    if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[1], false, "", &error);
+    ShvStatus status = shv_jobs_read(values[JOBS], values[TASK], values[MERGE], &share, &error);
+    if (status == SHV_OK && values[TASK] && values[PICK])
+        status = shv_fail(&error, SHV_BAD_INPUT, "--pick needs all runs; give it with --merge once all tasks are done");
+    if (status == SHV_OK) status = shv_cli_default_path(folder, file, false, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    write_command(arguments, command, sizeof command);
-    options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
+    shv_cli_command_line(&shv_command_study, arguments, JOBS, JOBS, command, sizeof command);
+    options.output = values[OUTPUT] ? values[OUTPUT] : folder;
     options.command = command;
-    return conduct(&share, arguments->positional[1], arguments->values, arguments->values[JSON] != NULL);
+    options.force = values[FORCE] != NULL;
+    options.shared = share.jobs > 1;
+    options.task = share.task;
+    options.tasks = share.tasks;
+    options.overrides = arguments->overrides;
+    options.override_count = arguments->override_count;
+    const Order order = {.scene = arguments->positional[0],
+                         .file = file,
+                         .options = &options,
+                         .jobs = share.jobs,
+                         .merge = values[MERGE] != NULL,
+                         .json = values[JSON] != NULL,
+                         .pick = values[PICK]};
+    return conduct(&order, arguments->quiet);
 }
 
 const ShvCommand shv_command_study = {

@@ -68,7 +68,8 @@ static ShvStatus read_search(const char *const *values, ShvSurviveOptions *optio
     return status == SHV_OK ? read_standard(values, options, error) : status;
 }
 
-static ShvStatus read_options(const ShvArguments *arguments, ShvSurviveOptions *options, int32_t *jobs, ShvError *error)
+static ShvStatus read_options(const ShvArguments *arguments, ShvSurviveOptions *options, ShvShare *share,
+                              ShvError *error)
 {
     const char *const *values = arguments->values;
     options->force = values[FORCE] != NULL;
@@ -77,30 +78,13 @@ static ShvStatus read_options(const ShvArguments *arguments, ShvSurviveOptions *
     options->tell = arguments->quiet ? NULL : say_shot;
     options->stop = shv_jobs_asked_to_stop;
     ShvStatus status = read_search(values, options, error);
-    if (status == SHV_OK) status = shv_jobs_read(values[JOBS], jobs, error);
-    if (status == SHV_OK && (values[TASK] != NULL) + (values[MERGE] != NULL) + (values[JOBS] != NULL) > 1)
-        return shv_fail(error, SHV_BAD_INPUT, "of --jobs, --task and --merge only one can be given");
-    if (status == SHV_OK && *jobs > 1 && options->staircase > 0.0)
+    if (status == SHV_OK) status = shv_jobs_read(values[JOBS], values[TASK], values[MERGE], share, error);
+    if (status == SHV_OK && share->jobs > 1 && options->staircase > 0.0)
         return shv_fail(error, SHV_BAD_INPUT, "a staircase is one sequence: leave out --jobs");
-    if (status != SHV_OK || !values[TASK]) return status;
-    return shv_jobs_read_task(values[TASK], &options->task, &options->tasks, error);
-}
-
-/* The command as it was given, for the report. */
-static void write_command(const ShvArguments *arguments, char *text, size_t size)
-{
-    static const struct {
-        int option;
-        const char *name;
-    } said[] = {{HEIGHTS, "--heights"}, {FIRST, "--first"},       {SHOTS, "--shots"},
-                {UNTIL, "--until"},     {STANDARD, "--standard"}, {STEP, "--step"}};
-    size_t length = (size_t)snprintf(text, size, "shiver survive %s", arguments->positional[0]);
-    for (size_t i = 0; i < sizeof said / sizeof said[0]; i++)
-        if (arguments->values[said[i].option] && length < size)
-            length += (size_t)snprintf(text + length, size - length, " %s %s", said[i].name,
-                                       arguments->values[said[i].option]);
-    for (int i = 0; i < arguments->override_count && length < size; i++)
-        length += (size_t)snprintf(text + length, size - length, " --set '%s'", arguments->overrides[i]);
+    if (!values[TASK]) return status;
+    options->task = share->task;
+    options->tasks = share->tasks;
+    return status;
 }
 
 /* ---- what is printed ---- */
@@ -155,31 +139,31 @@ static int show(ShvSurvive *survive, const ShvArguments *arguments, const char *
 /* ---- the command ---- */
 
 /* A search with its share of the specimens and of the shots. */
-typedef struct Share {
+typedef struct Search {
     const char *scene;
     const ShvSurviveOptions *options;
     int32_t jobs;
-} Share;
+} Search;
 
 static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
 {
-    const Share *share = data;
-    ShvSurviveOptions own = *share->options;
+    const Search *search = data;
+    ShvSurviveOptions own = *search->options;
     ShvSurvive *survive = NULL;
     own.task = index;
-    own.tasks = share->jobs;
-    own.most_shots = (own.most_shots + share->jobs - 1) / share->jobs;
-    const ShvStatus status = shv_survive_open(&survive, share->scene, &own, error);
+    own.tasks = search->jobs;
+    own.most_shots = (own.most_shots + search->jobs - 1) / search->jobs;
+    const ShvStatus status = shv_survive_open(&survive, search->scene, &own, error);
     return status == SHV_OK ? shv_survive_run(survive, error) : status;
 }
 
-static ShvStatus search(ShvSurvive *survive, const ShvArguments *arguments, const ShvSurviveOptions *options,
+static ShvStatus shoot(ShvSurvive *survive, const ShvArguments *arguments, const ShvSurviveOptions *options,
                         int32_t jobs, ShvError *error)
 {
-    const Share share = {.scene = arguments->positional[0], .options = options, .jobs = jobs};
+    const Search search = {.scene = arguments->positional[0], .options = options, .jobs = jobs};
     if (arguments->values[MERGE]) return shv_survive_merge(survive, error);
     if (jobs <= 1) return shv_survive_run(survive, error);
-    const ShvStatus status = shv_jobs_run(jobs, run_share, &share, error);
+    const ShvStatus status = shv_jobs_run(jobs, run_share, &search, error);
     return status == SHV_OK ? shv_survive_merge(survive, error) : status;
 }
 
@@ -187,18 +171,18 @@ static int run(const ShvArguments *arguments)
 {
     char folder[SHV_CLI_PATH], command[2 * SHV_CLI_PATH];
     ShvError error;
-    int32_t jobs = 0;
+    ShvShare share;
     ShvSurvive *survive = NULL;
     ShvSurviveOptions options = shv_survive_default();
-    ShvStatus status = read_options(arguments, &options, &jobs, &error);
+    ShvStatus status = read_options(arguments, &options, &share, &error);
     if (status == SHV_OK) status = shv_cli_default_path(folder, arguments->positional[0], false, "_survive", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    write_command(arguments, command, sizeof command);
+    shv_cli_command_line(&shv_command_survive, arguments, HEIGHTS, STEP, command, sizeof command);
     options.output = arguments->values[OUTPUT] ? arguments->values[OUTPUT] : folder;
     options.command = command;
     shv_jobs_catch_signals();
     status = shv_survive_open(&survive, arguments->positional[0], &options, &error);
-    if (status == SHV_OK) status = search(survive, arguments, &options, jobs, &error);
+    if (status == SHV_OK) status = shoot(survive, arguments, &options, share.jobs, &error);
     int result = status == SHV_OK ? SHV_EXIT_DONE : shv_cli_failed(status, &error);
     if (status == SHV_OK && !arguments->values[TASK]) result = show(survive, arguments, options.output);
     shv_survive_close(survive);

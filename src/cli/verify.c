@@ -46,53 +46,6 @@ static void print_case(const ShvVerifyCase *verified)
     fflush(stdout);
 }
 
-/* ---- JSON ---- */
-
-static void print_member(const char *name, const char *text)
-{
-    printf(", \"%s\": ", name);
-    shv_cli_print_json_text(text);
-}
-
-static void print_number(const char *name, double value)
-{
-    printf(", \"%s\": ", name);
-    shv_cli_print_json_number(value);
-}
-
-static void print_json_row(const ShvVerifyCase *verified, const ShvVerifyRow *row, bool comma)
-{
-    static const char *const comparisons[] = {"near", "below", "above", "shown"};
-    printf("%s\n  {\"case\": ", comma ? "," : "");
-    shv_cli_print_json_text(verified->name);
-    print_member("quantity", row->quantity);
-    print_member("run", row->run);
-    print_member("unit", row->unit);
-    print_member("compare", comparisons[row->compare]);
-    print_number("reference", row->reference);
-    print_number("value", row->value);
-    print_number("error", row->error);
-    print_number("tolerance", row->tolerance);
-    printf(", \"absolute\": %s", row->absolute ? "true" : "false");
-    print_member("verdict", shv_verdict_name(row->verdict));
-    print_number("seconds", row->seconds);
-    print_member("source", row->source);
-    print_member("note", row->note);
-    printf("}");
-}
-
-static void print_json(const ShvVerifyCase *const *cases, int32_t count)
-{
-    bool comma = false;
-    printf("[");
-    for (int32_t i = 0; i < count; i++)
-        for (int32_t k = 0; k < cases[i]->row_count; k++) {
-            print_json_row(cases[i], &cases[i]->rows[k], comma);
-            comma = true;
-        }
-    printf("\n]\n");
-}
-
 /* ---- running ---- */
 
 typedef struct Work {
@@ -149,46 +102,40 @@ static ShvStatus run_case(Work *work, const char *path, ShvError *error)
     return SHV_OK;
 }
 
-static ShvStatus reserve(Work *work, int count, ShvError *error)
+static ShvStatus run_cases(Work *work, const char *folder, struct dirent **entries, int count, ShvError *error)
 {
+    const ShvArguments *arguments = work->arguments;
+    char path[SHV_CLI_PATH];
     work->made = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)count, sizeof *work->made);
     work->cases = shv_allocate(NULL, SHV_PART_GENERAL, (size_t)count, sizeof *work->cases);
-    return work->made && work->cases ? SHV_OK : shv_fail_memory(error, "cases", (size_t)count * 16);
-}
-
-static ShvStatus run_folder(Work *work, ShvError *error)
-{
-    char folder[SHV_CLI_PATH], path[SHV_CLI_PATH];
-    struct dirent **entries = NULL;
-    SHV_TRY(find_folder(work->arguments, folder, error));
-    const int count = scandir(folder, &entries, is_case, alphasort);
-    ShvStatus status = count > 0 ? reserve(work, count, error) : SHV_BAD_INPUT;
-    if (count < 0)
-        shv_fail(error, status, "the folder '%s' cannot be read; give the folder of cases with --folder", folder);
-    else if (count == 0)
-        shv_fail(error, status, "the folder '%s' has no files *%s", folder, ending);
+    if (!work->made || !work->cases) return shv_fail_memory(error, "cases", (size_t)count * 16);
+    /* All that are named must be there before the first is run. */
+    for (int i = 0; i < count && !entries; i++) SHV_TRY(find_case(arguments, arguments->positional[i], path, error));
     for (int i = 0; i < count; i++) {
-        if (status == SHV_OK) status = shv_cli_path(path, error, "%s/%s", folder, entries[i]->d_name);
-        if (status == SHV_OK) status = run_case(work, path, error);
-        free(entries[i]);
-    }
-    free(entries);
-    return status;
-}
-
-/* All that are named must be there before the first is run. */
-static ShvStatus run_named(Work *work, ShvError *error)
-{
-    char path[SHV_CLI_PATH];
-    const ShvArguments *arguments = work->arguments;
-    const int count = arguments->positional_count;
-    SHV_TRY(reserve(work, count, error));
-    for (int i = 0; i < count; i++) SHV_TRY(find_case(arguments, arguments->positional[i], path, error));
-    for (int i = 0; i < count; i++) {
-        SHV_TRY(find_case(arguments, arguments->positional[i], path, error));
+        SHV_TRY(entries ? shv_cli_path(path, error, "%s/%s", folder, entries[i]->d_name)
+                        : find_case(arguments, arguments->positional[i], path, error));
         SHV_TRY(run_case(work, path, error));
     }
     return SHV_OK;
+}
+
+static ShvStatus run_all(Work *work, ShvError *error)
+{
+    char folder[SHV_CLI_PATH];
+    struct dirent **entries = NULL;
+    if (work->arguments->positional_count > 0)
+        return run_cases(work, NULL, NULL, work->arguments->positional_count, error);
+    SHV_TRY(find_folder(work->arguments, folder, error));
+    const int count = scandir(folder, &entries, is_case, alphasort);
+    if (count < 0)
+        return shv_fail(error, SHV_BAD_INPUT, "the folder '%s' cannot be read; give the folder of cases with --folder",
+                        folder);
+    const ShvStatus status = count > 0
+                                 ? run_cases(work, folder, entries, count, error)
+                                 : shv_fail(error, SHV_BAD_INPUT, "the folder '%s' has no files *%s", folder, ending);
+    for (int i = 0; i < count; i++) free(entries[i]);
+    free(entries);
+    return status;
 }
 
 static ShvStatus write_pages(const Work *work, ShvError *error)
@@ -206,7 +153,7 @@ static int32_t finish(const Work *work)
 {
     const ShvVerifyCase sum = shv_verify_sum(work->cases, work->count);
     if (work->arguments->values[JSON])
-        print_json(work->cases, work->count);
+        shv_verify_print_json(work->cases, work->count, stdout);
     else
         printf("%d cases: %d pass, %d miss with an explanation, %d miss without one; %.1f s\n", (int)work->count,
                (int)sum.passes, (int)sum.explained, (int)sum.misses, sum.seconds);
@@ -217,7 +164,7 @@ static int run(const ShvArguments *arguments)
 {
     Work work = {.arguments = arguments};
     ShvError error;
-    ShvStatus status = arguments->positional_count > 0 ? run_named(&work, &error) : run_folder(&work, &error);
+    ShvStatus status = run_all(&work, &error);
     if (status == SHV_OK) status = write_pages(&work, &error);
     int exit_status = SHV_EXIT_DONE;
     if (status == SHV_BAD_INPUT && work.told)

@@ -1,7 +1,8 @@
-/* The YAML of a verification case, as read; scenes/verification/README.md tells what the keys mean. */
+/* A verification case, as read and as it is judged; scenes/verification/README.md tells what the keys mean. */
 #ifndef SHV_EVALUATE_CASE_H
 #define SHV_EVALUATE_CASE_H
 
+#include "evaluate/names.h"
 #include "scene/schema.h"
 #include "shiver/verify.h"
 
@@ -33,5 +34,37 @@ typedef struct ShvCaseItem {
 /* Reads a case; `work` gets items, `texts` what they point to. NULL after faults, which are in `diagnostics`, or when a pool has
    failed. */
 ShvCaseItem *shv_case_read(const char *text, size_t length, ShvPool *work, ShvPool *texts, ShvDiagnostics *diagnostics);
+
+struct ShvVerification {
+    ShvMemory *memory;
+    ShvPool texts; /* what rows point to */
+    ShvVerifyCase view;
+    ShvVerifyRow *rows;
+    int32_t row_capacity;
+};
+
+/* What is kept of a run until the case is done. */
+typedef struct ShvKeptRun {
+    ShvNamedRun named;
+    const char *title;
+    ShvOutcome outcome;
+} ShvKeptRun;
+
+typedef struct ShvJudge {
+    ShvVerification *made;
+    const ShvCaseItem *item;
+    ShvPool work; /* of the whole case: lines, variables, series */
+    ShvKeptRun *runs, *now;
+    int32_t run_count;
+    ShvNames names;
+} ShvJudge;
+
+/* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
+char *shv_next_line(ShvPool *pool, const char **at);
+/* s of the whole run, with set-up. */
+double shv_run_seconds(const ShvOutcome *outcome);
+/* judge.c: the rows of the run `now`, of which `last` is the last one; and of all runs together, judged if these are `complete`. */
+ShvStatus shv_judge_run(ShvJudge *judge, const ShvCaseRun *run, bool last, ShvError *error);
+ShvStatus shv_judge_orders(ShvJudge *judge, bool complete, ShvError *error);
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "evaluate/trajectory_error.h"
+#include "evaluate/trajectory.h"
 
 #define COUNT(array)  ((int32_t)(sizeof(array) / sizeof *(array)))
 #define NORM(x, y, z) "sqrt((" x ")^2 + (" y ")^2 + (" z ")^2)"

@@ -76,12 +76,6 @@ static ShvStatus operate(Parser *parser, char operation, ShvFormulaValue *a, con
     return SHV_OK;
 }
 
-static const struct {
-    const char *name;
-    double (*of)(double);
-} functions[] = {{"sqrt", sqrt}, {"abs", fabs},  {"exp", exp},   {"log", log},     {"sin", sin},  {"cos", cos},
-                 {"tan", tan},   {"sinh", sinh}, {"cosh", cosh}, {"asinh", asinh}, {"atan", atan}};
-
 /* Part of a whole that may be nothing: 0 of nothing is 0. */
 static double over(double part, double whole)
 {
@@ -98,10 +92,15 @@ static double nonzero(double value, double otherwise)
     return fabs(value) > 0.0 ? value : otherwise;
 }
 
+/* Of one number or of two. */
 static const struct {
     const char *name;
-    double (*of)(double, double);
-} pairs[] = {{"min", fmin}, {"max", fmax}, {"over", over}, {"share", share}, {"nonzero", nonzero}};
+    double (*of)(double);
+    double (*of_two)(double, double);
+} functions[] = {{"sqrt", sqrt, NULL}, {"abs", fabs, NULL},    {"exp", exp, NULL},     {"log", log, NULL},
+                 {"sin", sin, NULL},   {"cos", cos, NULL},     {"tan", tan, NULL},     {"sinh", sinh, NULL},
+                 {"cosh", cosh, NULL}, {"asinh", asinh, NULL}, {"atan", atan, NULL},   {"min", NULL, fmin},
+                 {"max", NULL, fmax},  {"over", NULL, over},   {"share", NULL, share}, {"nonzero", NULL, nonzero}};
 
 static ShvStatus apply(Parser *parser, double (*of)(double), ShvFormulaValue *value)
 {
@@ -143,24 +142,23 @@ static ShvStatus measure(Parser *parser, const ShvReduction *found, const ShvFor
     return SHV_OK;
 }
 
+/* min and max of two numbers are functions, of a series they reduce it. */
 static ShvStatus parse_call(Parser *parser, const char *name, ShvFormulaValue *value)
 {
     ShvFormulaValue arguments[SHV_MOST_ARGUMENTS];
     int count;
     SHV_TRY(parse_arguments(parser, arguments, &count));
-    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        if (count != 2 || arguments[0].series || arguments[1].series || strcmp(pairs[i].name, name) != 0) continue;
-        *value = (ShvFormulaValue){.number = pairs[i].of(arguments[0].number, arguments[1].number)};
+    const bool two = count == 2 && !arguments[0].series && !arguments[1].series;
+    const ShvReduction *reduction = shv_reduction_find(name);
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+        if (strcmp(functions[i].name, name) != 0 || (functions[i].of_two && !two)) continue;
+        *value = arguments[0];
+        if (functions[i].of && count != 1) return fail(parser, "this function takes one argument");
+        if (functions[i].of) return apply(parser, functions[i].of, value);
+        value->number = functions[i].of_two(arguments[0].number, arguments[1].number);
         return SHV_OK;
     }
-    const ShvReduction *found = shv_reduction_find(name);
-    if (found) return measure(parser, found, arguments, count, value);
-    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
-        if (strcmp(functions[i].name, name) != 0) continue;
-        if (count != 1) return fail(parser, "this function takes one argument");
-        *value = arguments[0];
-        return apply(parser, functions[i].of, value);
-    }
+    if (reduction) return measure(parser, reduction, arguments, count, value);
     return shv_fail(parser->error, SHV_BAD_INPUT, "formula '%.200s': there is no function '%s'", parser->text, name);
 }
 

@@ -26,12 +26,6 @@ double shv_masses_distance(const double *a, int64_t a_count, const double *b, in
     return largest;
 }
 
-static double masses(const ShvOutcome *a, const ShvOutcome *b)
-{
-    const ShvOutcomeList *x = shv_outcome_find(a, "pieces.mass"), *y = shv_outcome_find(b, "pieces.mass");
-    return x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
-}
-
 /* The failed facets of a run; of no mesh where nothing is known. */
 static ShvCrackSurface crack_of(const ShvOutcome *outcome)
 {
@@ -42,24 +36,43 @@ static ShvCrackSurface crack_of(const ShvOutcome *outcome)
                              (int32_t)(list->count / SHV_FACET_NUMBERS)};
 }
 
-static bool crack_function(ShvNames *names, const char *function, const ShvOutcome *other, double *number)
+static double masses(const ShvOutcome *a, const ShvOutcome *b)
 {
-    const bool overlap = strcmp(function, "crack_overlap") == 0, mean = strcmp(function, "crack_mean_distance") == 0;
-    if (!overlap && !mean && strcmp(function, "crack_distance") != 0) return false;
-    if (!other) return true;
-    const ShvCrackSurface a = crack_of(names->run->outcome), b = crack_of(other);
-    const ShvCrackDistance distance = overlap ? (ShvCrackDistance){0.0, 0.0} : shv_crack_distance(&a, &b);
-    *number = overlap ? shv_crack_overlap(&a, &b) : mean ? distance.mean : distance.largest;
-    return true;
+    const ShvOutcomeList *x = shv_outcome_find(a, "pieces.mass"), *y = shv_outcome_find(b, "pieces.mass");
+    return x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
 }
+
+static double overlap(const ShvOutcome *a, const ShvOutcome *b)
+{
+    const ShvCrackSurface x = crack_of(a), y = crack_of(b);
+    return shv_crack_overlap(&x, &y);
+}
+
+static double distance(const ShvOutcome *a, const ShvOutcome *b)
+{
+    const ShvCrackSurface x = crack_of(a), y = crack_of(b);
+    return shv_crack_distance(&x, &y).largest;
+}
+
+static double mean_distance(const ShvOutcome *a, const ShvOutcome *b)
+{
+    const ShvCrackSurface x = crack_of(a), y = crack_of(b);
+    return shv_crack_distance(&x, &y).mean;
+}
+
+static const struct {
+    const char *name;
+    double (*of)(const ShvOutcome *a, const ShvOutcome *b);
+} functions[] = {{"masses", masses},
+                 {"crack_overlap", overlap},
+                 {"crack_distance", distance},
+                 {"crack_mean_distance", mean_distance}};
 
 static double trajectory_function(ShvNames *names, int index, const ShvOutcome *other)
 {
     const ShvOutcome *run = names->run->outcome;
-    if (!names->trajectory) return (double)NAN;
     if (names->followed != run || names->beside != other) {
-        const ShvStatus status =
-            shv_trajectory_error_measure(names->trajectory, run, other, names->errors, &names->error);
+        const ShvStatus status = shv_trajectory_errors(run, other, names->errors, &names->error);
         if (status != SHV_OK) names->status = status;
         names->followed = run;
         names->beside = other;
@@ -87,11 +100,12 @@ static bool call(void *data, const char *function, const char *name, ShvFormulaV
         value->number = trajectory_function(names, index, other->outcome);
         return true;
     }
-    if (strcmp(function, "masses") == 0) {
-        if (other->outcome) value->number = masses(names->run->outcome, other->outcome);
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+        if (strcmp(functions[i].name, function) != 0) continue;
+        if (other->outcome) value->number = functions[i].of(names->run->outcome, other->outcome);
         return true;
     }
-    return crack_function(names, function, other->outcome, &value->number);
+    return false;
 }
 
 /* ---- names ---- */

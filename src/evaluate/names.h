@@ -3,7 +3,7 @@
 #define SHV_EVALUATE_NAMES_H
 
 #include "evaluate/formula.h"
-#include "evaluate/trajectory_error.h"
+#include "evaluate/trajectory.h"
 
 typedef struct ShvVariable {
     const char *name;
@@ -19,13 +19,12 @@ typedef struct ShvNamedRun {
 } ShvNamedRun;
 
 typedef struct ShvNames {
-    ShvPool *pool;                  /* of intermediate series */
-    const ShvNamedRun *run;         /* what names are of; the most recent of variables of one name counts */
-    ShvTrajectoryError *trajectory; /* NULL: bodies are not followed, and those functions give NaN */
-    ShvStatus status;               /* of what a function needed and could not do; */
-    ShvError error;                 /* why */
-    int32_t depth;                  /* of figures within figures */
-    const ShvOutcome *followed;     /* whose errors these are, from `beside` */
+    ShvPool *pool;              /* of intermediate series */
+    const ShvNamedRun *run;     /* what names are of; the most recent of variables of one name counts */
+    ShvStatus status;           /* of what a function needed and could not do; */
+    ShvError error;             /* why */
+    int32_t depth;              /* of figures within figures */
+    const ShvOutcome *followed; /* whose errors these are, from `beside` */
     const ShvOutcome *beside;
     double errors[SHV_TRAJECTORY_MEASURES];
 } ShvNames;

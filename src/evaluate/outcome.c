@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/hash.h"
 #include "base/text.h"
 
 void shv_outcome_release(ShvOutcome *outcome)
@@ -16,11 +15,9 @@ void shv_outcome_release(ShvOutcome *outcome)
 /* Its index, sought from where the last one was. */
 static int32_t index_of(const ShvOutcome *outcome, const char *name, int32_t from)
 {
-    const uint64_t hash = shv_hash_text(SHV_HASH_START, name);
     int32_t at = from < outcome->list_count ? from : 0;
     for (int32_t i = 0; i < outcome->list_count; i++) {
-        const ShvOutcomeList *list = &outcome->lists[at];
-        if (list->hash == hash && strcmp(list->name, name) == 0) return at;
+        if (strcmp(outcome->lists[at].name, name) == 0) return at;
         if (++at == outcome->list_count) at = 0;
     }
     return -1;
@@ -59,7 +56,6 @@ static ShvOutcomeList *make_list(ShvOutcome *outcome, const char *name, ShvClock
     ShvOutcomeList *list = &outcome->lists[outcome->list_count++];
     *list = (ShvOutcomeList){.clock = clock};
     shv_format(list->name, sizeof list->name, "%.95s", name);
-    list->hash = shv_hash_text(SHV_HASH_START, list->name);
     return list;
 }
 

@@ -14,7 +14,6 @@ typedef enum ShvClock { SHV_CLOCK_NONE, SHV_CLOCK_FRAME, SHV_CLOCK_PROBE } ShvCl
 
 typedef struct ShvOutcomeList {
     char name[96];
-    uint64_t hash; /* of the name */
     ShvClock clock;
     double *values;
     int64_t count, capacity;
@@ -67,7 +66,9 @@ typedef struct ShvRunOrder {
     int32_t repeats;     /* for the run time alone, the first one counted; ≥ 1 */
     double repeat_below; /* s: no further repeats once the run times add up to this; 0: all */
     int32_t audit_wakes;
-    bool tracked; /* also the way of all bodies */
+    bool tracked; /* also the way of all bodies, */
+    bool closed;  /* and of the closed form that the scene's `reference` names */
+    bool look;    /* only the first frame */
     /* Checkpoints: "CHECKPOINT.checkpoint-1" and "-2", of a run with this key. NULL: none. */
     const char *checkpoint;
     uint64_t key;

@@ -4,7 +4,7 @@
 #include "evaluate/outcome.h"
 #include "export/output.h"
 
-static const char word[16] = "shiver-outcome 2";
+static const char word[16] = "shiver-outcome 3";
 enum { LARGEST_FILE = 1 << 30 };
 
 /* Heads and values as they lie in memory, without pointers: whoever reads them is the program that wrote them, on a machine of the

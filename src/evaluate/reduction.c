@@ -123,8 +123,7 @@ static double arrival(const ShvFormulaValue *s, const double *arguments, int cou
     (void)count;
     int64_t begin, end;
     find_stay(s, arguments[0], &begin, &end);
-    if (begin < 0) return (double)NAN;
-    return crossing(s, neighbour(s, begin, -1), begin, arguments[0]);
+    return begin < 0 ? (double)NAN : crossing(s, neighbour(s, begin, -1), begin, arguments[0]);
 }
 
 static double departure(const ShvFormulaValue *s, const double *arguments, int count)

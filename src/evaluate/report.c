@@ -1,4 +1,4 @@
-/* The table of verification as HTML and as Markdown. */
+/* The table of verification as HTML, Markdown and JSON. */
 #include <math.h>
 #include <string.h>
 
@@ -34,23 +34,11 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
     return sum;
 }
 
-static const char *class_of(ShvVerdict verdict)
-{
-    switch (verdict) {
-    case SHV_VERDICT_PASS:
-        return "pass";
-    case SHV_VERDICT_EXPLAINED:
-        return "warn";
-    case SHV_VERDICT_SHOWN:
-        return NULL;
-    default:
-        return "miss";
-    }
-}
-
 /* Shares of the reference in percent. */
-static void put_row(ShvTable *table, const ShvVerifyRow *row)
+static void put_row(ShvTable *table, const void *data, int32_t index)
 {
+    static const char *const classes[] = {"pass", "miss", "warn", NULL, "miss"}; /* of ShvVerdict */
+    const ShvVerifyRow *row = (const ShvVerifyRow *)data + index;
     const double scale = row->absolute ? 1.0 : 100.0;
     const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
     shv_table_text(table, "quantity", NULL, row->quantity);
@@ -60,9 +48,8 @@ static void put_row(ShvTable *table, const ShvVerifyRow *row)
     shv_table_text(table, "unit", NULL, row->unit);
     put_figure(table, "error", "", row->absolute ? "%+.3g" : "%+.3g %%", scale * row->error);
     put_figure(table, "tolerance", "", row->absolute ? "%.3g" : "%.3g %%", tolerance);
-    shv_table_text(table, "verdict", class_of(row->verdict), shv_verdict_name(row->verdict));
+    shv_table_text(table, "verdict", classes[row->verdict], shv_verdict_name(row->verdict));
     put_figure(table, "run time, s", "", "%.3g", row->seconds);
-    shv_table_end_row(table);
 }
 
 /* A sentence once, however many rows it belongs to. */
@@ -103,7 +90,6 @@ static void markdown_paragraph(FILE *stream, const char *text)
 
 static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
 {
-    static const ShvVerifyRow heads = {.run = ""};
     char command[256];
     shv_format(command, sizeof command, "shiver verify --full %s", of->name);
     if (html) {
@@ -112,12 +98,47 @@ static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
     } else {
         shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", of->title, of->name, of->scene);
     }
-    ShvTable table = shv_table_begin(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN);
-    put_row(&table, &heads);
-    for (int32_t i = 0; i < of->row_count; i++) put_row(&table, &of->rows[i]);
-    shv_table_end(&table);
+    shv_table_write(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN, of->row_count, put_row, of->rows);
     put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph);
 }
+
+/* ---- JSON ---- */
+
+static void put_json_row(FILE *stream, const ShvVerifyCase *verified, const ShvVerifyRow *row)
+{
+    static const char *const comparisons[] = {"near", "below", "above", "shown"};
+    ShvMembers members = {.stream = stream};
+    shv_print(stream, "\n  {");
+    shv_member_text(&members, "case", verified->name);
+    shv_member_text(&members, "quantity", row->quantity);
+    shv_member_text(&members, "run", row->run);
+    shv_member_text(&members, "unit", row->unit);
+    shv_member_text(&members, "compare", comparisons[row->compare]);
+    shv_member_number(&members, "reference", row->reference);
+    shv_member_number(&members, "value", row->value);
+    shv_member_number(&members, "error", row->error);
+    shv_member_number(&members, "tolerance", row->tolerance);
+    shv_member_flag(&members, "absolute", row->absolute);
+    shv_member_text(&members, "verdict", shv_verdict_name(row->verdict));
+    shv_member_number(&members, "seconds", row->seconds);
+    shv_member_text(&members, "source", row->source);
+    shv_member_text(&members, "note", row->note);
+    shv_print(stream, "}");
+}
+
+void shv_verify_print_json(const ShvVerifyCase *const *cases, int32_t count, FILE *stream)
+{
+    const char *comma = "";
+    shv_print(stream, "[");
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = 0; k < cases[i]->row_count; k++, comma = ",") {
+            shv_print(stream, "%s", comma);
+            put_json_row(stream, cases[i], &cases[i]->rows[k]);
+        }
+    shv_print(stream, "\n]\n");
+}
+
+/* ---- pages ---- */
 
 typedef struct Page {
     bool html;

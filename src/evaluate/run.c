@@ -79,17 +79,16 @@ static bool take_note(Pull *pull, const ShvCheckpoint *found)
     if (shv_outcome_parse(&before, (const char *)found->note, found->note_size, "a checkpoint", pull->order->memory,
                           &ignored) != SHV_OK)
         return false;
-    const double bodies = shv_outcome_number(&before, "track.bodies");
-    const bool good = !pull->order->tracked || bodies == pull->sampler.bodies.count;
-    if (good) {
-        shv_outcome_release(pull->outcome);
-        *pull->outcome = before;
-        shv_processor_name(pull->outcome->processor, sizeof pull->outcome->processor);
-        pull->seconds = shv_outcome_number(pull->outcome, "run.so_far");
-    } else {
+    if (pull->order->tracked &&
+        shv_outcome_number(&before, "track.bodies") != shv_outcome_number(pull->outcome, "track.bodies")) {
         shv_outcome_release(&before);
+        return false;
     }
-    return good;
+    shv_outcome_release(pull->outcome);
+    *pull->outcome = before;
+    shv_processor_name(pull->outcome->processor, sizeof pull->outcome->processor);
+    pull->seconds = shv_outcome_number(pull->outcome, "run.so_far");
+    return true;
 }
 
 /* Loads the latest checkpoint into a simulation of which the first frame has been asked for. What does not fit is as good as
@@ -102,13 +101,14 @@ static ShvStatus go_on(Pull *pull, ShvError *error)
     ShvError ignored;
     const ShvCheckpointMark own = mark_of(pull);
     ShvStatus status = shv_checkpoint_find(&found, order->checkpoint, order->memory, &own, NULL, NULL, &ignored);
-    const bool goes_on = status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found);
-    if (goes_on) {
+    if (status == SHV_OK && found.descriptor >= 0 && take_note(pull, &found)) {
         pull->sequence = found.mark.sequence;
         status = shv_simulation_load(pull->simulation, found.descriptor, found.size, error);
+    } else {
+        status = SHV_OK;
     }
     shv_checkpoint_close(&found);
-    return goes_on ? status : SHV_OK;
+    return status;
 }
 
 /* ---- simulations ---- */
@@ -156,6 +156,7 @@ static ShvStatus pull_frame(Pull *pull, ShvError *error)
     if (frame->steps > 0 || frame->time > 0.0) pull->seconds += shv_now() - pull->begun;
     if (status == SHV_INTERRUPTED || status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", pull->own.message);
     pull->own.status = status;
+    if (!pull->sampler.damage) SHV_TRY(shv_sample_start(&pull->sampler, pull->simulation, error));
     return shv_sample_frame(&pull->sampler, pull->simulation, error);
 }
 
@@ -165,7 +166,8 @@ static ShvStatus pull_frames(Pull *pull, ShvError *error)
     SHV_TRY(pull_frame(pull, error));
     SHV_TRY(shv_sample_scene(&pull->sampler, pull->simulation, error));
     if (pull->own.status == SHV_OK) SHV_TRY(go_on(pull, error));
-    while (pull->own.status == SHV_OK && !shv_simulation_finished(pull->simulation)) SHV_TRY(pull_frame(pull, error));
+    while (pull->own.status == SHV_OK && !pull->order->look && !shv_simulation_finished(pull->simulation))
+        SHV_TRY(pull_frame(pull, error));
     shv_outcome_add(pull->outcome, "run.seconds", SHV_CLOCK_NONE, pull->seconds);
     return shv_sample_end(&pull->sampler, pull->simulation, error);
 }
@@ -183,7 +185,7 @@ static ShvStatus run_first(Pull *pull, ShvError *error)
     if (status == SHV_NO_MEMORY) return shv_fail(error, status, "%s", pull->own.message);
     if (status != SHV_OK) return SHV_OK;
     status = pull_frames(pull, error);
-    shv_sampler_release(&pull->sampler);
+    shv_pool_release(&pull->sampler.pool);
     shv_simulation_destroy(simulation);
     return status;
 }
@@ -213,8 +215,11 @@ ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError 
 {
     *outcome = (ShvOutcome){.memory = order->memory};
     Pull pull = {.order = order, .scene = *order->scene, .outcome = outcome, .own = {SHV_OK, ""}};
-    pull.sampler = (ShvSampler){
-        .outcome = outcome, .scene = order->scene, .tracked = order->tracked, .pool = {.memory = order->memory}};
+    pull.sampler = (ShvSampler){.outcome = outcome,
+                                .scene = order->scene,
+                                .tracked = order->tracked,
+                                .closed = order->closed,
+                                .pool = {.memory = order->memory}};
     shv_processor_name(outcome->processor, sizeof outcome->processor);
     SHV_TRY(run_first(&pull, error));
     outcome->key = order->key;

@@ -113,7 +113,7 @@ static ShvStatus put_meshes(ShvOutcome *outcome, const ShvSimulation *simulation
     return SHV_OK;
 }
 
-ShvStatus shv_sample_scene(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+ShvStatus shv_sample_scene(const ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
     const ShvSceneDefinition *scene = sampler->scene;
     ShvOutcome *outcome = sampler->outcome;

@@ -5,13 +5,83 @@
 
 #include "base/text.h"
 #include "evaluate/crack_surface.h"
+#include "evaluate/trajectory.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-void shv_sampler_release(ShvSampler *sampler)
+/* ---- bodies ---- */
+
+/* With a closed form the body that it is of, or all. */
+static ShvStatus describe_body(ShvSampler *sampler, const ShvSimulation *simulation, ShvBody *body, int32_t index,
+                               ShvError *error)
 {
-    shv_bodies_release(&sampler->bodies);
-    shv_pool_release(&sampler->pool);
+    const ShvSceneDefinition *scene = sampler->scene;
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    const ShvObstacleDefinition *obstacle = shv_body_obstacle(scene, sampler->begun, index);
+    const char *name = obstacle ? obstacle->name : scene->objects[frame->fragments[index].object].name;
+    SHV_TRY(shv_body_describe(body, scene, frame, index, error));
+    if (!sampler->closed) return SHV_OK;
+    body->chosen = !scene->reference.body || strcmp(name, scene->reference.body) == 0;
+    return body->chosen == 0.0 ? SHV_OK
+                               : shv_closed_form(&sampler->forms[index], scene, simulation, body, index, error);
+}
+
+static ShvStatus check_reference(const ShvReferenceDefinition *reference, ShvError *error)
+{
+    if (reference->law == SHV_REFERENCE_NONE)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "the closed form is asked for, but the scene has no 'reference'; give it one");
+    if (!reference->body && reference->law != SHV_REFERENCE_FLIGHT && reference->law != SHV_REFERENCE_REST)
+        return shv_fail(error, SHV_BAD_INPUT, "this law of `reference` needs `body`");
+    return SHV_OK;
+}
+
+static ShvStatus start_track(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
+{
+    const ShvSceneDefinition *scene = sampler->scene;
+    ShvOutcome *outcome = sampler->outcome;
+    ShvTrackScene head = {.duration = scene->duration, .gravity = shv_load3(scene->gravity)};
+    sampler->begun = shv_simulation_frame(simulation)->fragment_count;
+    const int32_t count = shv_body_count(scene, sampler->begun);
+    if (sampler->closed) SHV_TRY(check_reference(&scene->reference, error));
+    ShvBody *bodies =
+        (void *)shv_outcome_room(outcome, "track.masses", SHV_CLOCK_NONE, (int64_t)count * SHV_BODY_NUMBERS);
+    sampler->forms = shv_pool_take(&sampler->pool, (size_t)count, sizeof *sampler->forms);
+    if (!bodies || !sampler->forms) return shv_fail_memory(error, "bodies to compare", (size_t)count * sizeof *bodies);
+    bool any = false;
+    for (int32_t i = 0; i < count; i++) {
+        SHV_TRY(describe_body(sampler, simulation, &bodies[i], i, error));
+        if (!any) head.up = sampler->forms[i].direction;
+        any |= bodies[i].chosen == 1.0;
+    }
+    if (!any) return shv_fail(error, SHV_BAD_INPUT, "reference.body must name an object or a free obstacle");
+    if (sampler->closed) head.law = scene->reference.law;
+    shv_outcome_set(outcome, "track.bodies", count);
+    shv_outcome_add_all(outcome, "track.scene", SHV_CLOCK_NONE, &head, sizeof head / sizeof(double));
+    return SHV_OK;
+}
+
+static ShvBodyState *room_for_states(ShvOutcome *outcome, const char *name, int64_t count)
+{
+    return (void *)shv_outcome_room(outcome, name, SHV_CLOCK_NONE, count * SHV_STATE_NUMBERS);
+}
+
+static void track(ShvSampler *sampler, const ShvFrameView *frame)
+{
+    const int32_t count = shv_body_count(sampler->scene, sampler->begun);
+    ShvBodyState *room = room_for_states(sampler->outcome, "track", count);
+    for (int32_t i = 0; i < count && room; i++) room[i] = shv_body_state(sampler->scene, frame, sampler->begun, i);
+}
+
+/* At the end, so that what was stopped in between has the same numbers. */
+static void add_closed_forms(ShvSampler *sampler)
+{
+    const ShvOutcomeList *times = shv_outcome_find(sampler->outcome, "frame.time");
+    const int32_t count = shv_body_count(sampler->scene, sampler->begun);
+    ShvBodyState *room = times ? room_for_states(sampler->outcome, "exact", times->count * count) : NULL;
+    for (int64_t frame = 0; room && frame < times->count; frame++)
+        for (int32_t i = 0; i < count; i++, room++)
+            *room = shv_closed_form_at(&sampler->forms[i], times->values[frame]);
 }
 
 /* ---- series ---- */
@@ -48,6 +118,13 @@ static void add_ledger(ShvOutcome *outcome, const ShvLedgerView *ledger)
 #undef VECTOR
 }
 
+static double events_of(const ShvFrameView *frame, ShvRunEvent kind)
+{
+    double number = 0.0;
+    for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kind;
+    return number;
+}
+
 static void add_numbers(ShvOutcome *outcome, const ShvFrameView *frame)
 {
     const struct {
@@ -62,7 +139,11 @@ static void add_numbers(ShvOutcome *outcome, const ShvFrameView *frame)
                    {"frame.steps", (double)frame->steps},
                    {"frame.animation", frame->animation},
                    {"frame.edge_strain", frame->edge_strain},
-                   {"frame.bar_share", frame->bar_work_share}};
+                   {"frame.bar_share", frame->bar_work_share},
+                   {"frame.wakes", events_of(frame, SHV_RUN_WAKE)},
+                   {"frame.rests", events_of(frame, SHV_RUN_SLEEP)},
+                   {"frame.inversions", events_of(frame, SHV_RUN_INVERSION)},
+                   {"frame.squeezes", events_of(frame, SHV_RUN_SQUEEZE)}};
     for (size_t i = 0; i < COUNT(numbers); i++)
         shv_outcome_add(outcome, numbers[i].name, SHV_CLOCK_FRAME, numbers[i].value);
 }
@@ -84,17 +165,6 @@ static void add_motion(ShvOutcome *outcome, const ShvFrameView *frame)
     }
     shv_outcome_add(outcome, "frame.momentum_scale", SHV_CLOCK_FRAME, scale);
     shv_outcome_add(outcome, "frame.finite", SHV_CLOCK_FRAME, isfinite(scale + all) ? 1.0 : 0.0);
-}
-
-/* Room for what is asked of elements, once. */
-static ShvStatus reserve(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
-{
-    const size_t count = (size_t)shv_simulation_mesh(simulation).element_count;
-    if (sampler->damage) return SHV_OK;
-    sampler->corners = shv_pool_take(&sampler->pool, 12 * count, sizeof *sampler->corners);
-    sampler->fragments = shv_pool_take(&sampler->pool, count, sizeof *sampler->fragments);
-    sampler->damage = shv_pool_take(&sampler->pool, 4 * count, sizeof *sampler->damage);
-    return sampler->pool.failed ? shv_fail_memory(error, "corners", 132 * count) : SHV_OK;
 }
 
 /* How far corners of tets reach: least and largest z; the largest distance from their fragment's centre. */
@@ -152,44 +222,28 @@ static ShvStatus add_tip(ShvSampler *sampler, const ShvSimulation *simulation, S
     return SHV_OK;
 }
 
-/* ---- events and bodies ---- */
+/* ---- the frame ---- */
 
-static void count_events(ShvOutcome *outcome, const ShvFrameView *frame)
+ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
-    static const ShvRunEvent kinds[] = {SHV_RUN_WAKE, SHV_RUN_SLEEP, SHV_RUN_INVERSION, SHV_RUN_SQUEEZE};
-    static const char *const names[] = {"frame.wakes", "frame.rests", "frame.inversions", "frame.squeezes"};
-    for (size_t k = 0; k < COUNT(kinds); k++) {
-        double number = 0.0;
-        for (int32_t i = 0; i < frame->event_count; i++) number += frame->events[i].kind == kinds[k];
-        shv_outcome_add(outcome, names[k], SHV_CLOCK_FRAME, number);
-    }
-}
-
-static void track(ShvSampler *sampler, const ShvFrameView *frame)
-{
-    const int64_t count = sampler->bodies.count;
-    double *room = shv_outcome_room(sampler->outcome, "track", SHV_CLOCK_NONE, count * SHV_BODY_NUMBERS);
-    for (int64_t i = 0; i < count && room; i++) {
-        const ShvBodyState state = shv_body_state(&sampler->bodies.items[i], frame);
-        memcpy(room + i * SHV_BODY_NUMBERS, &state, sizeof state);
-    }
-    shv_outcome_set(sampler->outcome, "track.bodies", (double)count);
+    const size_t count = (size_t)shv_simulation_mesh(simulation).element_count;
+    sampler->corners = shv_pool_take(&sampler->pool, 12 * count, sizeof *sampler->corners);
+    sampler->fragments = shv_pool_take(&sampler->pool, count, sizeof *sampler->fragments);
+    sampler->damage = shv_pool_take(&sampler->pool, 4 * count, sizeof *sampler->damage);
+    if (sampler->pool.failed) return shv_fail_memory(error, "corners", 132 * count);
+    return sampler->tracked ? start_track(sampler, simulation, error) : SHV_OK;
 }
 
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
     const ShvFrameView *frame = shv_simulation_frame(simulation);
     ShvOutcome *outcome = sampler->outcome;
-    if (sampler->tracked && !sampler->bodies.items)
-        SHV_TRY(shv_bodies_create(&sampler->bodies, sampler->scene, frame, outcome->memory, error));
     add_numbers(outcome, frame);
     add_motion(outcome, frame);
     add_ledger(outcome, &frame->ledger);
-    SHV_TRY(reserve(sampler, simulation, error));
     add_corners(sampler, simulation);
     SHV_TRY(add_tip(sampler, simulation, error));
     add_probes(outcome, frame);
-    count_events(outcome, frame);
     if (sampler->tracked) track(sampler, frame);
     return outcome->failed ? shv_fail_memory(error, "what is kept of a run", 0) : SHV_OK;
 }
@@ -282,6 +336,7 @@ ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, S
     ShvOutcome *outcome = sampler->outcome;
     ShvCrackView crack;
     SHV_TRY(shv_simulation_crack(simulation, &crack, error));
+    if (sampler->closed) add_closed_forms(sampler);
     add_pieces(outcome, frame->fragments, frame->fragment_count);
     shv_outcome_set(outcome, "end.crack_facets", crack.facets);
     shv_outcome_add_vector(outcome, "end.crack_origin", SHV_CLOCK_NONE, crack.origin);

@@ -2,7 +2,7 @@
 #ifndef SHV_EVALUATE_SAMPLER_H
 #define SHV_EVALUATE_SAMPLER_H
 
-#include "evaluate/body.h"
+#include "evaluate/closed_form.h"
 #include "evaluate/outcome.h"
 #include "scene/pool.h"
 #include "shiver/plan.h"
@@ -10,21 +10,25 @@
 typedef struct ShvSampler {
     ShvOutcome *outcome;
     const ShvSceneDefinition *scene;
-    bool tracked;       /* also the way of all bodies */
-    ShvBodies bodies;   /* of the first frame, where tracked */
-    ShvPool pool;       /* of the scratch below */
-    double *corners;    /* 12 per element */
-    int32_t *fragments; /* per element */
-    double *damage;     /* 4 per element */
+    bool tracked, closed; /* also the way of all bodies; and in closed form, as the scene's `reference` says */
+    int32_t begun;        /* fragments of the first frame */
+    ShvPool pool;         /* of what is below */
+    ShvClosedForm *forms; /* one a body */
+    double *corners;      /* 12 per element */
+    int32_t *fragments;   /* per element */
+    double *damage;       /* 4 per element */
 } ShvSampler;
 
-void shv_sampler_release(ShvSampler *sampler);
+/* At the first frame, before it is sampled: room, and the bodies that are tracked. SHV_BAD_INPUT where the closed form does not
+   fit the scene. */
+ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
 /* The present frame. */
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
-/* Numbers of the scene and of its meshes. */
-ShvStatus shv_sample_scene(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
 /* What is known at the end: pieces, cracks, costs. */
 ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
+/* Numbers of the scene and of its meshes. */
+ShvStatus shv_sample_scene(const ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
+
 /* Ascending. */
 void shv_sort_numbers(double *values, int64_t count);
 

@@ -18,12 +18,7 @@ ShvStudyOptions shv_study_default(void)
     return (ShvStudyOptions){.cookie = SHV_DEFINITION_COOKIE};
 }
 
-/* ---- settings and their scenes ---- */
-
-const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index)
-{
-    return index < study->plan.setting_count ? &study->plan.settings[index] : &study->plan.reference_setting;
-}
+/* ---- scenes ---- */
 
 bool shv_study_tracks(const ShvStudy *study)
 {
@@ -34,7 +29,7 @@ bool shv_study_tracks(const ShvStudy *study)
 
 ShvStatus shv_study_scene(const ShvStudy *study, int32_t index, ShvScene **scene, ShvError *error)
 {
-    const ShvStudySetting *setting = shv_study_setting(study, index);
+    const ShvStudySetting *setting = &study->plan.settings[index];
     return shv_scene_parse(scene, study->text, study->length, study->scene_path, study->folder, setting->overrides,
                            setting->override_count, study->memory, NULL, error);
 }
@@ -44,10 +39,7 @@ ShvSceneDefinition shv_study_member(const ShvStudy *study, const ShvSceneDefinit
 {
     ShvSceneDefinition changed = *scene;
     if (member == 0) return changed;
-    if (study->plan.seeds) {
-        changed.seed += (uint64_t)member;
-        return changed;
-    }
+    if (study->plan.seeds) changed.seed += (uint64_t)member;
     for (int32_t i = 0; i < scene->object_count; i++) {
         objects[i] = scene->objects[i];
         for (int k = 0; k < 3; k++)
@@ -88,7 +80,7 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
     study->keys = shv_pool_take(&study->pool, count, sizeof *study->keys);
     if (!study->keys) return shv_fail_memory(error, "the runs of a study", count * sizeof *study->keys);
     for (int32_t s = 0; s < study->setting_count; s++) {
-        const ShvStudySetting *setting = shv_study_setting(study, s);
+        const ShvStudySetting *setting = &study->plan.settings[s];
         ShvScene *scene;
         const ShvStatus status = shv_study_scene(study, s, &scene, error);
         if (status != SHV_OK) return shv_fail_within(error, status, "%s:%d", file, (int)setting->line);
@@ -134,8 +126,8 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
     *outcome = (ShvOutcome){.memory = study->memory};
     SHV_TRY(shv_study_path(study, run, NULL, path, error));
     SHV_TRY(shv_outcome_load(outcome, path, study->memory, error));
-    const bool whole =
-        outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, "track") != NULL;
+    const char *kept = study->plan.reference == SHV_STUDY_CLOSED ? "exact" : "track";
+    const bool whole = outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, kept) != NULL;
     if (outcome->key == study->keys[run] && whole) return SHV_OK;
     shv_outcome_release(outcome);
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
@@ -152,7 +144,7 @@ static bool is_done(const ShvStudy *study, int32_t run)
     return done;
 }
 
-/* ---- opening ---- */
+/* ---- what is asked for ---- */
 
 static ShvStatus check_options(const ShvStudyOptions *options, ShvError *error)
 {
@@ -202,27 +194,79 @@ static void find_reference(ShvStudy *study)
     if (study->reference < own) study->setting_count = own;
 }
 
-ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
-                           ShvError *error)
+/* ---- running ---- */
+
+static void tell(const ShvStudy *study, int32_t run)
 {
-    *scene = NULL;
-    *trajectory = (ShvTrajectoryError){.memory = study->memory};
-    if (!shv_study_tracks(study)) return SHV_OK;
-    SHV_TRY(shv_study_scene(study, setting, scene, error));
-    return shv_trajectory_error_open(trajectory, shv_scene_definition(*scene), shv_scene_folder(*scene),
-                                     study->plan.reference == SHV_STUDY_CLOSED, study->memory, error);
+    const ShvStudySetting *setting = &study->plan.settings[run / study->plan.members];
+    char text[400], member[40] = "";
+    if (!study->options.begins) return;
+    if (study->plan.members > 1) shv_format(member, sizeof member, " (member %d)", (int)(run % study->plan.members));
+    shv_format(text, sizeof text, "%s%s", setting->title, member);
+    study->options.begins(study->options.begins_data, text);
 }
 
-/* What bodies are compared with must fit the scene before anything is run. */
-static ShvStatus check_trajectory(const ShvStudy *study, ShvError *error)
+/* `path` NULL: only the first frame, to see whether it can be run. */
+static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
+                            ShvOutcome *outcome, ShvError *error)
+{
+    const ShvSceneDefinition *definition = shv_scene_definition(scene);
+    const size_t count = (size_t)definition->object_count;
+    ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
+    if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
+    const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
+    const bool tracked = shv_study_tracks(study);
+    const ShvRunOrder order = {.scene = &member,
+                               .folder = shv_scene_folder(scene),
+                               .memory = study->memory,
+                               .multiple = study->plan.settings[run / study->plan.members].multiple,
+                               .repeats = path ? study->plan.repeats : 1,
+                               .repeat_below = study->options.repeat_below,
+                               .audit_wakes = study->plan.audit_wakes,
+                               .tracked = tracked,
+                               .closed = tracked && study->plan.reference == SHV_STUDY_CLOSED,
+                               .look = !path,
+                               .checkpoint = path,
+                               .key = study->keys[run],
+                               .stop = study->options.stop,
+                               .stop_data = study->options.stop_data};
+    const ShvStatus status = shv_run_scene(outcome, &order, error);
+    shv_release(objects);
+    return status;
+}
+
+static ShvStatus do_run(const ShvStudy *study, int32_t run, const char *path, ShvError *error)
 {
     ShvScene *scene;
-    ShvTrajectoryError trajectory;
-    const ShvStatus status = shv_study_follow(study, 0, &scene, &trajectory, error);
-    shv_trajectory_error_close(&trajectory);
+    ShvOutcome outcome = {.memory = study->memory};
+    SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
+    ShvStatus status = run_member(study, run, scene, path, &outcome, error);
+    outcome.shared = study->options.shared;
+    if (status == SHV_OK && path) status = shv_outcome_save(&outcome, path, error);
+    if (status == SHV_OK && path) shv_checkpoint_remove(path, study->memory, -1);
+    shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;
 }
+
+ShvStatus shv_study_run(ShvStudy *study, ShvError *error)
+{
+    const ShvStudyOptions *options = &study->options;
+    const int32_t count = study->setting_count * study->plan.members;
+    char path[SHV_STUDY_PATH];
+    for (int32_t i = 0; i < count; i++) {
+        if (options->tasks > 0 && i % options->tasks != options->task - 1) continue;
+        if (!options->force && is_done(study, i)) continue;
+        if (options->stop && options->stop(options->stop_data))
+            return shv_fail(error, SHV_INTERRUPTED, "stopped before run %d of %d", (int)i + 1, (int)count);
+        tell(study, i);
+        SHV_TRY(shv_study_path(study, i, NULL, path, error));
+        SHV_TRY(do_run(study, i, path, error));
+    }
+    return SHV_OK;
+}
+
+/* ---- opening and closing ---- */
 
 ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, const ShvStudyOptions *options,
                          ShvError *error)
@@ -236,7 +280,8 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) find_reference(made);
-    if (status == SHV_OK) status = check_trajectory(made, error);
+    /* What bodies are compared with must fit the scene before anything is run. */
+    if (status == SHV_OK && shv_study_tracks(made)) status = do_run(made, 0, NULL, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;
@@ -254,81 +299,4 @@ void shv_study_close(ShvStudy *study)
     shv_release(study->folder);
     shv_pool_release(&study->pool);
     shv_release(study);
-}
-
-/* ---- running ---- */
-
-int32_t shv_study_run_count(const ShvStudy *study)
-{
-    return study->setting_count * study->plan.members;
-}
-
-static void tell(const ShvStudy *study, int32_t run)
-{
-    const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
-    char text[400];
-    if (!study->options.begins) return;
-    int length =
-        shv_format(text, sizeof text, "%.200s%s%.100s", setting->series, setting->label[0] ? ", " : "", setting->label);
-    if (study->plan.members > 1 && length > 0 && (size_t)length < sizeof text)
-        shv_format(text + length, sizeof text - (size_t)length, " (member %d)", (int)(run % study->plan.members));
-    study->options.begins(study->options.begins_data, text);
-}
-
-static ShvStatus run_scene(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
-                           ShvOutcome *outcome, ShvError *error)
-{
-    const ShvSceneDefinition *definition = shv_scene_definition(scene);
-    const ShvStudySetting *setting = shv_study_setting(study, run / study->plan.members);
-    const size_t count = (size_t)definition->object_count;
-    ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
-    if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
-    const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
-    const ShvRunOrder order = {.scene = &member,
-                               .folder = shv_scene_folder(scene),
-                               .memory = study->memory,
-                               .multiple = setting->multiple,
-                               .repeats = study->plan.repeats,
-                               .repeat_below = study->options.repeat_below,
-                               .audit_wakes = study->plan.audit_wakes,
-                               .tracked = shv_study_tracks(study),
-                               .checkpoint = path,
-                               .key = study->keys[run],
-                               .stop = study->options.stop,
-                               .stop_data = study->options.stop_data};
-    const ShvStatus status = shv_run_scene(outcome, &order, error);
-    shv_release(objects);
-    return status;
-}
-
-static ShvStatus do_run(const ShvStudy *study, int32_t run, ShvError *error)
-{
-    ShvScene *scene;
-    ShvOutcome outcome = {.memory = study->memory};
-    char path[SHV_STUDY_PATH];
-    tell(study, run);
-    SHV_TRY(shv_study_path(study, run, NULL, path, error));
-    SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
-    ShvStatus status = run_scene(study, run, scene, path, &outcome, error);
-    outcome.key = study->keys[run];
-    outcome.shared = study->options.shared;
-    if (status == SHV_OK) status = shv_outcome_save(&outcome, path, error);
-    if (status == SHV_OK) shv_checkpoint_remove(path, study->memory, -1);
-    shv_outcome_release(&outcome);
-    shv_scene_destroy(scene);
-    return status;
-}
-
-ShvStatus shv_study_run(ShvStudy *study, ShvError *error)
-{
-    const ShvStudyOptions *options = &study->options;
-    for (int32_t i = 0; i < shv_study_run_count(study); i++) {
-        if (options->tasks > 0 && i % options->tasks != options->task - 1) continue;
-        if (!options->force && is_done(study, i)) continue;
-        if (options->stop && options->stop(options->stop_data))
-            return shv_fail(error, SHV_INTERRUPTED, "stopped before run %d of %d", (int)i + 1,
-                            (int)shv_study_run_count(study));
-        SHV_TRY(do_run(study, i, error));
-    }
-    return SHV_OK;
 }

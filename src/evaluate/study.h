@@ -5,7 +5,6 @@
 #include "base/timer.h"
 #include "evaluate/outcome.h"
 #include "evaluate/study_plan.h"
-#include "evaluate/trajectory_error.h"
 #include "export/plot.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
@@ -36,10 +35,6 @@ struct ShvStudy {
     char processor[128];
 };
 
-/* Runs of all settings and members. */
-int32_t shv_study_run_count(const ShvStudy *study);
-/* Settings: those of the plan, then the reference's own. */
-const ShvStudySetting *shv_study_setting(const ShvStudy *study, int32_t index);
 /* Whether runs must keep the way of bodies. */
 bool shv_study_tracks(const ShvStudy *study);
 /* The scene of a setting; the caller destroys it. */
@@ -53,21 +48,19 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
 enum { SHV_STUDY_PATH = 4096 };
 ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
                          ShvError *error);
-/* What follows the bodies of a setting, where a measure does. The caller destroys both in every case. */
-ShvStatus shv_study_follow(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvTrajectoryError *trajectory,
-                           ShvError *error);
-
 /* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
-/* study_tables.c */
-void shv_study_put_runs(const ShvStudy *study, FILE *stream);
-void shv_study_put_failures(const ShvStudy *study, FILE *stream);
+/* study_tables.c: the same rows in four tables: two of CSV, that of table.md, and that of the page with the scatter below. */
+typedef enum ShvStudyTable {
+    SHV_STUDY_RESULTS = 1,
+    SHV_STUDY_TIMINGS = 2,
+    SHV_STUDY_LINES = 4,
+    SHV_STUDY_RUNS = 8
+} ShvStudyTable;
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
-void shv_study_put_results(const ShvStudy *study, FILE *stream);
-void shv_study_put_markdown(const ShvStudy *study, FILE *stream);
-void shv_study_put_timings(const ShvStudy *study, FILE *stream);
 /* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);
 void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within);

@@ -13,24 +13,8 @@ typedef struct Judge {
     ShvStudy *study;
     ShvOutcome *references; /* one a member; NULL with a closed form */
     double *samples;        /* measures × members: errors, then values, then run times */
-    ShvScene *scene;        /* of the setting that is judged, where bodies are followed */
-    ShvTrajectoryError trajectory;
-    ShvPool series;
+    ShvPool series;         /* of the run that is judged */
 } Judge;
-
-static void close_setting(Judge *judge)
-{
-    shv_trajectory_error_close(&judge->trajectory);
-    shv_scene_destroy(judge->scene);
-    shv_pool_release(&judge->series);
-    judge->scene = NULL;
-}
-
-static ShvStatus open_setting(Judge *judge, int32_t setting, ShvError *error)
-{
-    judge->series = (ShvPool){.memory = judge->study->memory};
-    return shv_study_follow(judge->study, setting, &judge->scene, &judge->trajectory, error);
-}
 
 /* What a run lacks of a measure of ours is no number; a formula of the study's own must be right. */
 static ShvStatus take(ShvNames *names, const ShvMeasure *measure, const char *formula, double *number, ShvError *error)
@@ -52,36 +36,37 @@ static ShvStatus judge_run(Judge *judge, const ShvOutcome *outcome, const ShvOut
     const ShvStudyPlan *plan = &judge->study->plan;
     const ShvNamedRun other = {.name = "reference", .outcome = reference};
     const ShvNamedRun own = {.name = "", .outcome = outcome, .before = &other};
+    const bool done = outcome->status == SHV_OK;
     ShvNames names = {.pool = &judge->series, .run = &own};
-    if (judge->scene) names.trajectory = &judge->trajectory;
-    for (int32_t i = 0; i < plan->measure_count; i++) {
+    ShvStatus status = SHV_OK;
+    for (int32_t i = 0; i < plan->measure_count && status == SHV_OK; i++) {
         const ShvMeasure *measure = &plan->measures[i];
-        const bool done = outcome->status == SHV_OK;
-        SHV_TRY(take(&names, measure, done ? measure->error : NULL, &errors[i * apart], error));
-        if (values) SHV_TRY(take(&names, measure, done ? measure->value : NULL, &values[i * apart], error));
+        status = take(&names, measure, done ? measure->error : NULL, &errors[i * apart], error);
+        if (values && status == SHV_OK)
+            status = take(&names, measure, done ? measure->value : NULL, &values[i * apart], error);
     }
-    return judge->series.failed ? shv_fail_memory(error, "the series of a run", 0) : SHV_OK;
+    if (judge->series.failed) status = shv_fail_memory(error, "the series of a run", 0);
+    shv_pool_release(&judge->series);
+    return status;
 }
 
 /* ---- one run, in a row ---- */
 
 /* Median of `count` numbers, those that are not finite left out; sorts them. NaN of none. */
-static double median(double *values, int32_t count)
+static double median(double *values, int64_t count)
 {
-    int32_t finite = 0;
-    for (int32_t i = 0; i < count; i++)
+    int64_t finite = 0;
+    for (int64_t i = 0; i < count; i++)
         if (isfinite(values[i])) values[finite++] = values[i];
     if (finite == 0) return (double)NAN;
     shv_sort_numbers(values, finite);
     return finite % 2 ? values[finite / 2] : 0.5 * (values[finite / 2 - 1] + values[finite / 2]);
 }
 
-/* The first member stands for step and cost; the first failure for the setting. Returns the median of the run's times. */
+/* The first member stands for step and cost; the first failure for the setting. Returns the median of the run's times, which
+   sorts them. */
 static double note_run(ShvStudyRow *row, const ShvOutcome *outcome, int32_t member)
 {
-    enum { MOST = 64 };
-    double copy[MOST];
-    int32_t count = 0;
     const ShvOutcomeList *seconds = shv_outcome_find(outcome, "run.seconds"),
                          *costs = shv_outcome_find(outcome, "run.costs");
     const ShvOutcomeList *courant = shv_outcome_find(outcome, "frame.courant");
@@ -91,16 +76,15 @@ static double note_run(ShvStudyRow *row, const ShvOutcome *outcome, int32_t memb
         for (int64_t i = 0; courant && i < courant->count; i++) row->courant = fmax(row->courant, courant->values[i]);
         for (int64_t i = 0; costs && i < costs->count && i < SHV_COST_COUNT; i++) row->costs[i] = costs->values[i];
     }
-    for (; seconds && count < seconds->count && count < MOST; count++) {
-        copy[count] = seconds->values[count];
-        row->seconds_low = fmin(row->seconds_low, copy[count]);
-        row->seconds_high = fmax(row->seconds_high, copy[count]);
-    }
     if (outcome->status != SHV_OK && row->status == SHV_OK) {
         row->status = outcome->status;
         shv_format(row->message, sizeof row->message, "%.255s", outcome->message);
     }
-    return median(copy, count);
+    if (!seconds || seconds->count == 0) return (double)NAN;
+    const double middle = median(seconds->values, seconds->count);
+    row->seconds_low = fmin(row->seconds_low, seconds->values[0]);
+    row->seconds_high = fmax(row->seconds_high, seconds->values[seconds->count - 1]);
+    return middle;
 }
 
 /* Times of runs beside others, or on different processors, say nothing. */
@@ -131,51 +115,31 @@ static ShvStatus judge_member(Judge *judge, int32_t setting, int32_t member, Shv
     return status;
 }
 
-static const char *name_of(ShvStudy *study, const ShvStudySetting *setting)
+static ShvStatus judge_setting(Judge *judge, int32_t index, ShvError *error)
 {
-    char text[1024] = "";
-    size_t length = 0;
-    for (int32_t i = 0; i < study->plan.key_count && setting->values && length < sizeof text - 1; i++) {
-        if (setting->values[i][0] == '\0') continue;
-        shv_format(text + length, sizeof text - length, "%s%s=%s", length > 0 ? " " : "", study->plan.keys[i],
-                   setting->values[i]);
-        length = strlen(text);
-    }
-    const char *copy = shv_pool_text(&study->pool, text, length);
-    return copy && length > 0 ? copy : "reference";
-}
-
-static void sum_up(const Judge *judge, ShvStudyRow *row)
-{
-    const int32_t measures = judge->study->plan.measure_count, members = judge->study->plan.members;
+    ShvStudy *study = judge->study;
+    const ShvStudySetting *setting = &study->plan.settings[index];
+    const int32_t measures = study->plan.measure_count, members = study->plan.members;
+    ShvStudyRow *row = &study->rows[index];
+    *row = (ShvStudyRow){.name = setting->name,
+                         .series = setting->series,
+                         .label = setting->label,
+                         .is_reference = index == study->reference,
+                         .seconds_low = HUGE_VAL};
+    for (int32_t m = 0; m < members; m++) SHV_TRY(judge_member(judge, index, m, error));
     for (int32_t i = 0; i < measures; i++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
+        double low = (double)NAN, high = low;
         for (int32_t m = 0; m < members; m++) {
             low = fmin(low, *sample(judge, i, m));
             high = fmax(high, *sample(judge, i, m));
         }
-        row->errors_low[i] = low <= high ? low : (double)NAN;
-        row->errors_high[i] = low <= high ? high : (double)NAN;
+        row->errors_low[i] = low;
+        row->errors_high[i] = high;
         row->errors[i] = median(sample(judge, i, 0), members);
         row->values[i] = median(sample(judge, measures + i, 0), members);
     }
     row->seconds = median(sample(judge, 2 * measures, 0), members);
-}
-
-static ShvStatus judge_setting(Judge *judge, int32_t index, ShvError *error)
-{
-    ShvStudy *study = judge->study;
-    const ShvStudySetting *setting = shv_study_setting(study, index);
-    study->rows[index] = (ShvStudyRow){.name = name_of(study, setting),
-                                       .series = setting->series,
-                                       .label = setting->label,
-                                       .is_reference = index == study->reference,
-                                       .seconds_low = HUGE_VAL};
-    ShvStatus status = open_setting(judge, index, error);
-    for (int32_t m = 0; m < study->plan.members && status == SHV_OK; m++) status = judge_member(judge, index, m, error);
-    close_setting(judge);
-    if (status == SHV_OK) sum_up(judge, &study->rows[index]);
-    return status;
+    return SHV_OK;
 }
 
 /* ---- reference and scatter ---- */
@@ -217,7 +181,6 @@ static ShvStatus find_scatter(Judge *judge, ShvError *error)
     double *pairs = shv_pool_take(&study->pool, (size_t)all * (size_t)measures, sizeof *pairs);
     int32_t pair = 0;
     if (!pairs) return shv_fail_memory(error, "the scatter of an ensemble", (size_t)all * sizeof *pairs);
-    SHV_TRY(open_setting(judge, study->reference, error));
     for (int32_t a = 0; a < count; a++)
         for (int32_t b = a + 1; b < count; b++, pair++)
             SHV_TRY(compare_pair(judge, &judge->references[a], &judge->references[b], pairs + pair, all, error));
@@ -233,14 +196,45 @@ static void name_reference(ShvStudy *study)
     ShvScene *scene = NULL;
     ShvError ignored;
     if (study->reference >= 0) {
-        const ShvStudySetting *setting = shv_study_setting(study, study->reference);
-        shv_format(text, size, "run of %.160s%s%.60s", setting->series, setting->label[0] ? ", " : "", setting->label);
+        shv_format(text, size, "run of %.220s", study->plan.settings[study->reference].title);
     } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
         const ShvReferenceDefinition *form = &shv_scene_definition(scene)->reference;
         shv_format(text, size, "closed form (%s of %.60s%s%.60s)", laws[form->law],
                    form->body ? form->body : "every body", form->on ? " on " : "", form->on ? form->on : "");
     }
     shv_scene_destroy(scene);
+}
+
+/* ---- fronts ---- */
+
+bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
+{
+    return row->status == SHV_OK && !row->is_reference && isfinite(row->errors[measure]) && isfinite(row->seconds);
+}
+
+int32_t shv_study_pick(const ShvStudy *study, int32_t measure, double largest)
+{
+    int32_t best = -1;
+    for (int32_t i = 0; i < study->view.row_count; i++) {
+        const ShvStudyRow *row = &study->rows[i], *other = best < 0 ? NULL : &study->rows[best];
+        if (!shv_study_counts(row, measure) || !(row->errors[measure] <= largest)) continue;
+        if (!other || row->seconds < other->seconds ||
+            (row->seconds == other->seconds && row->errors[measure] < other->errors[measure]))
+            best = i;
+    }
+    return best;
+}
+
+/* From the cheapest row on, each that is better than the last one marked by more than the scatter: a difference below that is
+   none, and of equals the cheaper counts. */
+void shv_study_mark_front(ShvStudy *study, int32_t measure)
+{
+    const double scatter = isnan(study->view.scatter[measure]) ? 0.0 : study->view.scatter[measure];
+    double limit = HUGE_VAL;
+    for (int32_t i; (i = shv_study_pick(study, measure, nextafter(limit, -HUGE_VAL))) >= 0;) {
+        study->rows[i].on_front[measure] = true;
+        limit = study->rows[i].errors[measure] - scatter;
+    }
 }
 
 /* ---- all ---- */
@@ -250,14 +244,12 @@ static ShvStatus judge_all(Judge *judge, ShvError *error)
     ShvStudy *study = judge->study;
     name_reference(study);
     if (study->reference >= 0) SHV_TRY(load_references(judge, error));
-    if (study->plan.members > 1) {
-        const ShvStatus status = find_scatter(judge, error);
-        close_setting(judge);
-        SHV_TRY(status);
-    }
+    if (study->plan.members > 1) SHV_TRY(find_scatter(judge, error));
     for (int32_t i = 0; i < study->setting_count; i++) SHV_TRY(judge_setting(judge, i, error));
+    study->view.rows = study->rows;
+    study->view.row_count = study->setting_count;
     for (int32_t i = 0; i < study->plan.measure_count; i++) shv_study_mark_front(study, i);
-    return study->pool.failed ? shv_fail_memory(error, "names of settings", 0) : SHV_OK;
+    return SHV_OK;
 }
 
 static ShvStatus reserve(Judge *judge, ShvError *error)
@@ -277,8 +269,9 @@ static ShvStatus reserve(Judge *judge, ShvError *error)
 
 static ShvStatus check_missing(const ShvStudy *study, ShvError *error)
 {
+    const int32_t count = study->setting_count * study->plan.members;
     int32_t missing = 0;
-    for (int32_t i = 0; i < shv_study_run_count(study); i++) {
+    for (int32_t i = 0; i < count; i++) {
         ShvOutcome outcome;
         const ShvStatus loaded = shv_study_load(study, i, &outcome, error);
         if (loaded == SHV_NO_MEMORY) return loaded;
@@ -287,12 +280,12 @@ static ShvStatus check_missing(const ShvStudy *study, ShvError *error)
     }
     if (missing == 0) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT, "%d of %d runs are missing in '%s'; run the study, or its other tasks",
-                    (int)missing, (int)shv_study_run_count(study), study->options.output);
+                    (int)missing, (int)count, study->options.output);
 }
 
 ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
 {
-    Judge judge = {.study = study};
+    Judge judge = {.study = study, .series = {.memory = study->memory}};
     SHV_TRY(check_missing(study, error));
     study->view = (ShvStudyView){.measure_count = study->plan.measure_count, .timings_valid = true};
     study->processor[0] = '\0';
@@ -303,10 +296,9 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
     ShvStatus status = reserve(&judge, error);
     if (status == SHV_OK) status = judge_all(&judge, error);
     for (int32_t m = 0; judge.references && m < study->plan.members; m++) shv_outcome_release(&judge.references[m]);
-    if (status != SHV_OK) return status;
-    study->view.rows = study->rows;
-    study->view.row_count = study->setting_count;
-    return SHV_OK;
+    if (status != SHV_OK) study->view.rows = NULL;
+    if (status != SHV_OK) study->view.row_count = 0;
+    return status;
 }
 
 const ShvStudyView *shv_study_view(const ShvStudy *study)

@@ -27,6 +27,11 @@ typedef struct Axis {
 static const char *const step_key = "step";
 #define LENGTH_OF(array) ((int)(sizeof(array) / sizeof *(array)))
 
+static const char *copy(const Planner *planner, const char *text)
+{
+    return shv_pool_text(planner->pool, text, strlen(text));
+}
+
 /* ---- keys of all runs ---- */
 
 static const char *assignment(ShvPool *pool, const char *key, const char *value)
@@ -50,8 +55,7 @@ static void read_fixed(Planner *planner, const ShvNode *set, const char *const *
     for (const ShvEntry *entry = set ? set->first : NULL; entry; entry = entry->next)
         planner->fixed[planner->fixed_count++] =
             assignment(planner->pool, entry->key->text, shv_tree_text(planner->pool, entry->value));
-    for (int32_t i = 0; i < more_count; i++)
-        planner->fixed[planner->fixed_count++] = shv_pool_text(planner->pool, more[i], strlen(more[i]));
+    for (int32_t i = 0; i < more_count; i++) planner->fixed[planner->fixed_count++] = copy(planner, more[i]);
 }
 
 /* ---- settings ---- */
@@ -66,7 +70,7 @@ static int32_t column_of(Planner *planner, const ShvNode *key)
         shv_error(planner->diagnostics, key->place, "a study varies at most %d keys", (int)SHV_STUDY_MOST_KEYS);
         return -1;
     }
-    plan->keys[plan->key_count] = shv_pool_text(planner->pool, key->text, strlen(key->text));
+    plan->keys[plan->key_count] = copy(planner, key->text);
     return plan->key_count++;
 }
 
@@ -77,24 +81,41 @@ static void read_multiple(Planner *planner, const char *text, const ShvNode *nod
                   shv_quoted(text).text);
 }
 
+static void append(char *text, size_t size, const char *format, ...)
+{
+    const size_t length = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    shv_format_list(text + length, size - length, format, arguments);
+    va_end(arguments);
+}
+
 /* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
 static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
                          const int32_t *chosen)
 {
-    char series[200] = "", label[64] = "";
+    char series[200] = "", label[64] = "", name[1024] = "", title[300];
+    const ShvStudyPlan *plan = planner->plan;
     for (int32_t i = 0; i < count; i++) {
         const char *value = axes[i].values[chosen[i]], *dot = strrchr(axes[i].key, '.');
-        const bool step = strcmp(axes[i].key, step_key) == 0, along = strcmp(axes[i].key, planner->along) == 0;
-        const bool number = strchr("+-.0123456789", value[0]) != NULL;
-        char *to = along ? label : series;
-        const size_t size = along ? sizeof label : sizeof series, length = strlen(to);
-        shv_format(to + length, size - length, "%s%s%s%.60s%s", length > 0 ? ", " : "",
-                   number && !along ? (dot ? dot + 1 : axes[i].key) : "", number && !along ? " " : "", value,
-                   step ? "×" : "");
+        const char *times = strcmp(axes[i].key, step_key) == 0 ? "×" : "";
+        if (strcmp(axes[i].key, planner->along) == 0)
+            append(label, sizeof label, "%s%.60s%s", label[0] ? ", " : "", value, times);
+        else if (strchr("+-.0123456789", value[0]))
+            append(series, sizeof series, "%s%s %.60s%s", series[0] ? ", " : "", dot ? dot + 1 : axes[i].key, value,
+                   times);
+        else
+            append(series, sizeof series, "%s%.60s%s", series[0] ? ", " : "", value, times);
     }
-    if (series[0] == '\0') shv_format(series, sizeof series, "runs");
-    setting->series = shv_pool_text(planner->pool, series, strlen(series));
-    setting->label = shv_pool_text(planner->pool, label, strlen(label));
+    if (series[0] == '\0') append(series, sizeof series, "runs");
+    for (int32_t i = 0; i < plan->key_count; i++)
+        if (setting->values[i][0])
+            append(name, sizeof name, "%s%s=%s", name[0] ? " " : "", plan->keys[i], setting->values[i]);
+    shv_format(title, sizeof title, "%s%s%s", series, label[0] ? ", " : "", label);
+    setting->series = copy(planner, series);
+    setting->label = copy(planner, label);
+    setting->title = copy(planner, title);
+    setting->name = copy(planner, name[0] ? name : "reference");
 }
 
 /* One combination: `chosen` says which value of each axis. */
@@ -105,13 +126,10 @@ static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis 
     const char **overrides = shv_pool_take(pool, (size_t)(planner->fixed_count + count), sizeof *overrides);
     const char **values = shv_pool_take(pool, SHV_STUDY_MOST_KEYS, sizeof *values);
     if (!overrides || !values) return;
-    if (planner->fixed_count > 0) memcpy(overrides, planner->fixed, (size_t)planner->fixed_count * sizeof *overrides);
+    *setting =
+        (ShvStudySetting){.overrides = overrides, .multiple = (double)NAN, .values = values, .line = node->place.line};
+    for (int32_t i = 0; i < planner->fixed_count; i++) overrides[setting->override_count++] = planner->fixed[i];
     for (int32_t i = 0; i < SHV_STUDY_MOST_KEYS; i++) values[i] = "";
-    *setting = (ShvStudySetting){.overrides = overrides,
-                                 .override_count = planner->fixed_count,
-                                 .multiple = (double)NAN,
-                                 .values = values,
-                                 .line = node->place.line};
     for (int32_t i = 0; i < count; i++) {
         const char *value = axes[i].values[chosen[i]];
         if (!value) return;
@@ -142,6 +160,14 @@ static int32_t read_values(Planner *planner, const ShvNode *node, const char ***
     return count;
 }
 
+static bool given_twice(const Axis *axis)
+{
+    for (int32_t i = 0; i < axis->count; i++)
+        for (int32_t k = 0; k < i; k++)
+            if (axis->values[i] && axis->values[k] && strcmp(axis->values[i], axis->values[k]) == 0) return true;
+    return false;
+}
+
 static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, Axis *axes)
 {
     int32_t count = 0;
@@ -156,6 +182,8 @@ static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, A
         axis->column = columns ? column_of(planner, entry->key) : -1;
         axis->count = read_values(planner, entry->value, &axis->values);
         if (axis->count == 0 || (columns && axis->column < 0)) return 0;
+        if (given_twice(axis))
+            shv_error(planner->diagnostics, entry->value->place, "a value of '%.60s' is given twice", axis->key);
     }
     return count;
 }
@@ -187,16 +215,17 @@ static void read_block(Planner *planner, const ShvNode *block, const char *along
     ShvStudyPlan *plan = planner->plan;
     const int32_t count = read_axes(planner, block, true, axes);
     if (count == 0) return;
-    int64_t settings = plan->setting_count, own = 1;
+    int64_t own = 1;
     for (int32_t i = 0; i < count && own <= SHV_STUDY_MOST_SETTINGS; i++) own *= axes[i].count;
-    if (settings + own > SHV_STUDY_MOST_SETTINGS) {
+    if (plan->setting_count + own > SHV_STUDY_MOST_SETTINGS) {
         shv_error(planner->diagnostics, block->place, "more than %d settings; give fewer values",
                   (int)SHV_STUDY_MOST_SETTINGS);
         return;
     }
-    ShvStudySetting *grown = shv_pool_take(planner->pool, (size_t)(settings + own), sizeof *grown);
+    /* One more than there are: that of a reference of its own comes last. */
+    ShvStudySetting *grown = shv_pool_take(planner->pool, (size_t)(plan->setting_count + own + 1), sizeof *grown);
     if (!grown) return;
-    if (settings > 0) memcpy(grown, plan->settings, (size_t)settings * sizeof *grown);
+    if (plan->settings) memcpy(grown, plan->settings, (size_t)plan->setting_count * sizeof *grown);
     plan->settings = grown;
     planner->along = choose_along(along, axes, count);
     do fill_setting(planner, &plan->settings[plan->setting_count++], axes, count, chosen, block);
@@ -235,7 +264,8 @@ static void read_reference(Planner *planner, const ShvNode *node)
             shv_error(planner->diagnostics, node->place, "the reference is one run: give one value of '%.60s'",
                       axes[i].key);
     planner->along = "";
-    if (count > 0) fill_setting(planner, &plan->reference_setting, axes, count, chosen, node);
+    if (count > 0 && plan->settings)
+        fill_setting(planner, &plan->settings[plan->setting_count], axes, count, chosen, node);
 }
 
 typedef struct MeasureItem {
@@ -275,12 +305,10 @@ static bool read_measure(Planner *planner, const ShvNode *node, ShvMeasure *meas
 {
     if (node->kind == SHV_NODE_MAPPING) return read_formula(planner, node, measure);
     const char *names[SHV_STUDY_MOST_MEASURES], *text = node->kind == SHV_NODE_SCALAR && node->text ? node->text : "";
-    const int32_t count = shv_measure_count();
     const ShvMeasure *known = shv_measure_named(text);
-    if (known) {
-        *measure = *known;
-        return true;
-    }
+    if (known) *measure = *known;
+    if (known) return true;
+    const int32_t count = shv_measure_count();
     for (int32_t i = 0; i < count; i++) names[i] = shv_measure_at(i)->name;
     const char *near = shv_nearest_name(text, names, (size_t)count);
     shv_error(planner->diagnostics, node->place, "there is no measure %s%s%s%s; docs/study.md lists them",
@@ -300,12 +328,11 @@ static void read_measures(Planner *planner, const ShvNode *node)
     for (const ShvEntry *item = node->first; item; item = item->next) {
         ShvMeasure *measure = &plan->measures[plan->measure_count];
         if (!read_measure(planner, item->value, measure)) continue;
-        bool twice = false;
-        for (int32_t i = 0; i < plan->measure_count; i++) twice |= strcmp(plan->measures[i].name, measure->name) == 0;
-        if (twice)
-            shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
-                      shv_quoted(measure->name).text);
-        plan->measure_count += !twice;
+        for (int32_t i = 0; i < plan->measure_count; i++)
+            if (strcmp(plan->measures[i].name, measure->name) == 0)
+                shv_error(planner->diagnostics, item->value->place, "the measure %s is given twice",
+                          shv_quoted(measure->name).text);
+        plan->measure_count++;
     }
 }
 

@@ -22,6 +22,7 @@ typedef struct ShvStudySetting {
     double multiple;            /* fracture.time_step in stable steps; NaN: not varied */
     const char *const *values;  /* text by varied key; "": not varied in this block */
     const char *series, *label; /* what a plot calls its line and its point */
+    const char *title, *name;   /* both together; "fracture.stabiliser=bars step=4" */
     int32_t line;               /* of the study file where its block begins */
 } ShvStudySetting;
 
@@ -30,10 +31,9 @@ typedef struct ShvStudyPlan {
     const char *name;
     const char **keys; /* varied, as they first appear; "step" for multiples of the stable step */
     int32_t key_count;
-    ShvStudySetting *settings;
+    ShvStudySetting *settings; /* behind them the reference's own, where it is one */
     int32_t setting_count;
     ShvStudyReference reference;
-    ShvStudySetting reference_setting;
     ShvMeasure measures[SHV_STUDY_MOST_MEASURES]; /* of our own, or formulas of the study, which have no sentence */
     int32_t measure_count;
     int32_t repeats; /* of each run, for its time */

@@ -6,8 +6,10 @@
 
 /* ---- error against run time ---- */
 
-/* Room for a figure, filled. */
+/* A figure as it is put together, in the study's room. */
 typedef struct Figure {
+    const ShvStudy *study;
+    int32_t measure;
     ShvStudyFigure room;
     int32_t front_count, span_count;
     double least; /* an error of zero has a place here, below all others */
@@ -23,61 +25,53 @@ static double least_error(const ShvStudy *study, int32_t measure)
     return isfinite(least) ? 0.1 * least : 1e-16;
 }
 
-static ShvPlotPoint point_of(const ShvStudyRow *row, int32_t measure, double least)
+static ShvPlotPoint point_of(const Figure *figure, const ShvStudyRow *row)
 {
-    const bool zero = row->errors[measure] <= least;
-    ShvPlotPoint point = {.x = shv_study_counts(row, measure) ? row->seconds : (double)NAN,
-                          .y = fmax(row->errors[measure], least)};
-    shv_format(point.label, sizeof point.label, "%.18s%s", row->label, zero ? " (0)" : "");
+    const double error = row->errors[figure->measure];
+    ShvPlotPoint point = {.x = shv_study_counts(row, figure->measure) ? row->seconds : (double)NAN,
+                          .y = fmax(error, figure->least)};
+    shv_format(point.label, sizeof point.label, "%.18s%s", row->label, error <= figure->least ? " (0)" : "");
     return point;
 }
 
-/* Rows of one series, in their order. */
-static void add_line(const ShvStudy *study, int32_t measure, int32_t first, Figure *figure)
+/* Rows of one series, in their order; nothing where an earlier row has begun it. */
+static void add_line(Figure *figure, int32_t first)
 {
+    const ShvStudy *study = figure->study;
     ShvPlotDraft *draft = &figure->room.draft;
     const char *name = study->rows[first].series;
+    for (int32_t i = 0; i < draft->line_count; i++)
+        if (strcmp(draft->lines[i].name, name) == 0) return;
     shv_plot_line(draft, name, SHV_PLOT_MARKED_LINE);
     for (int32_t i = first; i < study->setting_count; i++) {
         const ShvStudyRow *row = &study->rows[i];
-        const double low = fmax(row->errors_low[measure], figure->least), high = row->errors_high[measure];
         if (row->is_reference || strcmp(row->series, name) != 0) continue;
-        shv_plot_point(draft, point_of(row, measure, figure->least));
-        if (study->plan.members > 1 && shv_study_counts(row, measure))
-            figure->room.spans[figure->span_count++] = (ShvPlotSpan){row->seconds, low, high, draft->line_count - 1};
+        shv_plot_point(draft, point_of(figure, row));
+        if (study->plan.members > 1 && shv_study_counts(row, figure->measure))
+            figure->room.spans[figure->span_count++] =
+                (ShvPlotSpan){row->seconds, fmax(row->errors_low[figure->measure], figure->least),
+                              row->errors_high[figure->measure], draft->line_count - 1};
     }
-}
-
-static bool is_first_of_series(const ShvStudy *study, int32_t index)
-{
-    const ShvStudyRow *row = &study->rows[index];
-    if (row->is_reference) return false;
-    for (int32_t i = 0; i < index; i++)
-        if (!study->rows[i].is_reference && strcmp(study->rows[i].series, row->series) == 0) return false;
-    return true;
 }
 
 /* By run time; there are few of them. */
-static void add_front(const ShvStudy *study, int32_t measure, Figure *figure)
+static void add_to_front(Figure *figure, const ShvStudyRow *row)
 {
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->rows[i];
-        if (!row->on_front[measure]) continue;
-        int32_t k = figure->front_count++;
-        for (; k > 0 && figure->room.front[k - 1].x > row->seconds; k--)
-            figure->room.front[k] = figure->room.front[k - 1];
-        figure->room.front[k] = point_of(row, measure, figure->least);
-    }
+    ShvPlotPoint *front = figure->room.front;
+    int32_t k = figure->front_count++;
+    for (; k > 0 && front[k - 1].x > row->seconds; k--) front[k] = front[k - 1];
+    front[k] = point_of(figure, row);
 }
 
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
 {
     const ShvMeasure *kind = &study->plan.measures[measure];
-    Figure figure = {.room = study->figure, .least = least_error(study, measure)};
+    Figure figure = {study, measure, study->figure, 0, 0, least_error(study, measure)};
     char title[200], label[96];
-    for (int32_t i = 0; i < study->setting_count; i++)
-        if (is_first_of_series(study, i)) add_line(study, measure, i, &figure);
-    add_front(study, measure, &figure);
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        if (!study->rows[i].is_reference) add_line(&figure, i);
+        if (study->rows[i].on_front[measure]) add_to_front(&figure, &study->rows[i]);
+    }
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
     shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
     const ShvPlotLine front = {"Pareto front", figure.room.front, figure.front_count, SHV_PLOT_MARKED_LINE};

@@ -33,11 +33,17 @@ static void put_head(const ShvStudy *study, FILE *stream)
 
 static void put_html(const ShvStudy *study, FILE *stream)
 {
+    char text[1024];
     put_head(study, stream);
     shv_html_heading(stream, 2, "Runs");
-    shv_study_put_runs(study, stream);
+    shv_study_put_table(study, SHV_STUDY_RUNS, stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
-    shv_study_put_failures(study, stream);
+    /* Messages are long: below the table, not in it. */
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        if (study->rows[i].status == SHV_OK) continue;
+        shv_format(text, sizeof text, "%.600s failed: %s", study->rows[i].name, study->rows[i].message);
+        shv_html_paragraph(stream, text);
+    }
     shv_html_heading(stream, 2, "Error against run time");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         shv_print(stream, "<figure>\n");
@@ -69,7 +75,7 @@ static void put_measure(const ShvStudyRow *row, int32_t measure, FILE *stream)
 
 static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
 {
-    const ShvStudySetting *setting = shv_study_setting(study, index);
+    const ShvStudySetting *setting = &study->plan.settings[index];
     const ShvStudyRow *row = &study->rows[index];
     ShvMembers keys = {.stream = stream}, costs = keys, measures = keys, members = {.stream = stream, .any = true};
     shv_print(stream, "{\"setting\": {");
@@ -120,55 +126,37 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
 
 /* ---- files ---- */
 
-/* A file of a study as it is written: `put` NULL is the figure of a measure. */
-typedef struct Writing {
-    const ShvStudy *study;
-    void (*put)(const ShvStudy *study, FILE *stream);
-    int32_t measure;
-} Writing;
+enum { RESULTS, TIMINGS, TABLE, JSON, COSTS, PAGE, FILES };
 
-static void put_costs(const ShvStudy *study, FILE *stream)
+/* Those above, and a figure of each measure. */
+static void put_file(const void *data, int index, FILE *stream)
 {
-    shv_study_put_cost_plot(study, stream, false);
-}
-
-static void put_file(const void *data, FILE *stream)
-{
-    const Writing *writing = data;
-    if (writing->put)
-        writing->put(writing->study, stream);
+    const ShvStudy *study = data;
+    if (index <= TABLE)
+        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index), stream);
+    else if (index == JSON)
+        shv_study_print_json(study, stream);
+    else if (index == COSTS)
+        shv_study_put_cost_plot(study, stream, false);
+    else if (index == PAGE)
+        put_html(study, stream);
     else
-        shv_study_put_error_plot(writing->study, writing->measure, stream, false);
-}
-
-static ShvStatus write_file(const Writing *writing, const char *name, ShvError *error)
-{
-    ShvExportOptions options = shv_export_default();
-    char path[SHV_STUDY_PATH];
-    options.force = true;
-    options.memory = writing->study->memory;
-    SHV_TRY(shv_study_path(writing->study, -1, name, path, error));
-    return shv_output_write(&options, path, put_file, writing, error);
+        shv_study_put_error_plot(study, index - FILES, stream, false);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)
 {
-    static const struct {
-        const char *name;
-        void (*put)(const ShvStudy *study, FILE *stream);
-    } files[] = {{"results.csv", shv_study_put_results},
-                 {"timings.csv", shv_study_put_timings},
-                 {"table.md", shv_study_put_markdown},
-                 {"study.json", shv_study_print_json},
-                 {"cost.svg", put_costs},
-                 {"report.html", put_html}};
+    const char *names[FILES + SHV_STUDY_MOST_MEASURES] = {"results.csv", "timings.csv", "table.md",
+                                                          "study.json",  "cost.svg",    "report.html"};
+    char figures[SHV_STUDY_MOST_MEASURES][96], folder[SHV_STUDY_PATH];
+    ShvExportOptions options = shv_export_default();
+    options.force = true;
+    options.memory = study->memory;
     if (!study->view.rows) return shv_fail(error, SHV_BAD_INPUT, "a study is written after it has been measured");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        char name[96];
-        shv_format(name, sizeof name, "error_%s.svg", study->plan.measures[i].name);
-        SHV_TRY(write_file(&(Writing){study, NULL, i}, name, error));
+        shv_format(figures[i], sizeof figures[i], "error_%s.svg", study->plan.measures[i].name);
+        names[FILES + i] = figures[i];
     }
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
-        SHV_TRY(write_file(&(Writing){study, files[i].put, 0}, files[i].name, error));
-    return SHV_OK;
+    SHV_TRY(shv_study_path(study, -1, "", folder, error));
+    return shv_output_write_all(&options, folder, names, FILES + study->plan.measure_count, put_file, study, error);
 }

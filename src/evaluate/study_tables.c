@@ -7,229 +7,192 @@
 #include "export/output.h"
 #include "export/table.h"
 
-/* ---- columns ---- */
+/* A row as it is put. */
+typedef struct Cells {
+    ShvTable *table;
+    ShvStudyTable kind;
+    const ShvStudy *study;
+    const ShvStudyRow *row; /* of a setting, or the scatter of an ensemble, which has nothing but errors */
+    const char *const *values;
+    bool scatter;
+} Cells;
 
-static void put_number(ShvTable *table, const char *name, const char *unit, const char *class, double value)
+typedef struct Column {
+    const char *head, *unit;
+    size_t offset; /* of a number in the row */
+    unsigned in;   /* tables */
+} Column;
+#define ROW(member) offsetof(ShvStudyRow, member)
+static const Column columns[] = {{"stable step", "s", ROW(stable_step), SHV_STUDY_RESULTS},
+                                 {"step", "s", ROW(step), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
+                                 {"Courant number", "", ROW(courant), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
+                                 {"Courant", "", ROW(courant), SHV_STUDY_LINES},
+                                 {"run time", "s", ROW(seconds), SHV_STUDY_LINES | SHV_STUDY_RUNS},
+                                 {"median", "s", ROW(seconds), SHV_STUDY_TIMINGS},
+                                 {"least", "s", ROW(seconds_low), SHV_STUDY_TIMINGS},
+                                 {"most", "s", ROW(seconds_high), SHV_STUDY_TIMINGS}};
+
+static void put_number(Cells *cells, const char *name, const char *unit, const char *class, double value)
 {
-    char head[160], text[SHV_OUTPUT_NUMBER] = "–";
-    const bool csv = table->form == SHV_TABLE_CSV;
+    char head[160], text[SHV_OUTPUT_NUMBER] = "";
+    const bool csv = cells->table->form == SHV_TABLE_CSV;
     shv_format(head, sizeof head, unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", name, unit);
     if (csv && isfinite(value))
         shv_output_format(text, value);
-    else if (csv || isfinite(value))
-        shv_format(text, sizeof text, csv ? "" : "%.3g", value);
-    shv_table_text(table, head, class, text);
+    else if (isfinite(value))
+        shv_format(text, sizeof text, "%.3g", value);
+    else if (!csv && !cells->scatter)
+        shv_format(text, sizeof text, "–");
+    shv_table_text(cells->table, head, cells->kind == SHV_STUDY_RUNS && !class ? "number" : class, text);
 }
 
-static void put_part(ShvTable *table, const char *part, const ShvMeasure *measure, const char *class, double value)
+static void put_part(Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
 {
     char name[128];
     shv_format(name, sizeof name, "%s%s", part, measure->name);
-    put_number(table, name, part[0] ? measure->error_unit : measure->unit, class, value);
+    put_number(cells, name, measure->error_unit, class, value);
 }
 
-static void put_keys(ShvTable *table, const ShvStudy *study, int32_t index)
+/* Columns of table.md in which no row would have a figure are left out: `measure` −1 is the Courant number. Where all runs
+   failed, what was to be measured is told. */
+static bool has_figure(const ShvStudy *study, int32_t measure)
 {
-    for (int32_t i = 0; i < study->plan.key_count; i++)
-        shv_table_text(table, study->plan.keys[i], NULL, shv_study_setting(study, index)->values[i]);
-}
-
-typedef void (*PutCells)(ShvTable *table, const ShvStudy *study, int32_t index);
-
-/* All rows, and that of the scatter of an ensemble where there is one. */
-static void put_table(const ShvStudy *study, FILE *stream, ShvTableForm form, PutCells put, PutCells put_scatter)
-{
-    ShvTable table = shv_table_begin(stream, form);
-    const int32_t count = study->setting_count, more = put_scatter && study->plan.members > 1 ? 1 : 0;
-    for (int32_t i = -1; i < count + more; i++) {
-        (i < count ? put : put_scatter)(&table, study, i < 0 ? 0 : i);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
-}
-
-/* ---- CSV ---- */
-
-static void put_setting(ShvTable *table, const ShvStudy *study, int32_t index)
-{
-    put_keys(table, study, index);
-    shv_table_text(table, "reference", NULL, study->rows[index].is_reference ? "yes" : "");
-    shv_table_text(table, "status", NULL, shv_status_name(study->rows[index].status));
-}
-
-static void put_result(ShvTable *table, const ShvStudy *study, int32_t index)
-{
-    static const char *const parts[] = {"error of ", "least error of ", "most error of ", "scatter of "};
-    const ShvStudyRow *row = &study->rows[index];
-    put_setting(table, study, index);
-    put_number(table, "stable step", "s", NULL, row->stable_step);
-    put_number(table, "step", "s", NULL, row->step);
-    put_number(table, "Courant number", "", NULL, row->courant);
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i];
-        const double values[] = {row->errors[i], row->errors_low[i], row->errors_high[i], study->view.scatter[i]};
-        if (measure->unit) put_part(table, "", measure, NULL, row->values[i]);
-        for (int k = 0; k < (study->plan.members > 1 ? 4 : 1); k++) put_part(table, parts[k], measure, NULL, values[k]);
-    }
-    shv_table_text(table, "message", NULL, row->message);
-}
-
-void shv_study_put_results(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_CSV, put_result, NULL);
-}
-
-static void put_timing(ShvTable *table, const ShvStudy *study, int32_t index)
-{
-    const ShvStudyRow *row = &study->rows[index];
-    char head[96];
-    put_setting(table, study, index);
-    shv_table_text(table, "valid", NULL, study->view.timings_valid ? "yes" : "no");
-    put_number(table, "median", "s", NULL, row->seconds);
-    put_number(table, "least", "s", NULL, row->seconds_low);
-    put_number(table, "most", "s", NULL, row->seconds_high);
-    for (int c = 0; c < SHV_COST_COUNT; c++) put_number(table, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_format(head, sizeof head, "on front of %s", study->plan.measures[i].name);
-        shv_table_text(table, head, NULL, row->on_front[i] ? "yes" : "");
-    }
-}
-
-void shv_study_put_timings(const ShvStudy *study, FILE *stream)
-{
-    put_table(study, stream, SHV_TABLE_CSV, put_timing, NULL);
-}
-
-/* ---- Markdown ---- */
-
-/* Columns in which no row would have a figure are left out. */
-static bool has_courant(const ShvStudy *study)
-{
-    for (int32_t i = 0; i < study->setting_count; i++)
-        if (study->rows[i].courant > 0.0) return true;
-    return false;
-}
-
-static bool has_error(const ShvStudy *study, int32_t measure)
-{
-    bool failed = true; /* all runs: what was to be measured is told all the same */
+    bool failed = measure >= 0;
     for (int32_t i = 0; i < study->setting_count; i++) {
-        if (study->rows[i].status != SHV_OK) continue;
-        if (isfinite(study->rows[i].errors[measure])) return true;
-        failed = false;
+        const ShvStudyRow *row = &study->rows[i];
+        if (measure < 0 ? row->courant > 0.0 : row->status == SHV_OK && isfinite(row->errors[measure])) return true;
+        failed &= row->status != SHV_OK;
     }
     return failed;
 }
 
-static double courant_of(const ShvStudyRow *row)
+static void put_numbers(Cells *cells)
 {
-    return row->courant > 0.0 ? row->courant : (double)NAN;
-}
-
-/* Of a run that failed what happened; what to do about it is in the page. */
-static void put_line(ShvTable *table, const ShvStudy *study, int32_t index)
-{
-    const ShvStudyRow *row = &study->rows[index];
-    bool failed = row->status != SHV_OK;
-    shv_table_put(table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
-                  row->is_reference ? " (reference)" : "");
-    if (has_courant(study)) put_number(table, "Courant", "", NULL, courant_of(row));
-    put_number(table, "run time", "s", NULL, row->seconds);
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i];
-        if (!has_error(study, i)) continue;
-        if (row->status == SHV_OK || table->heads)
-            put_number(table, measure->name, measure->error_unit, row->on_front[i] ? "best" : NULL, row->errors[i]);
-        else
-            shv_table_put(table, "", NULL, failed ? "failed: %.*s" : "", (int)strcspn(row->message, ";"), row->message);
-        failed = false;
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        double value;
+        memcpy(&value, (const char *)cells->row + columns[i].offset, sizeof value);
+        if (!(columns[i].in & cells->kind) || (columns[i].in == SHV_STUDY_LINES && !has_figure(cells->study, -1)))
+            continue;
+        if (cells->table->form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
+        const bool doubtful = columns[i].offset == ROW(seconds) && !cells->study->view.timings_valid;
+        put_number(cells, columns[i].head, columns[i].unit,
+                   doubtful && cells->kind == SHV_STUDY_RUNS ? "number warn" : NULL, value);
     }
-    if (failed && !table->heads) shv_table_put(table, "", NULL, "failed: %s", row->message);
 }
 
-static void put_line_scatter(ShvTable *table, const ShvStudy *study, int32_t index)
+static void put_setting(Cells *cells)
 {
-    (void)index;
-    shv_table_text(table, "", NULL, "scatter");
-    for (int i = 0; i < (has_courant(study) ? 2 : 1); i++) shv_table_text(table, "", NULL, "");
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (has_error(study, i)) put_number(table, "", "", NULL, study->view.scatter[i]);
+    const ShvStudyRow *row = cells->row;
+    const ShvStudyPlan *plan = &cells->study->plan;
+    if (cells->kind == SHV_STUDY_LINES)
+        shv_table_put(cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
+                      row->is_reference ? " (reference)" : "");
+    for (int32_t i = 0; i < plan->key_count && cells->kind != SHV_STUDY_LINES; i++)
+        shv_table_text(cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
+    if (cells->table->form != SHV_TABLE_CSV) return;
+    shv_table_text(cells->table, "reference", NULL, row->is_reference ? "yes" : "");
+    shv_table_text(cells->table, "status", NULL, shv_status_name(row->status));
 }
 
-void shv_study_put_markdown(const ShvStudy *study, FILE *stream)
+static void put_error(Cells *cells, int32_t measure)
 {
-    put_table(study, stream, SHV_TABLE_MARKDOWN, put_line, put_line_scatter);
-}
-
-/* ---- HTML ---- */
-
-static void put_error(ShvTable *table, const ShvStudy *study, const ShvStudyRow *row, int32_t measure)
-{
+    const ShvStudyRow *row = cells->row;
+    const ShvMeasure *of = &cells->study->plan.measures[measure];
     const double error = row->errors[measure], low = row->errors_low[measure], high = row->errors_high[measure];
-    const bool ensemble = study->plan.members > 1, within = ensemble && error <= study->view.scatter[measure];
-    const char *class = row->on_front[measure] ? "number best" : within ? "number warn" : "number";
-    if (ensemble && !table->heads && isfinite(error) && isfinite(low))
-        shv_table_put(table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
+    const double scatter = cells->study->view.scatter[measure];
+    const bool best = row->on_front[measure], ensemble = cells->study->plan.members > 1 && !cells->scatter;
+    if (cells->kind == SHV_STUDY_LINES) {
+        put_number(cells, of->name, of->error_unit, best ? "best" : NULL, error);
+        return;
+    }
+    if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[measure]);
+    const char *class = best ? "number best" : ensemble && error <= scatter ? "number warn" : "number";
+    if (cells->kind == SHV_STUDY_RUNS && ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
+        shv_table_put(cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
     else
-        put_part(table, "error of ", &study->plan.measures[measure], class, error);
+        put_part(cells, "error of ", of, class, error);
+    if (cells->kind != SHV_STUDY_RESULTS || !ensemble) return;
+    put_part(cells, "least error of ", of, NULL, low);
+    put_part(cells, "most error of ", of, NULL, high);
+    put_part(cells, "scatter of ", of, NULL, scatter);
 }
 
-static void put_run(ShvTable *table, const ShvStudy *study, int32_t index)
+/* Of a run that failed table.md says in its first column what happened; what to do about it is in the page. */
+static void put_errors(Cells *cells)
 {
-    const ShvStudyRow *row = &study->rows[index];
+    const ShvStudyRow *row = cells->row;
+    const bool told = cells->kind == SHV_STUDY_LINES && row->status != SHV_OK && !cells->table->heads;
+    bool first = true;
+    for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
+        if (cells->kind == SHV_STUDY_LINES && !has_figure(cells->study, i)) continue;
+        if (told)
+            shv_table_put(cells->table, "", NULL, first ? "failed: %.*s" : "", (int)strcspn(row->message, ";"),
+                          row->message);
+        else
+            put_error(cells, i);
+        first = false;
+    }
+    if (told && first) shv_table_put(cells->table, "", NULL, "failed: %s", row->message);
+}
+
+static void put_row(Cells *cells)
+{
+    const ShvStudyRow *row = cells->row;
     const bool failed = row->status != SHV_OK;
-    put_keys(table, study, index);
-    put_number(table, "step", "s", "number", row->step > 0.0 ? row->step : (double)NAN);
-    put_number(table, "Courant number", "", "number", courant_of(row));
-    put_number(table, "run time", "s", study->view.timings_valid ? "number" : "number warn", row->seconds);
-    shv_table_text(table, "", failed ? "miss" : NULL, failed ? "failed" : row->is_reference ? "reference" : "");
+    char head[96];
+    put_setting(cells);
+    if (cells->kind == SHV_STUDY_TIMINGS)
+        shv_table_text(cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
+    put_numbers(cells);
+    if (cells->kind == SHV_STUDY_RUNS)
+        shv_table_text(cells->table, "", failed ? "miss" : NULL,
+                       failed              ? "failed"
+                       : row->is_reference ? "reference"
+                                           : "");
+    if (cells->kind != SHV_STUDY_TIMINGS) put_errors(cells);
+    if (cells->kind == SHV_STUDY_RESULTS) shv_table_text(cells->table, "message", NULL, row->message);
+    if (cells->kind != SHV_STUDY_TIMINGS) return;
+    for (int c = 0; c < SHV_COST_COUNT; c++) put_number(cells, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
+    for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
+        shv_format(head, sizeof head, "on front of %s", cells->study->plan.measures[i].name);
+        shv_table_text(cells->table, head, NULL, row->on_front[i] ? "yes" : "");
+    }
+}
+
+static void put_cells(ShvTable *table, const void *data, int32_t index)
+{
+    Cells cells = *(const Cells *)data;
+    const ShvStudy *study = cells.study;
+    ShvStudyRow scatter = {.series = "scatter", .label = ""};
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        if (study->plan.measures[i].unit) put_part(table, "", &study->plan.measures[i], "number", row->values[i]);
-        put_error(table, study, row, i);
+        scatter.values[i] = (double)NAN;
+        scatter.errors[i] = study->view.scatter[i];
     }
+    cells.table = table;
+    cells.scatter = index == study->setting_count;
+    cells.row = cells.scatter ? &scatter : &study->rows[index];
+    cells.values = cells.scatter || !study->plan.settings ? NULL : study->plan.settings[index].values;
+    put_row(&cells);
 }
 
-static void put_run_scatter(ShvTable *table, const ShvStudy *study, int32_t index)
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream)
 {
-    (void)index;
-    for (int32_t i = 0; i < study->plan.key_count + 4; i++)
-        shv_table_text(table, "", NULL, i == 0 && study->plan.key_count > 0 ? "scatter" : "");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        if (study->plan.measures[i].unit) shv_table_text(table, "", NULL, "");
-        put_number(table, "", "", "number", study->view.scatter[i]);
-    }
+    const Cells cells = {.kind = kind, .study = study};
+    const ShvTableForm form = kind == SHV_STUDY_RUNS    ? SHV_TABLE_HTML
+                              : kind == SHV_STUDY_LINES ? SHV_TABLE_MARKDOWN
+                                                        : SHV_TABLE_CSV;
+    const int32_t scatter = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
+    shv_table_write(stream, form, study->setting_count + scatter, put_cells, &cells);
 }
 
-void shv_study_put_runs(const ShvStudy *study, FILE *stream)
+static void put_definition(ShvTable *table, const void *data, int32_t index)
 {
-    put_table(study, stream, SHV_TABLE_HTML, put_run, put_run_scatter);
-}
-
-/* Messages are long: below the table, not in it. */
-void shv_study_put_failures(const ShvStudy *study, FILE *stream)
-{
-    int32_t failed = 0;
-    for (int32_t i = 0; i < study->setting_count; i++) failed += study->rows[i].status != SHV_OK;
-    if (failed == 0) return;
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int32_t i = -1; i < study->setting_count; i++) {
-        const int32_t index = i < 0 ? 0 : i;
-        if (i >= 0 && study->rows[i].status == SHV_OK) continue;
-        put_keys(&table, study, index);
-        shv_table_text(&table, "why it failed", "miss", study->rows[index].message);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
+    const ShvMeasure *measure = (const ShvMeasure *)data + index;
+    shv_table_text(table, "measure", NULL, measure->name);
+    shv_table_text(table, "error", NULL, measure->sentence ? measure->sentence : measure->error);
 }
 
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream)
 {
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int32_t i = -1; i < study->plan.measure_count; i++) {
-        const ShvMeasure *measure = &study->plan.measures[i < 0 ? 0 : i];
-        shv_table_text(&table, "measure", NULL, measure->name);
-        shv_table_text(&table, "error", NULL, measure->sentence ? measure->sentence : measure->error);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
+    shv_table_write(stream, SHV_TABLE_HTML, study->plan.measure_count, put_definition, study->plan.measures);
 }

@@ -105,6 +105,19 @@ ShvStatus shv_output_write(const ShvExportOptions *options, const char *path,
     return shv_output_close(&output, options, SHV_OK, error);
 }
 
+ShvStatus shv_output_write_all(const ShvExportOptions *options, const char *prefix, const char *const *names, int count,
+                               void (*put)(const void *data, int index, FILE *stream), const void *data,
+                               ShvError *error)
+{
+    for (int i = 0; i < count; i++) {
+        ShvOutput output;
+        SHV_TRY(shv_output_open(&output, options, prefix, names[i], error));
+        put(data, i, output.stream);
+        SHV_TRY(shv_output_close(&output, options, SHV_OK, error));
+    }
+    return SHV_OK;
+}
+
 void shv_output_withdraw(const char *prefix, const char *suffix)
 {
     const ShvExportOptions plain = {.memory = NULL}; /* what failed may have been memory with a limit */
@@ -162,4 +175,16 @@ void shv_member_flag(ShvMembers *members, const char *name, bool flag)
 {
     shv_member_key(members, name);
     shv_print(members->stream, flag ? "true" : "false");
+}
+
+double shv_number_of(const void *item, const ShvNumberField *field)
+{
+    double value;
+    memcpy(&value, (const char *)item + field->offset, sizeof value);
+    return value;
+}
+
+void shv_member_fields(ShvMembers *members, const void *item, const ShvNumberField *fields, int count)
+{
+    for (int i = 0; i < count; i++) shv_member_number(members, fields[i].name, shv_number_of(item, &fields[i]));
 }

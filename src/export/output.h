@@ -29,6 +29,11 @@ ShvStatus shv_output_close(ShvOutput *output, const ShvExportOptions *options, S
 ShvStatus shv_output_write(const ShvExportOptions *options, const char *path,
                            void (*put)(const void *data, FILE *stream), const void *data, ShvError *error);
 
+/* The same for files prefix + name, from what `put` writes of each by its index. */
+ShvStatus shv_output_write_all(const ShvExportOptions *options, const char *prefix, const char *const *names, int count,
+                               void (*put)(const void *data, int index, FILE *stream), const void *data,
+                               ShvError *error);
+
 /* Removes a file of an export of several that has failed. */
 void shv_output_withdraw(const char *prefix, const char *suffix);
 
@@ -52,6 +57,14 @@ void shv_member_text(ShvMembers *members, const char *name, const char *text);
 /* null where the number is not finite. */
 void shv_member_number(ShvMembers *members, const char *name, double value);
 void shv_member_flag(ShvMembers *members, const char *name, bool flag);
+
+/* A number of a struct by its name. */
+typedef struct ShvNumberField {
+    const char *name, *format; /* format: in a text, if it is put into one */
+    size_t offset;
+} ShvNumberField;
+double shv_number_of(const void *item, const ShvNumberField *field);
+void shv_member_fields(ShvMembers *members, const void *item, const ShvNumberField *fields, int count);
 
 /* Whether a frame is asked for. */
 bool shv_output_takes(const ShvExportOptions *options, const ShvRunFile *file, int64_t frame);

@@ -65,3 +65,15 @@ void shv_table_end(ShvTable *table)
 {
     if (table->form == SHV_TABLE_HTML) shv_print(table->stream, "</tbody>\n</table></div>\n");
 }
+
+void shv_table_write(FILE *stream, ShvTableForm form, int32_t count,
+                     void (*put)(ShvTable *table, const void *data, int32_t index), const void *data)
+{
+    if (count == 0) return;
+    ShvTable table = shv_table_begin(stream, form);
+    for (int32_t i = -1; i < count; i++) {
+        put(&table, data, i < 0 ? 0 : i);
+        shv_table_end_row(&table);
+    }
+    shv_table_end(&table);
+}

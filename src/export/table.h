@@ -34,5 +34,8 @@ void shv_table_text(ShvTable *table, const char *head, const char *class, const 
 void shv_table_put(ShvTable *table, const char *head, const char *class, const char *format, ...);
 void shv_table_end_row(ShvTable *table);
 void shv_table_end(ShvTable *table);
+/* All at once: `put` puts the cells of a row, of the first one for the heads, too; nothing where there are no rows. */
+void shv_table_write(FILE *stream, ShvTableForm form, int32_t count,
+                     void (*put)(ShvTable *table, const void *data, int32_t index), const void *data);
 
 #endif

@@ -25,30 +25,28 @@ typedef struct Allowed {
     const char *what;
     size_t offset; /* of a ShvStabilityValues in the options */
     double low, high;
-    int32_t most;
     bool open, whole; /* not `low` itself; whole numbers alone */
 } Allowed;
 
 static const Allowed all_allowed[] = {
-    {"a stiffness k of bars is at least 0 and at most 1", offsetof(ShvStabilityOptions, stiffness), 0.0, 1.0,
-     SHV_MOST_STABILITY_VALUES, false, false},
-    {"a number of iterations is whole, and at least 1", offsetof(ShvStabilityOptions, iterations), 1.0, 1e9,
-     SHV_MOST_STABILITY_VALUES, false, true},
-    {"a Young's modulus is above 0", offsetof(ShvStabilityOptions, moduli), 0.0, 1e300, SHV_MOST_STABILITY_VALUES, true,
+    {"a stiffness k of bars is at least 0 and at most 1", offsetof(ShvStabilityOptions, stiffness), 0.0, 1.0, false,
      false},
-    {"a multiple of the stable step is above 0", offsetof(ShvStabilityOptions, multiples), 0.0, 1e300,
-     SHV_MOST_STABILITY_POINTS - 1, true, false}};
+    {"a number of iterations is whole, and at least 1", offsetof(ShvStabilityOptions, iterations), 1.0, 1e9, false,
+     true},
+    {"a Young's modulus is above 0", offsetof(ShvStabilityOptions, moduli), 0.0, 1e300, true, false},
+    {"a multiple of the stable step is above 0", offsetof(ShvStabilityOptions, multiples), 0.0, 1e300, true, false}};
 
 static ShvStatus check_values(const ShvStabilityOptions *options, const Allowed *allowed, ShvError *error)
 {
     const ShvStabilityValues *list = (const void *)((const char *)options + allowed->offset);
-    if (list->count < 0 || list->count > allowed->most)
+    const int32_t most = list == &options->multiples ? SHV_MOST_STABILITY_POINTS - 1 : SHV_MOST_STABILITY_VALUES;
+    if (list->count < 0 || list->count > most)
         return shv_fail(error, SHV_BAD_INPUT, "at most %d values of each kind and %d multiples can be given",
                         SHV_MOST_STABILITY_VALUES, SHV_MOST_STABILITY_POINTS - 1);
     for (int32_t i = 0; i < list->count; i++) {
         const double value = list->values[i];
-        const bool above = allowed->open ? value > allowed->low : value >= allowed->low;
-        if (!above || !(value <= allowed->high) || (allowed->whole && value != floor(value)))
+        if (!(value >= allowed->low && value <= allowed->high) || (allowed->open && value == allowed->low) ||
+            (allowed->whole && value != floor(value)))
             return shv_fail(error, SHV_BAD_INPUT, "%s, not %g", allowed->what, value);
     }
     return SHV_OK;
@@ -105,65 +103,50 @@ static void measure_points(ShvProbe *probe, const ShvStabilityOptions *options, 
                                      .displacement = (double)NAN,
                                      .energy_kept = (double)NAN};
         point->closed_form =
-            shv_bars_alone_stiffness(&probe->bars, row->stiffness, row->iterations, point->multiple * row->stable_step);
+            shv_probe_bars_alone(probe, row->stiffness, row->iterations, point->multiple * row->stable_step);
         point->outcome = last ? SHV_STABLE : shv_probe_judge(probe, row, point->multiple, options->steps);
         if (point->outcome == SHV_STABLE) shv_probe_measure(probe, row, point);
         if (point->multiple > row->refused_above) point->outcome = SHV_REFUSED;
     }
 }
 
-/* `without`: the limit without bars; says nothing in the row of that. */
-static void measure_row(ShvStability *stability, ShvProbe *probe, ShvStabilityRow *row, double without)
-{
-    const ShvStabilityOptions *options = &stability->options;
-    stability->count++;
-    row->modulus = probe->modulus;
-    if (options->begins) options->begins(options->data, row->modulus, row->stiffness, row->iterations);
-    shv_probe_search(probe, options, row);
-    row->over_mesh = row->limit / (row->iterations > 0 ? without : row->limit);
-    measure_points(probe, options, row);
-}
-
+/* Without bars, then k by k, iterations by iterations. */
 static ShvStatus measure_rows(ShvStability *stability, const ShvSceneDefinition *scene, ShvProbe *probe,
                               ShvError *error)
 {
     const ShvStabilityOptions *options = &stability->options;
-    ShvStabilityRow *plain = &stability->rows[stability->count], *row = plain;
-    *plain = (ShvStabilityRow){.refused_above = (double)NAN};
-    SHV_TRY(find_refusal(scene, probe, options, plain, error));
-    measure_row(stability, probe, plain, 0.0);
-    for (int32_t k = 0; k < options->stiffness.count; k++)
-        for (int32_t n = 0; n < options->iterations.count; n++) {
-            *++row = (ShvStabilityRow){.stiffness = options->stiffness.values[k],
-                                       .iterations = (int32_t)options->iterations.values[n],
-                                       .refused_above = (double)NAN};
-            measure_row(stability, probe, row, plain->limit);
-        }
+    const int32_t each = options->iterations.count, bars = options->stiffness.count * each;
+    ShvStabilityRow *plain = &stability->rows[stability->count];
+    for (int32_t i = -1; i < bars; i++) {
+        ShvStabilityRow *row = &stability->rows[stability->count++];
+        *row = (ShvStabilityRow){.modulus = probe->modulus, .refused_above = (double)NAN};
+        if (i >= 0) row->stiffness = options->stiffness.values[i / each];
+        if (i >= 0) row->iterations = (int32_t)options->iterations.values[i % each];
+        if (i < 0) SHV_TRY(find_refusal(scene, probe, options, row, error));
+        if (options->begins) options->begins(options->data, row->modulus, row->stiffness, row->iterations);
+        shv_probe_search(probe, options, row);
+        row->over_mesh = row->limit / plain->limit;
+        measure_points(probe, options, row);
+    }
     return SHV_OK;
-}
-
-static ShvStatus measure_modulus(ShvStability *stability, const ShvSceneDefinition *scene, double modulus,
-                                 ShvError *error)
-{
-    ShvProbe probe;
-    ShvStatus status = shv_probe_create(&probe, scene, &stability->options, modulus, error);
-    if (status == SHV_OK) status = shv_probe_refer(&probe, error);
-    if (status == SHV_OK) status = shv_bars_alone(&probe, error);
-    if (status == SHV_OK) status = measure_rows(stability, scene, &probe, error);
-    shv_probe_release(&probe);
-    return status;
 }
 
 static ShvStatus measure_all(ShvStability *stability, const ShvSceneDefinition *scene, ShvError *error)
 {
     const ShvStabilityOptions *options = &stability->options;
-    const size_t moduli = options->moduli.count > 0 ? (size_t)options->moduli.count : 1;
-    const size_t rows = moduli * (1 + (size_t)options->stiffness.count * (size_t)options->iterations.count);
+    const int32_t moduli = options->moduli.count > 0 ? options->moduli.count : 1;
+    const size_t rows = (size_t)moduli * (1 + (size_t)options->stiffness.count * (size_t)options->iterations.count);
     stability->rows = shv_allocate(stability->memory, SHV_PART_GENERAL, rows, sizeof *stability->rows);
     if (!stability->rows) return shv_fail_memory(error, "the table of stability", rows * sizeof *stability->rows);
-    if (options->moduli.count == 0) return measure_modulus(stability, scene, (double)NAN, error);
-    for (int32_t i = 0; i < options->moduli.count; i++)
-        SHV_TRY(measure_modulus(stability, scene, options->moduli.values[i], error));
+    for (int32_t i = 0; i < moduli; i++) {
+        ShvProbe probe;
+        const double modulus = options->moduli.count > 0 ? options->moduli.values[i] : (double)NAN;
+        ShvStatus status = shv_probe_create(&probe, scene, options, modulus, error);
+        if (status == SHV_OK) status = shv_probe_refer(&probe, error);
+        if (status == SHV_OK) status = measure_rows(stability, scene, &probe, error);
+        shv_probe_release(&probe);
+        SHV_TRY(status);
+    }
     return SHV_OK;
 }
 

@@ -23,12 +23,11 @@ typedef struct ShvProbeReference {
     double largest; /* |q| */
 } ShvProbeReference;
 
-/* Sums over the edges of the first body, made once. */
-typedef struct ShvBarsAlone {
-    double *weight;  /* per edge: reduced mass × (change of length per stretch)² over E V, s² */
-    int32_t *visits; /* per edge: of one sweep */
-    int32_t count;
-} ShvBarsAlone;
+/* An edge of the first body. */
+typedef struct ShvBarAlone {
+    int32_t ends[2], visits; /* nodes; of one sweep */
+    double weight;           /* reduced mass × (change of length per stretch)² over E V, s² */
+} ShvBarAlone;
 
 typedef struct ShvProbe {
     ShvPool pool; /* of materials, fields and bars */
@@ -42,7 +41,8 @@ typedef struct ShvProbe {
     ShvVec3 axis;
     double modulus, bar_speed, length; /* of the first body; length: diameter about its centre, m */
     ShvProbeReference reference;
-    ShvBarsAlone bars;
+    ShvBarAlone *bars;
+    int32_t bar_count;
 } ShvProbe;
 
 /* `modulus`: of all materials, NaN for their own. `probe` must not move afterwards; the caller releases it in every case. */
@@ -58,20 +58,15 @@ double shv_probe_elongation(const ShvProbe *probe);
 /* Adds the velocity of a steady load, `rate` × s in a step, and multiplies velocities by `keep`. */
 void shv_probe_push(ShvProbe *probe, double rate, double keep);
 
-/* judge.c: `steps` steps of `multiple` stable steps from the shaken state. */
+/* search.c: `steps` steps of `multiple` stable steps from the shaken state. */
 ShvStabilityClass shv_probe_judge(ShvProbe *probe, const ShvStabilityRow *row, double multiple, int32_t steps);
-/* search.c: limit, failed, classes and monotony of a row. */
+/* Limit, failed, classes and monotony of a row. */
 void shv_probe_search(ShvProbe *probe, const ShvStabilityOptions *options, ShvStabilityRow *row);
 
 /* accuracy.c: makes the reference; errors of one step against it. */
 ShvStatus shv_probe_refer(ShvProbe *probe, ShvError *error);
 void shv_probe_measure(ShvProbe *probe, const ShvStabilityRow *row, ShvStabilityPoint *point);
-
-/* alone.c: makes the sums; stiffness over that without bars if every bar were alone, for one k, n and step (s). */
-ShvStatus shv_bars_alone(ShvProbe *probe, ShvError *error);
-double shv_bars_alone_stiffness(const ShvBarsAlone *bars, double stiffness, int32_t iterations, double step);
-
-/* tables.c */
-void shv_stability_put_csv(const ShvStability *stability, FILE *stream);
+/* Stiffness over that without bars if every bar were alone, for one k, n and step (s). */
+double shv_probe_bars_alone(const ShvProbe *probe, double stiffness, int32_t iterations, double step);
 
 #endif

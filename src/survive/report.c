@@ -117,19 +117,14 @@ static void put_interval(ShvTable *table, const char *head, double height, doubl
     shv_table_put(table, "95 %", "number", "%s to %s", from, to);
 }
 
-static void put_laws(const ShvSurviveView *view, FILE *stream)
+static void put_law(ShvTable *table, const void *data, int32_t index)
 {
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int law = -1; law < SHV_FRAGILITY_LAWS; law++) {
-        const ShvFragilityView *fit = &view->laws[law < 0 ? 0 : law];
-        shv_table_text(&table, "law", NULL, shv_fragility_law_name(law));
-        put_interval(&table, "half break from", fit->h50, fit->h50_low, fit->h50_high);
-        put_interval(&table, "a tenth breaks from", fit->h10, fit->h10_low, fit->h10_high);
-        shv_table_put(&table, "spread of ln h", "number", "%.3g", fit->scale);
-        shv_table_put(&table, "log-likelihood", "number", "%.2f", fit->likelihood);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
+    const ShvFragilityView *fit = (const ShvFragilityView *)data + index;
+    shv_table_text(table, "law", NULL, shv_fragility_law_name((ShvFragilityLaw)index));
+    put_interval(table, "half break from", fit->h50, fit->h50_low, fit->h50_high);
+    put_interval(table, "a tenth breaks from", fit->h10, fit->h10_low, fit->h10_high);
+    shv_table_put(table, "spread of ln h", "number", "%.3g", fit->scale);
+    shv_table_put(table, "log-likelihood", "number", "%.2f", fit->likelihood);
 }
 
 static void put_answer(const ShvSurvive *survive, FILE *stream)
@@ -150,7 +145,7 @@ static void put_answer(const ShvSurvive *survive, FILE *stream)
         shv_html_paragraph(stream, text);
         return;
     }
-    put_laws(view, stream);
+    shv_table_write(stream, SHV_TABLE_HTML, SHV_FRAGILITY_LAWS, put_law, view->laws);
     if (!view->overlap)
         shv_html_paragraph(
             stream, "No specimen survived from as high as another one broke: of the spread nothing is known yet.");
@@ -167,21 +162,15 @@ static void put_answer(const ShvSurvive *survive, FILE *stream)
     }
 }
 
-static void put_shots(const ShvSurviveView *view, FILE *stream)
+static void put_shot(ShvTable *table, const void *data, int32_t index)
 {
-    shv_html_heading(stream, 2, "Shots");
-    ShvTable table = shv_table_begin(stream, SHV_TABLE_HTML);
-    for (int32_t i = -1; i < view->shot_count; i++) {
-        const ShvShot *shot = &view->shots[i < 0 ? 0 : i];
-        shv_table_put(&table, "specimen", "number", "%llu", (unsigned long long)shot->specimen);
-        shv_table_put(&table, "height, m", "number", "%.4g", shot->height);
-        shv_table_put(&table, "speed, m/s", "number", "%.3g", shv_drop_speed(shot->height));
-        shv_table_text(&table, "", shot->broken ? "miss" : "pass", shot->broken ? "broke" : "survived");
-        shv_table_put(&table, "pieces", "number", "%d", (int)shot->pieces);
-        shv_table_put(&table, "largest piece", "number", "%.1f %%", 100.0 * shot->shares[0]);
-        shv_table_end_row(&table);
-    }
-    shv_table_end(&table);
+    const ShvShot *shot = (const ShvShot *)data + index;
+    shv_table_put(table, "specimen", "number", "%llu", (unsigned long long)shot->specimen);
+    shv_table_put(table, "height, m", "number", "%.4g", shot->height);
+    shv_table_put(table, "speed, m/s", "number", "%.3g", shv_drop_speed(shot->height));
+    shv_table_text(table, "", shot->broken ? "miss" : "pass", shot->broken ? "broke" : "survived");
+    shv_table_put(table, "pieces", "number", "%d", (int)shot->pieces);
+    shv_table_put(table, "largest piece", "number", "%.1f %%", 100.0 * shot->shares[0]);
 }
 
 static void put_pictures(const ShvSurvivePictures *pictures, FILE *stream)
@@ -213,27 +202,20 @@ static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
     put_pictures(room->pictures, stream);
     put_origins(&survive->view, room, 0, 2, "Where the first crack of those that broke began, from the front", stream);
     put_origins(&survive->view, room, 0, 1, "The same, from above", stream);
-    put_shots(&survive->view, stream);
+    shv_html_heading(stream, 2, "Shots");
+    shv_table_write(stream, SHV_TABLE_HTML, survive->view.shot_count, put_shot, survive->view.shots);
     shv_html_end(stream);
 }
 
 /* ---- JSON ---- */
 
-static void put_law_json(FILE *stream, const ShvFragilityView *fit)
-{
-    ShvMembers members = {.stream = stream};
-    shv_print(stream, "{");
-    shv_member_number(&members, "h50", fit->h50);
-    shv_member_number(&members, "h50_low", fit->h50_low);
-    shv_member_number(&members, "h50_high", fit->h50_high);
-    shv_member_number(&members, "h10", fit->h10);
-    shv_member_number(&members, "h10_low", fit->h10_low);
-    shv_member_number(&members, "h10_high", fit->h10_high);
-    shv_member_number(&members, "location", fit->location);
-    shv_member_number(&members, "scale", fit->scale);
-    shv_member_number(&members, "likelihood", fit->likelihood);
-    shv_print(stream, "}");
-}
+#define OF(member)                                                                                                     \
+    {                                                                                                                  \
+#member, NULL, offsetof(ShvFragilityView, member)                                                              \
+    }
+static const ShvNumberField law_fields[] = {OF(h50),      OF(h50_low),  OF(h50_high), OF(h10),       OF(h10_low),
+                                            OF(h10_high), OF(location), OF(scale),    OF(likelihood)};
+#undef OF
 
 void shv_survive_print_json(const ShvSurvive *survive, FILE *stream)
 {
@@ -253,41 +235,47 @@ void shv_survive_print_json(const ShvSurvive *survive, FILE *stream)
     shv_member_number(&members, "staircase_mean", view->staircase_mean);
     shv_member_number(&members, "staircase_deviation", view->staircase_deviation);
     for (int law = 0; law < SHV_FRAGILITY_LAWS; law++) {
+        ShvMembers own = {.stream = stream};
         shv_member_key(&members, laws[law]);
-        put_law_json(stream, &view->laws[law]);
+        shv_print(stream, "{");
+        shv_member_fields(&own, &view->laws[law], law_fields, sizeof law_fields / sizeof law_fields[0]);
+        shv_print(stream, "}");
     }
     shv_print(stream, "}\n");
 }
 
 /* ---- files ---- */
 
-typedef enum File { FILE_TABLE, FILE_JSON, FILE_CURVE, FILE_PAGE, FILE_COUNT } File;
+enum { FILE_TABLE, FILE_JSON, FILE_CURVE, FILE_PAGE, FILE_COUNT };
 
-static void put_file(const ShvSurvive *survive, const Room *room, File file, FILE *stream)
+typedef struct Report {
+    const ShvSurvive *survive;
+    const Room *room;
+} Report;
+
+static void put_file(const void *data, int file, FILE *stream)
 {
+    const Report *report = data;
+    const ShvSurvive *survive = report->survive;
     if (file == FILE_JSON) shv_survive_print_json(survive, stream);
-    if (file == FILE_CURVE) put_curve(&survive->view, room, stream, false);
-    if (file == FILE_PAGE) put_html(survive, room, stream);
+    if (file == FILE_CURVE) put_curve(&survive->view, report->room, stream, false);
+    if (file == FILE_PAGE) put_html(survive, report->room, stream);
     if (file != FILE_TABLE) return;
     shv_shot_put_heads(stream);
     for (int32_t i = 0; i < survive->view.shot_count; i++) shv_shot_put(stream, &survive->view.shots[i]);
 }
 
-static ShvStatus write_file(const ShvSurvive *survive, const Room *room, File file, ShvError *error)
+static ShvStatus write_files(const ShvSurvive *survive, const Room *room, ShvError *error)
 {
     static const char *const names[FILE_COUNT] = {"shots.csv", "survive.json", "curve.svg", "report.html"};
     ShvExportOptions options = shv_export_default();
-    ShvOutput output;
-    char *path;
+    char *folder;
     options.force = true;
     options.memory = survive->options.memory;
-    SHV_TRY(shv_path_join(options.memory, SHV_PART_GENERAL, survive->options.output, names[file], &path, error));
-    ShvStatus status = shv_output_open(&output, &options, path, "", error);
-    if (status == SHV_OK) {
-        put_file(survive, room, file, output.stream);
-        status = shv_output_close(&output, &options, SHV_OK, error);
-    }
-    shv_release(path);
+    SHV_TRY(shv_path_join(options.memory, SHV_PART_GENERAL, survive->options.output, "", &folder, error));
+    const ShvStatus status =
+        shv_output_write_all(&options, folder, names, FILE_COUNT, put_file, &(Report){survive, room}, error);
+    shv_release(folder);
     return status;
 }
 
@@ -306,7 +294,7 @@ ShvStatus shv_survive_write(ShvSurvive *survive, ShvError *error)
                            : shv_fail_memory(error, "the report", points * sizeof(ShvPlotPoint));
     if (status == SHV_OK) shv_fragility_isotonic(survive->view.shots, (int32_t)count, room.order, room.shares);
     if (status == SHV_OK) status = shv_survive_draw(survive, &pictures, error);
-    for (int file = 0; status == SHV_OK && file < FILE_COUNT; file++) status = write_file(survive, &room, file, error);
+    if (status == SHV_OK) status = write_files(survive, &room, error);
     shv_survive_pictures_release(&pictures);
     shv_release(room.points);
     shv_release(room.order);

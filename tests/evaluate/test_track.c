@@ -1,36 +1,35 @@
 /* Impacts, apices and flips read from tracks that were made from exact motions. */
 #include "check.h"
 
-#include "evaluate/free_top.h"
-#include "evaluate/laws.h"
-#include "evaluate/track.h"
+#include "evaluate/closed_form.h"
 
 static const ShvVec3 up = {0.0, 0.0, 1.0};
 static const ShvVec3 gravity = {0.0, 0.0, -9.81};
 
-static ShvTrackRow rows[6000], others[6000];
+enum { MOST_ROWS = 6000 };
+static ShvBodyState rows[MOST_ROWS], others[MOST_ROWS];
+static double times_of_rows[MOST_ROWS];
 
-static void add(ShvTrack *track, const ShvTrackRow *row)
+static void add(ShvTrack *track, double time, ShvBodyState state)
 {
-    assert_true(track->count < (int32_t)(sizeof rows / sizeof rows[0]));
-    track->rows[track->count++] = *row;
+    assert_true(track->count < MOST_ROWS);
+    times_of_rows[track->count] = time;
+    (track->states == rows ? rows : others)[track->count++] = state;
 }
 
 static void test_impacts(void **state)
 {
     (void)state;
     enum { FRAMES = 241, MOST = 8 };
-    ShvTrack track = {rows, 0}, other_track = {others, 0};
+    ShvTrack track = {times_of_rows, rows, 1, 0}, other_track = {times_of_rows, others, 1, 0};
     /* One bounces with 0.8; the other with 0.5 and lies still at the end. */
     for (int i = 0; i < FRAMES; i++) {
         const ShvLineMotion own = shv_law_bounce(1.0, 0.0, 9.81, 0.8, 0.01 * i);
         const ShvLineMotion other = shv_law_bounce(1.0, 0.0, 9.81, 0.5, 0.01 * i);
-        const ShvTrackRow row = {
-            .time = 0.01 * i, .state = {.position = {3.0, 0.0, 2.0 + own.position}, .velocity = {0, 0, own.velocity}}};
-        const ShvTrackRow beside = {.time = row.time,
-                                    .state = {.position = {0, 0, other.position}, .velocity = {0, 0, other.velocity}}};
-        add(&track, &row);
-        add(&other_track, &beside);
+        add(&track, 0.01 * i,
+            (ShvBodyState){.position = {3.0, 0.0, 2.0 + own.position}, .velocity = {0, 0, own.velocity}});
+        add(&other_track, 0.01 * i,
+            (ShvBodyState){.position = {0, 0, other.position}, .velocity = {0, 0, other.velocity}});
     }
     double times[MOST], heights[MOST], fall = sqrt(2.0 / 9.81), time = fall;
     assert_int_equal(shv_track_impacts(&track, up, gravity, times, MOST), 4);
@@ -51,13 +50,11 @@ static void test_no_impact(void **state)
     (void)state;
     double times[4];
     for (int kind = 0; kind < 3; kind++) {
-        ShvTrack track = {rows, 0};
+        ShvTrack track = {times_of_rows, rows, 1, 0};
         const double a = kind == 0 ? -9.81 : kind == 1 ? -2.0 : 0.0;
         for (int i = 0; i < 100; i++) {
             const double t = 0.01 * i;
-            const ShvTrackRow row = {.time = t,
-                                     .state = {.position = {0, 0, 0.5 * a * t * t}, .velocity = {0, 0, a * t}}};
-            add(&track, &row);
+            add(&track, t, (ShvBodyState){.position = {0, 0, 0.5 * a * t * t}, .velocity = {0, 0, a * t}});
         }
         assert_int_equal(shv_track_impacts(&track, up, gravity, times, 4), 0);
         assert_int_equal(shv_track_apices(&track, up, gravity, times, 4), 0);
@@ -69,11 +66,11 @@ static void test_flips(void **state)
     (void)state;
     const ShvMat3 inertia = {{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
     ShvFreeTop top = shv_free_top(&inertia, shv_quat_identity(), shv_vec3(0.01, 1.0, 0.01));
-    ShvTrack track = {rows, 0};
+    ShvTrack track = {times_of_rows, rows, 1, 0};
     for (int i = 0; i <= 5500; i++) {
-        ShvTrackRow row = {.time = 0.01 * i};
-        shv_free_top_at(&top, row.time, &row.state.orientation, &row.state.angular_velocity);
-        add(&track, &row);
+        ShvBodyState at = {.position = {0, 0, 0}};
+        shv_free_top_at(&top, 0.01 * i, &at.orientation, &at.angular_velocity);
+        add(&track, 0.01 * i, at);
     }
     static const double published[] = {10.917, 30.470, 50.023};
     double times[8];

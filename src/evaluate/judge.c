@@ -1,0 +1,341 @@
+/* From runs to the rows of a case: variables, what is expected of a run, quantities, orders of convergence. */
+#include <string.h>
+
+#include "base/line.h"
+#include "base/text.h"
+#include "evaluate/case.h"
+
+const char *shv_verdict_name(ShvVerdict verdict)
+{
+    static const char *const names[] = {"pass", "miss", "miss, explained", "shown", "failed"};
+    return names[verdict];
+}
+
+char *shv_next_line(ShvPool *pool, const char **at)
+{
+    while (*at && **at) {
+        const size_t length = strcspn(*at, "\n");
+        const char *begin = *at, *end = *at + length;
+        *at = *end ? end + 1 : end;
+        while (begin < end && (*begin == ' ' || *begin == '\t')) begin++;
+        while (end > begin && (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r')) end--;
+        if (begin < end) return shv_pool_text(pool, begin, (size_t)(end - begin));
+    }
+    return NULL;
+}
+
+/* Ends a text at `at` and the spaces before it. */
+static void cut(char *text, char *at)
+{
+    while (at > text && (at[-1] == ' ' || at[-1] == '\t')) at--;
+    *at = '\0';
+}
+
+/* ---- variables ---- */
+
+/* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
+static ShvStatus fail_variable(ShvJudge *judge, const char *name, const char *rest, ShvStatus status, ShvError *error)
+{
+    const ShvError why = *error;
+    const char *at = rest, *quoted = strstr(why.message, "': '");
+    bool later = false;
+    for (char *line = shv_next_line(&judge->work, &at); line && quoted; line = shv_next_line(&judge->work, &at)) {
+        const size_t length = strcspn(line, " \t=");
+        later |= strncmp(quoted + 4, line, length) == 0 && strncmp(quoted + 4 + length, "' is unknown", 12) == 0;
+    }
+    return shv_fail(error, status, "variable %.60s: %.700s%s", name, why.message,
+                    later ? " so far; definitions are taken from top to bottom, so that none can need itself" : "");
+}
+
+/* "name = formula", the first of these lines */
+static ShvStatus define(ShvJudge *judge, char *line, const char *from, ShvError *error)
+{
+    char *equals = strchr(line, '=');
+    if (!equals) return shv_fail(error, SHV_BAD_INPUT, "'%.200s' in 'let' is not of the form name = formula", line);
+    cut(line, equals);
+    ShvNamedRun *named = &judge->now->named;
+    ShvVariable *variable = shv_pool_take(&judge->work, 1, sizeof *variable);
+    if (!variable) return shv_fail_memory(error, "variables", sizeof *variable);
+    const ShvFormulaNames names = shv_names(&judge->names);
+    const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
+    if (status != SHV_OK) return fail_variable(judge, line, from, status, error);
+    variable->name = line;
+    variable->before = named->variables;
+    named->variables = variable;
+    return SHV_OK;
+}
+
+static ShvStatus define_all(ShvJudge *judge, const char *let, ShvError *error)
+{
+    const char *from = let;
+    for (char *line = shv_next_line(&judge->work, &let); line; line = shv_next_line(&judge->work, &let)) {
+        SHV_TRY(define(judge, line, from, error));
+        from = let;
+    }
+    return SHV_OK;
+}
+
+/* ---- rows ---- */
+
+static ShvStatus append(ShvJudge *judge, const ShvVerifyRow *row, ShvError *error)
+{
+    ShvVerification *made = judge->made;
+    ShvVerifyCase *view = &made->view;
+    if (view->row_count == made->row_capacity) {
+        const size_t capacity = 2 * (size_t)made->row_capacity + 16;
+        SHV_RESIZE(made->memory, SHV_PART_RECORD, made->rows, capacity, "rows", capacity * sizeof *row, error);
+        view->rows = made->rows;
+        made->row_capacity = (int32_t)capacity;
+    }
+    made->rows[view->row_count++] = *row;
+    view->passes += row->verdict == SHV_VERDICT_PASS;
+    view->explained += row->verdict == SHV_VERDICT_EXPLAINED;
+    view->misses += row->verdict == SHV_VERDICT_MISS || row->verdict == SHV_VERDICT_FAILED;
+    return SHV_OK;
+}
+
+/* Of nothing yet; not judged. */
+static ShvVerifyRow row_of(const ShvJudge *judge, const char *title, const ShvCaseQuantity *quantity)
+{
+    const double none = (double)NAN;
+    return (ShvVerifyRow){.run = title,
+                          .quantity = quantity->name,
+                          .unit = quantity->unit ? quantity->unit : "",
+                          .source = quantity->source ? quantity->source : judge->made->view.source,
+                          .note = "",
+                          .compare = quantity->compare,
+                          .value = none,
+                          .reference = none,
+                          .error = none,
+                          .tolerance = none,
+                          .step = none,
+                          .seconds = shv_run_seconds(&judge->now->outcome)};
+}
+
+static ShvStatus fail(ShvJudge *judge, const char *what, const ShvError *why, ShvError *error)
+{
+    const char *note = shv_pool_text(&judge->made->texts, why->message, strlen(why->message));
+    ShvVerifyRow row = row_of(judge, judge->now->title, &(ShvCaseQuantity){.name = what, .compare = SHV_VERIFY_SHOWN});
+    row.verdict = SHV_VERDICT_FAILED;
+    if (note) row.note = note;
+    return append(judge, &row, error);
+}
+
+/* A value that is not a number passes nothing. */
+static bool within(const ShvVerifyRow *row)
+{
+    switch (row->compare) {
+    case SHV_VERIFY_NEAR:
+        return fabs(row->error) <= row->tolerance;
+    case SHV_VERIFY_BELOW:
+        return row->strict ? row->error < row->tolerance : row->error <= row->tolerance;
+    case SHV_VERIFY_ABOVE:
+        return row->strict ? row->error > -row->tolerance : row->error >= -row->tolerance;
+    case SHV_VERIFY_SHOWN:
+        break;
+    }
+    return true;
+}
+
+static void give(ShvVerifyRow *row, bool good, const char *explained)
+{
+    row->verdict = good ? SHV_VERDICT_PASS : explained ? SHV_VERDICT_EXPLAINED : SHV_VERDICT_MISS;
+    if (row->verdict == SHV_VERDICT_EXPLAINED) row->note = explained;
+}
+
+/* By value, reference and tolerance; errors are shares of the reference unless `absolute` or it is 0. */
+static void decide(ShvVerifyRow *row, bool absolute, const char *explained)
+{
+    row->absolute = absolute || row->reference == 0.0;
+    row->error = (row->value - row->reference) / (row->absolute ? 1.0 : fabs(row->reference));
+    if (row->compare == SHV_VERIFY_SHOWN)
+        row->verdict = SHV_VERDICT_SHOWN;
+    else
+        give(row, within(row), explained);
+}
+
+/* ---- quantities ---- */
+
+static ShvStatus measure(ShvJudge *judge, const ShvCaseQuantity *quantity, ShvVerifyRow *row, ShvError *error)
+{
+    const ShvFormulaNames names = shv_names(&judge->names);
+    SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
+    if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
+    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
+    return SHV_OK;
+}
+
+/* What a run that did not come to its end lacks is a miss, and no fault of the formula. */
+static ShvStatus put_quantity(ShvJudge *judge, const ShvCaseQuantity *quantity, bool strict, ShvError *error)
+{
+    ShvVerifyRow row = row_of(judge, judge->now->title, quantity);
+    ShvError why;
+    row.strict = strict;
+    const ShvStatus status = measure(judge, quantity, &row, &why);
+    if (judge->work.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
+    if (status != SHV_OK && judge->now->outcome.status == SHV_OK) return fail(judge, quantity->name, &why, error);
+    const bool absolute = !isnan(quantity->tolerance_absolute) || row.reference == 0.0;
+    row.tolerance = absolute ? quantity->tolerance_absolute : quantity->tolerance;
+    if (isnan(row.tolerance) && quantity->compare != SHV_VERIFY_NEAR && quantity->compare != SHV_VERIFY_SHOWN)
+        row.tolerance = 0.0;
+    decide(&row, absolute, quantity->explained);
+    return append(judge, &row, error);
+}
+
+static ShvStatus put_quantities(ShvJudge *judge, bool last, ShvError *error)
+{
+    const ShvCaseQuantity *quantities = judge->item->quantities.data;
+    for (int32_t i = 0; i < judge->item->quantities.count; i++) {
+        ShvCaseQuantity quantity = quantities[i];
+        if (quantity.judge == SHV_JUDGE_LAST && !last) quantity.compare = SHV_VERIFY_SHOWN;
+        SHV_TRY(put_quantity(judge, &quantity, false, error));
+    }
+    return SHV_OK;
+}
+
+/* ---- what is expected of a run, a line each: "finishes", "told", "refused TEXT", "stops TEXT", or two formulas with < <= > >= or
+   = between them, the last one with "within SHARE" or "within X absolute" ---- */
+
+static bool begins_with(const char *text, const char *word)
+{
+    const size_t length = strlen(word);
+    return strncmp(text, word, length) == 0 && (text[length] == ' ' || text[length] == '\0');
+}
+
+/* Whether the run ended as such a line says; -1: it is none of these lines. */
+static int ended_so(const ShvOutcome *outcome, const char *line)
+{
+    const bool begun = shv_outcome_number(outcome, "run.begun") == 1.0, done = outcome->status == SHV_OK;
+    const ShvOutcomeList *list = shv_outcome_find(outcome, "frame.finite");
+    bool finite = true;
+    for (int64_t i = 0; list && i < list->count; i++) finite &= list->values[i] == 1.0;
+    const char *part = line + strcspn(line, " ");
+    part += strspn(part, " ");
+    if (begins_with(line, "finishes")) return done && finite;
+    if (begins_with(line, "told")) return done ? finite : outcome->status == SHV_DIVERGED && outcome->message[0];
+    if (begins_with(line, "refused")) return !done && !begun && strstr(outcome->message, part);
+    if (begins_with(line, "stops")) return !done && begun && strstr(outcome->message, part);
+    return -1;
+}
+
+/* A line with a relation is a quantity. `text` is cut into its formulas. */
+static ShvStatus read_relation(ShvJudge *judge, char *text, ShvCaseQuantity *quantity, bool *strict, ShvError *error)
+{
+    static const struct {
+        const char *sign;
+        ShvVerifyCompare compare;
+        bool strict;
+    } relations[] = {{"<=", SHV_VERIFY_BELOW, false},
+                     {">=", SHV_VERIFY_ABOVE, false},
+                     {"<", SHV_VERIFY_BELOW, true},
+                     {">", SHV_VERIFY_ABOVE, true},
+                     {"=", SHV_VERIFY_NEAR, false}};
+    const ShvFormulaNames names = shv_names(&judge->names);
+    char *sign = NULL;
+    size_t i = 0;
+    while (i < sizeof relations / sizeof relations[0] && !(sign = strstr(text, relations[i].sign))) i++;
+    if (!sign)
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "'%.100s' is none of finishes, told, refused, stops, and lacks one of < <= > >= =", text);
+    char *right = sign + strlen(relations[i].sign), *tolerance = strstr(right, " within ");
+    char *absolute = tolerance ? strstr(tolerance, " absolute") : NULL;
+    cut(text, sign);
+    if (tolerance) *tolerance = '\0';
+    if (absolute) *absolute = '\0';
+    quantity->measure = text;
+    quantity->reference = right;
+    quantity->compare = relations[i].compare;
+    *strict = relations[i].strict;
+    double *share = tolerance && !absolute ? &quantity->tolerance : &quantity->tolerance_absolute;
+    *share = 0.0;
+    return tolerance ? shv_formula_number(tolerance + strlen(" within "), &names, share, error) : SHV_OK;
+}
+
+static ShvStatus expect_line(ShvJudge *judge, char *line, const ShvCaseRun *run, ShvError *error)
+{
+    ShvPool *texts = &judge->made->texts;
+    const ShvOutcome *outcome = &judge->now->outcome;
+    const int so = ended_so(outcome, line);
+    const char *message = shv_pool_text(texts, outcome->message, strlen(outcome->message));
+    ShvCaseQuantity quantity = {.name = shv_pool_text(texts, line, strlen(line)),
+                                .explained = run->explained,
+                                .tolerance = (double)NAN,
+                                .tolerance_absolute = (double)NAN};
+    ShvError why;
+    bool strict = false;
+    if (!quantity.name || !message) return shv_fail_memory(error, "rows", 0);
+    if (so < 0) {
+        const ShvStatus status = read_relation(judge, line, &quantity, &strict, &why);
+        if (status == SHV_NO_MEMORY) return shv_fail_memory(error, "rows", 0);
+        return status == SHV_OK ? put_quantity(judge, &quantity, strict, error)
+                                : fail(judge, quantity.name, &why, error);
+    }
+    ShvVerifyRow row = row_of(judge, judge->now->title, &quantity);
+    if (!so) row.note = message[0] ? message : "it ran to its end";
+    give(&row, so, run->explained);
+    return append(judge, &row, error);
+}
+
+static ShvStatus expect(ShvJudge *judge, const ShvCaseRun *run, ShvError *error)
+{
+    const char *at = run->expect;
+    for (char *line = shv_next_line(&judge->work, &at); line; line = shv_next_line(&judge->work, &at))
+        SHV_TRY(expect_line(judge, line, run, error));
+    return judge->work.failed ? shv_fail_memory(error, "rows", 0) : SHV_OK;
+}
+
+/* ---- all of a run ---- */
+
+/* Variables of the run, of the case; then what is expected and what is compared. */
+ShvStatus shv_judge_run(ShvJudge *judge, const ShvCaseRun *run, bool last, ShvError *error)
+{
+    const ShvOutcome *outcome = &judge->now->outcome;
+    ShvError why;
+    judge->names = (ShvNames){.pool = &judge->work, .run = &judge->now->named};
+    if (outcome->status != SHV_OK && run->expect) return expect(judge, run, error);
+    if (outcome->status != SHV_OK) {
+        shv_fail(&why, outcome->status, "%s", outcome->message);
+        return fail(judge, "the run", &why, error);
+    }
+    ShvStatus status = define_all(judge, run->let, &why);
+    if (status == SHV_OK) status = define_all(judge, judge->item->let, &why);
+    if (status == SHV_NO_MEMORY || judge->work.failed) return shv_fail_memory(error, "variables", 0);
+    if (status != SHV_OK) return fail(judge, "variables", &why, error);
+    if (run->expect) SHV_TRY(expect(judge, run, error));
+    return put_quantities(judge, last, error);
+}
+
+/* Slope of log|error| over log step through the rows of a quantity, least squares; NaN with fewer than two. */
+static double observed_order(const ShvVerifyCase *view, const char *quantity)
+{
+    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int32_t i = 0; i < view->row_count; i++) {
+        const ShvVerifyRow *row = &view->rows[i];
+        const double step = log(row->step), error = log(fabs(row->value / row->reference - 1.0));
+        if (row->quantity == quantity && isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
+    }
+    return shv_line_slope(&line);
+}
+
+ShvStatus shv_judge_orders(ShvJudge *judge, bool complete, ShvError *error)
+{
+    const ShvCaseQuantity *quantities = judge->item->quantities.data;
+    for (int32_t i = 0; i < judge->item->quantities.count; i++) {
+        const ShvCaseQuantity *quantity = &quantities[i];
+        char name[400];
+        if (isnan(quantity->order) || judge->run_count < 2) continue;
+        ShvVerifyRow row = row_of(judge, "all runs", quantity);
+        shv_format(name, sizeof name, "%.360s: observed order", quantity->name);
+        row.quantity = shv_pool_text(&judge->made->texts, name, strlen(name));
+        if (!row.quantity) return shv_fail_memory(error, "rows", 0);
+        row.unit = "";
+        row.seconds = (double)NAN;
+        row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
+        row.value = observed_order(&judge->made->view, quantity->name);
+        row.reference = quantity->order;
+        row.tolerance = quantity->order_tolerance;
+        decide(&row, true, quantity->explained);
+        SHV_TRY(append(judge, &row, error));
+    }
+    return SHV_OK;
+}
