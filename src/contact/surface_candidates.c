@@ -64,8 +64,9 @@ static void find_idle(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     for (int32_t i = 0; i < bodies->fragment_count && active < 2; i++) active += shv_bodies_active(bodies, i);
     const bool failed = bodies->cohesive && bodies->cohesive->live_count < bodies->cohesive->count;
     const bool obstacles = bodies->obstacles && bodies->obstacles->count > 0;
-    contact->whole = bodies->apart || (active == 1 && !failed);
-    contact->idle = active == 0 || (contact->whole && (!obstacles || (bodies->barred && !bodies->coupled_bodies)));
+    contact->obstacles_only = bodies->apart || (active == 1 && !failed);
+    contact->idle =
+        active == 0 || (contact->obstacles_only && (!obstacles || (bodies->barred && !bodies->coupled_bodies)));
 }
 
 /* Insertions, splits, coupled bodies that woke. */
@@ -80,12 +81,19 @@ static bool has_changed(const ShvSurfaceContact *contact, const ShvSurfaceBodies
 static bool is_stale(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvCohesive *cohesive = bodies->cohesive;
-    const bool few = contact->idle || (contact->whole && !bodies->apart);
+    const bool few = contact->idle || (contact->obstacles_only && !bodies->apart);
     return contact->stale ||
            (few && (has_changed(contact, bodies) || (cohesive && contact->known_live != cohesive->live_count)));
 }
 
 /* ---- the whole ---- */
+
+static double mean_size(const ShvSurfaceContact *contact)
+{
+    double sum = 0.0;
+    for (int32_t k = 0; k < contact->list.facet_count; k++) sum += shv_box_size(&contact->list.facets[k].box);
+    return contact->list.facet_count > 0 ? sum / contact->list.facet_count : 0.0;
+}
 
 static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, ShvError *error)
 {
@@ -95,6 +103,8 @@ static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     else if (bodies->cohesive)
         SHV_TRY(shv_surface_list_update(list, bodies, error));
     if (!lost) shv_surface_list_measure(list, bodies);
+    contact->size = mean_size(contact);
+    SHV_TRY(shv_surface_list_inner(list, bodies, SHV_SURFACE_INNER * contact->size, error));
     list->outdated.count = 0;
     for (int32_t k = 0; k < list->node_count; k++) {
         list->nodes[k].watch = -1;
@@ -129,7 +139,7 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     for (int32_t k = 0; k < list->node_count; k++) SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, k, error));
     for (int32_t k = 0; k < list->facet_count; k++) {
         SHV_TRY(shv_surface_pair_facet_obstacles(contact, bodies, k, error));
-        if (contact->whole) continue;
+        if (contact->obstacles_only) continue;
         SHV_TRY(shv_surface_pair_facet(contact, bodies, k, error));
         if (!contact->fragments[list->facets[k].fragment].rigid)
             SHV_TRY(shv_surface_pair_edges(contact, bodies, k, error));
@@ -157,9 +167,9 @@ ShvStatus shv_surface_candidates_refresh(ShvSurfaceContact *contact, const ShvSu
     const ShvCohesive *cohesive = bodies->cohesive;
     contact->gravity = shv_norm(bodies->gravity);
     if (is_stale(contact, bodies)) {
-        const bool whole = contact->whole && !contact->idle;
+        const bool whole = contact->obstacles_only && !contact->idle;
         find_idle(contact, bodies);
-        contact->stale |= !(whole && contact->whole);
+        contact->stale |= !(whole && contact->obstacles_only);
     }
     if (!contact->idle) SHV_TRY(refresh(contact, bodies, step, error));
     contact->seen_time = bodies->state->time;

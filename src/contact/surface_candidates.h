@@ -4,6 +4,9 @@
 
 #include "contact/surface_contact.h"
 
+/* Sizes of facets: so near an obstacle nodes inside of a body are listed when all lists are rebuilt. */
+#define SHV_SURFACE_INNER 4.0
+
 /* Makes lists and candidates anew when they may no longer hold, and adds those of cracks that have separated. What it decides
    depends on the state at time n and the velocities before it alone, so that it does not matter how often it is called for
    one time. */

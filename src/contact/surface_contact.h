@@ -87,10 +87,10 @@ typedef struct ShvSurfaceContact {
     ShvMemory *memory;
     const ShvModel *model;
     double friction;
-    bool stale; /* the lists must be made anew */
-    bool woken; /* coupled bodies woke */
-    bool idle;  /* nothing can meet; */
-    bool whole; /* or nothing but obstacles: no surface another one */
+    bool stale;          /* the lists must be made anew */
+    bool woken;          /* coupled bodies woke */
+    bool idle;           /* nothing can meet */
+    bool obstacles_only; /* no surface can meet another one */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;

@@ -73,7 +73,7 @@ ShvStatus shv_surface_follow(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     for (int32_t i = known.fragments; i < bodies->fragment_count; i++) contact->fragments[i] = (ShvSurfaceFragment){0};
     if (contact->woken) {
         wake(contact, bodies);
-        SHV_TRY(shv_surface_list_inner(&contact->list, bodies, error));
+        SHV_TRY(shv_surface_list_inner(&contact->list, bodies, SHV_SURFACE_INNER * contact->size, error));
     }
     shv_surface_mark_cracked(contact, bodies, renamed || contact->woken ? 0 : known.cohesive);
     return open_bodies(contact, error);

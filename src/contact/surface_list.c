@@ -135,17 +135,23 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     return SHV_OK;
 }
 
-static bool meets_inner_nodes(const ShvSurfaceBodies *bodies)
+static bool is_near_obstacle(const ShvObstacles *obstacles, ShvVec3 x, double distance)
 {
-    return bodies->obstacles && bodies->obstacles->count > 0 && !bodies->barred;
+    for (int32_t k = 0; k < obstacles->count; k++)
+        if (shv_obstacle_closest(&obstacles->items[k], x, distance).gap < distance) return true;
+    return false;
 }
 
-ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
+ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, double distance, ShvError *error)
 {
     const ShvState *state = bodies->state;
-    for (int32_t e = 0; meets_inner_nodes(bodies) && e < state->element_count; e++)
-        for (int k = 0; bodies->awake[state->element_fragment[e]] && k < 4; k++)
-            SHV_TRY(add_node(list, shv_state_node(state, e, k), state->element_fragment[e], true, error));
+    if (!bodies->obstacles || bodies->barred) return SHV_OK;
+    for (int32_t e = 0; e < state->element_count; e++)
+        for (int k = 0; bodies->awake[state->element_fragment[e]] && k < 4; k++) {
+            const int32_t node = shv_state_node(state, e, k);
+            if (list->slot[node] < 0 && is_near_obstacle(bodies->obstacles, shv_state_position(state, node), distance))
+                SHV_TRY(add_node(list, node, state->element_fragment[e], true, error));
+        }
     return SHV_OK;
 }
 
@@ -238,7 +244,6 @@ static ShvStatus follow_crack(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     int32_t kept = 0;
-    const int32_t nodes = list->node_count;
     for (int32_t k = 0; k < list->crack_count; k++) {
         const int32_t index = list->cracks[k].index;
         SHV_TRY(follow_crack(list, bodies, &list->cracks[k], error));
@@ -248,7 +253,8 @@ ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *
             list->cracks[kept++] = list->cracks[k];
     }
     list->crack_count = kept;
-    for (int32_t k = nodes; k < list->node_count; k++) SHV_TRY(hold_node(list, bodies, list->nodes[k].node, error));
+    for (int32_t k = 0; k < list->outdated.count; k++)
+        SHV_TRY(hold_node(list, bodies, list->nodes[list->outdated.items[k]].node, error));
     return SHV_OK;
 }
 
@@ -279,8 +285,8 @@ static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodie
             if (place >= 0) SHV_TRY(follow_facet(list, bodies, &list->facets[place], error));
         }
     }
-    if (meets_inner_nodes(bodies) && bodies->awake[fragment]) return add_node(list, node, fragment, true, error);
-    return SHV_OK;
+    const int32_t from = list->slot[shv_state_split_from(state, node)];
+    return from >= 0 && list->nodes[from].inner ? add_node(list, node, fragment, true, error) : SHV_OK;
 }
 
 static void add_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, int32_t slot)
@@ -366,7 +372,6 @@ ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *b
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));
     SHV_TRY(add_boundary(list, bodies, error));
-    SHV_TRY(shv_surface_list_inner(list, bodies, error));
     if (!bodies->cohesive) return shv_surface_edges_link_all(list, error);
     for (int32_t i = 0; i < bodies->cohesive->count; i++) SHV_TRY(add_crack(list, bodies, i, error));
     SHV_TRY(shv_surface_list_update(list, bodies, error));

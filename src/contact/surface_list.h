@@ -129,8 +129,9 @@ ShvStatus shv_surface_list_mark_outdated(ShvSurfaceList *list, int32_t slot, Shv
    fragments are named anew where there are new ones, and new cohesive facets are followed. */
 ShvStatus shv_surface_list_follow(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceKnown known,
                                   ShvError *error);
-/* Appends the nodes inside of what is awake, where obstacles meet it. Costs a pass over all tets. */
-ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
+/* Appends the nodes inside of what is awake that are this near an obstacle, m. Costs a pass over all tets. */
+ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, double distance,
+                                 ShvError *error);
 /* Appends the nodes of cracks that have failed since and the faces of those that have separated, whose nodes are outdated where no
    other crack holds them. */
 ShvStatus shv_surface_list_update(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);

@@ -101,13 +101,14 @@ static ShvStatus pair_anew(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
         shv_surface_edges_mark(&contact->list, bodies, contact->rebuilt_facets.items[k]);
     for (int32_t k = 0; k < contact->rebuilt_facets.count; k++) {
         SHV_TRY(shv_surface_pair_facet_obstacles(contact, bodies, contact->rebuilt_facets.items[k], error));
-        if (contact->whole) continue;
+        if (contact->obstacles_only) continue;
         SHV_TRY(shv_surface_pair_facet(contact, bodies, contact->rebuilt_facets.items[k], error));
         SHV_TRY(shv_surface_pair_edges(contact, bodies, contact->rebuilt_facets.items[k], error));
     }
     for (int32_t k = 0; k < contact->list.outdated.count; k++) {
         SHV_TRY(shv_surface_pair_node_obstacles(contact, bodies, contact->list.outdated.items[k], error));
-        if (!contact->whole) SHV_TRY(shv_surface_pair_node(contact, bodies, contact->list.outdated.items[k], error));
+        if (!contact->obstacles_only)
+            SHV_TRY(shv_surface_pair_node(contact, bodies, contact->list.outdated.items[k], error));
     }
     return SHV_OK;
 }

@@ -124,13 +124,6 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
 
 /* ---- speed classes ---- */
 
-static double mean_size(const ShvSurfaceContact *contact)
-{
-    double sum = 0.0;
-    for (int32_t k = 0; k < contact->list.facet_count; k++) sum += shv_box_size(&contact->list.facets[k].box);
-    return contact->list.facet_count > 0 ? sum / contact->list.facet_count : 0.0;
-}
-
 static void choose_frame(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     ShvVec3 sum = {0.0, 0.0, 0.0};
@@ -189,7 +182,6 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
     choose_frame(contact, bodies);
     contact->built_time = bodies->state->time;
     contact->steps_to_check = 1;
-    contact->size = mean_size(contact);
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);
     contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
