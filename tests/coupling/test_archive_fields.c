@@ -38,7 +38,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5280),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5392),
 };
 
 static void test_no_field_is_new(void **state)
