@@ -119,11 +119,10 @@ void shv_smoothing_release(ShvSmoothedEdges *smoothing)
 
 /* An edge of a tet on its way to a domain. */
 typedef struct Candidate {
-    int32_t
-        nodes[2]; /* the lower first; {−1, element} where that is not smoothed; {−1, domain} once there are domains */
+    int32_t nodes[2]; /* the lower first; {−1, element} of what is not smoothed, {−1, domain} once there are domains */
     int32_t material, edge;
-    int32_t first, count;   /* edge of its domain, and how many it has */
-    int32_t window, offset; /* in which all of them are there; whether it goes on from the strain of another */
+    int32_t first, count; /* edge of its domain, and how many it has */
+    int32_t window;       /* in which all of them are there */
 } Candidate;
 
 /* What a window's tets and edges have fits beside what follows them into the second cache of a processor. */
@@ -143,7 +142,6 @@ static int by_place(const void *a, const void *b)
 {
     const Candidate *x = a, *y = b;
     if (x->window != y->window) return x->window < y->window ? -1 : 1;
-    if (x->offset != y->offset) return x->offset < y->offset ? -1 : 1;
     if (x->count != y->count) return x->count < y->count ? -1 : 1;
     if (x->first != y->first) return x->first < y->first ? -1 : 1;
     return (x->edge > y->edge) - (x->edge < y->edge);
@@ -185,10 +183,9 @@ static int32_t list_candidates(const ShvSolid *solid, const ShvState *state, Can
         Candidate *candidate = &candidates[count++];
         *candidate =
             (Candidate){.nodes = {-1, element}, .material = solid->model->element_material[element], .edge = edge};
-        if (smoothing->domain_count > 0) {
+        if (smoothing->domain_count > 0)
             candidate->nodes[1] = smoothing->edge_domain[edge];
-            candidate->offset = shv_domain_has_offset(smoothing, candidate->nodes[1]);
-        } else if (shv_model_material(solid->model, element)->smoothed)
+        else if (shv_model_material(solid->model, element)->smoothed)
             shv_edge_nodes(state, element, edge % SHV_TET_EDGES, candidate->nodes);
     }
     qsort(candidates, (size_t)count, sizeof *candidates, by_domain);

@@ -215,10 +215,19 @@ static inline void shv_wide_turn_matrices(const ShvWide row[SHV_LANES], const do
     m[2][2] = shv_wide_set(last);
 }
 
-/* Of every lane the mean over its six edges. */
-static inline void shv_block_find_mean(const ShvSmoothedEdges *smoothing, int32_t block)
+/* What each of six edges counts in a lane's mean: nothing where its body rests, whose edges nobody keeps up. */
+static inline ShvWide shv_block_share(const ShvSmoothedEdges *smoothing, int32_t block)
 {
-    const ShvWide share = shv_wide_set1(1.0 / SHV_TET_EDGES);
+    double share[SHV_LANES];
+    const uint8_t *active = smoothing->lane_active + SHV_LANES * (int64_t)block;
+    for (int lane = 0; lane < SHV_LANES; lane++)
+        share[lane] = active[lane] == SHV_ACTIVE_AWAKE ? 1.0 / SHV_TET_EDGES : 0.0;
+    return shv_wide_set(share);
+}
+
+/* Of every lane the mean over its six edges. */
+static inline void shv_block_find_mean(const ShvSmoothedEdges *smoothing, int32_t block, ShvWide share)
+{
     const int32_t *domain = smoothing->edge_domain + SHV_TET_EDGES * SHV_LANES * (int64_t)block;
     double last[SHV_LANES], *mean = smoothing->mean + 9 * SHV_LANES * (int64_t)block;
     ShvWide sum[SHV_LANES], p[3][3];

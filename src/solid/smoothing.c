@@ -107,6 +107,11 @@ static void find_stress(const ShvSolid *solid, int32_t group, bool with_energy)
 
 /* ---- of all that is active ---- */
 
+static void find_mean(const ShvSmoothedEdges *smoothing, int32_t block)
+{
+    shv_block_find_mean(smoothing, block, shv_block_share(smoothing, block));
+}
+
 static uint8_t least_active(bool with_energy)
 {
     return with_energy ? SHV_ACTIVE_BATCH : SHV_ACTIVE_AWAKE;
@@ -123,8 +128,7 @@ static void find_window(const ShvSolid *solid, const ShvState *state, int32_t wi
         if (smoothing->group_active[group] >= least) find_stress(solid, group, with_energy);
     for (int32_t i = smoothing->window_ready[window]; i < smoothing->window_ready[window + 1]; i++) {
         const int32_t block = smoothing->ready_blocks[i];
-        if (solid->batch_active[smoothing->blocks[block]] && !smoothing->block_late[block])
-            shv_block_find_mean(smoothing, block);
+        if (solid->batch_active[smoothing->blocks[block]] && !smoothing->block_late[block]) find_mean(smoothing, block);
     }
 }
 
@@ -146,7 +150,7 @@ static void smooth(const ShvSolid *solid, const ShvState *state, bool with_energ
 #pragma omp for schedule(static)
         for (int32_t i = 0; i < smoothing->late_count; i++)
             if (solid->batch_active[smoothing->blocks[smoothing->late_blocks[i]]])
-                shv_block_find_mean(smoothing, smoothing->late_blocks[i]);
+                find_mean(smoothing, smoothing->late_blocks[i]);
     }
 }
 
@@ -195,7 +199,7 @@ void shv_smoothing_find_batch(const ShvSolid *solid, const ShvState *state, int3
             find_gradient(solid, state, *shv_domain_member(smoothing, domains[edge], i) / SHV_LANES);
     }
     for (int edge = 0; edge < SHV_TET_EDGES * SHV_LANES; edge++) find_domain(solid, domains[edge], &recent);
-    shv_block_find_mean(smoothing, block);
+    shv_block_find_mean(smoothing, block, shv_wide_set1(1.0 / SHV_TET_EDGES));
 }
 
 void shv_smoothing_find_body(const ShvSolid *solid, const ShvState *state, const int32_t *elements, int32_t count)
@@ -224,7 +228,6 @@ void shv_smoothing_find_split(const ShvSolid *solid)
     for (int32_t i = 0; i < smoothing->split_count; i++) find_domain(solid, smoothing->split[i], &recent);
     for (int32_t i = 0; i < smoothing->split_count; i++) {
         const int32_t domain = smoothing->split[i], count = shv_domain_edge_count(smoothing, domain);
-        for (int32_t k = 0; k < count; k++)
-            shv_block_find_mean(smoothing, *shv_domain_member(smoothing, domain, k) / SHV_LANES);
+        for (int32_t k = 0; k < count; k++) find_mean(smoothing, *shv_domain_member(smoothing, domain, k) / SHV_LANES);
     }
 }

@@ -45,13 +45,12 @@ typedef struct ShvSmoothedEdges {
     double *mean;                   /* of a block, the mean stress of its lanes' edges, Pa: 9 × SHV_LANES */
     int32_t domain_count;
     int32_t group_count, group_capacity;
-    int32_t last_lanes;     /* lanes of the last group that have a domain */
-    int32_t settled_groups; /* those that domains were laid out in */
-    int32_t *group_member,
-        *group_width; /* lanes of domain l: members[group_member + 8 i + l], i < group_width; behind its last the zeros */
+    int32_t last_lanes;                   /* lanes of the last group that have a domain */
+    int32_t settled_groups;               /* those that domains were laid out in */
+    int32_t *group_member, *group_width;  /* lanes of domain l: members[group_member + 8 i + l], i < group_width */
     uint8_t *group_active, *group_offset; /* of its domains' lanes the highest; whether some G is not zero */
     int16_t *group_material;              /* −1: of its domains */
-    int32_t *members;
+    int32_t *members;                     /* lanes; behind the last of a domain the one of zeros */
     int32_t member_count, member_capacity;
     double *inverse_volume;                            /* of the tets of a domain, 1/m³ */
     double *stress, *stress_zz;                        /* of a domain, first Piola-Kirchhoff, Pa */

@@ -107,6 +107,7 @@ static void gather_reads_any_order(void **state)
         for (uint64_t i = 0; i <= N; i++) index[i] = (int32_t)(shv_random_bits(round, i) % 64) - 32;
         const int32_t *at = index + round % 2; /* both alignments */
         CHECK_LANES("gather", shv_wide_gather(table + 32, at), table[32 + at[i]]);
+        CHECK_LANES("set", shv_wide_set(table + 32), table[32 + i]);
     }
     CHECK_LANES("set1", shv_wide_set1(0.1), 0.1);
     CHECK_LANES("zero", shv_wide_zero(), 0.0);
