@@ -134,7 +134,7 @@ static const ShvKey material_keys[] = {
      .absent = "`edges` with `unresolved: tip_strength`, else `none`",
      .sentence =
          "`edges`: strain is averaged over the tetrahedra round each edge, so that walls about as thin as their edges "
-         "bend, which linear tetrahedra make far too stiff (docs/walls.md). Elastic forces take about four times as "
+         "bend, which linear tetrahedra make far too stiff (docs/walls.md). Elastic forces take about three times as "
          "long."},
     {"breakable", SHV_KEY_BOOLEAN, .offset = MATERIAL(breakable), .sentence = "Whether its facets can open."},
     {"law", SHV_KEY_CHOICE, .choices = law_choices, .offset = MATERIAL(law),
