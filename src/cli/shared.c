@@ -313,7 +313,8 @@ void shv_cli_command_line(const ShvCommand *command, const ShvArguments *argumen
 {
     snprintf(text, size, "shiver %s", command->name);
     for (int i = 0; i < arguments->positional_count; i++) append(text, size, "%s%s", " ", arguments->positional[i]);
-    for (int i = 0; i < arguments->override_count; i++) append(text, size, " %s '%s'", "--set", arguments->overrides[i]);
+    for (int i = 0; i < arguments->override_count; i++)
+        append(text, size, " %s '%s'", "--set", arguments->overrides[i]);
     for (int i = first; i <= last; i++)
         if (arguments->values[i]) append(text, size, " %s %s", command->options[i].name, arguments->values[i]);
 }

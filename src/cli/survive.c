@@ -158,7 +158,7 @@ static ShvStatus run_share(const void *data, int32_t index, ShvError *error)
 }
 
 static ShvStatus shoot(ShvSurvive *survive, const ShvArguments *arguments, const ShvSurviveOptions *options,
-                        int32_t jobs, ShvError *error)
+                       int32_t jobs, ShvError *error)
 {
     const Search search = {.scene = arguments->positional[0], .options = options, .jobs = jobs};
     if (arguments->values[MERGE]) return shv_survive_merge(survive, error);
