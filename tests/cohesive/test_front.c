@@ -16,6 +16,17 @@ static void build(Fixture *f, ShvUnresolved unresolved)
     shv_cohesive_watch(&f->cohesive, &f->state, NULL);
 }
 
+/* A lattice of cubes of 5 mm. */
+static void build_cubes(Fixture *f, int32_t x, int32_t y, int32_t z)
+{
+    fixture_define(f, 0.005 * x, 0.005 * y, 0.005 * z, 0.005);
+    f->scene.fracture.criterion = SHV_CRITERION_FORCE;
+    f->material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
+    fixture_build_cubes(f, x, y, z);
+    fixture_start(f);
+    shv_cohesive_watch(&f->cohesive, &f->state, NULL);
+}
+
 static int32_t choose(Fixture *f, int32_t *candidates, double tension)
 {
     const size_t facets = (size_t)f->model.adjacency.interior_count;
@@ -153,12 +164,7 @@ static void a_facet_goes_on_in_its_plane(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_define(&f, 0.02, 0.03, 0.03, 0.005);
-    f.scene.fracture.criterion = SHV_CRITERION_FORCE;
-    f.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
-    fixture_build_cubes(&f, 4, 6, 6);
-    fixture_start(&f);
-    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    build_cubes(&f, 4, 6, 6);
     int32_t opened = -1, duplicated, neighbours = 0;
     for (int32_t i = 0; i < f.model.adjacency.interior_count; i++) {
         int32_t around = 0;
@@ -233,12 +239,7 @@ static int32_t cut_at_middle(Fixture *f, bool island, int32_t *facets, int32_t *
 static bool ends_at_middle(bool island)
 {
     Fixture f;
-    fixture_define(&f, 0.02, 0.02, 0.02, 0.005);
-    f.scene.fracture.criterion = SHV_CRITERION_FORCE;
-    f.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
-    fixture_build_cubes(&f, 4, 4, 4);
-    fixture_start(&f);
-    shv_cohesive_watch(&f.cohesive, &f.state, NULL);
+    build_cubes(&f, 4, 4, 4);
     int32_t *facets =
         shv_allocate(f.memory, SHV_PART_GENERAL, (size_t)f.model.adjacency.interior_count, sizeof *facets);
     int32_t duplicated, count, ends = 0;
