@@ -254,9 +254,9 @@ static bool is_slit(const ShvCohesive *cohesive, const ShvState *state, int32_t 
 }
 
 /* Of a crack that ends at the node, but for slits. */
-static Behind find_behind(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
+static Behind find_behind(const ShvCohesive *cohesive, const ShvState *state, int32_t node, bool blunt)
 {
-    Behind behind = {.state = state, .node = node, .blunt = is_blunt(cohesive, state, node)};
+    Behind behind = {.state = state, .node = node, .blunt = blunt};
     visit_star(cohesive, state, node, add_opened, &behind);
     return behind;
 }
@@ -264,18 +264,23 @@ static Behind find_behind(const ShvCohesive *cohesive, const ShvState *state, in
 ShvVec3 shv_front_normal(const ShvCohesive *cohesive, const ShvState *state, int32_t node)
 {
     if (is_slit(cohesive, state, node)) return cohesive->front.slit[node].normal;
-    return is_blunt(cohesive, state, node) ? find_behind(cohesive, state, node).normal : shv_vec3(0.0, 0.0, 0.0);
+    return is_blunt(cohesive, state, node) ? find_behind(cohesive, state, node, true).normal : shv_vec3(0.0, 0.0, 0.0);
 }
 
-void shv_front_update(ShvCohesive *cohesive, const ShvState *state, int32_t node)
+static void update(ShvCohesive *cohesive, const ShvState *state, int32_t node, bool blunt)
 {
-    Behind behind = find_behind(cohesive, state, node);
+    Behind behind = find_behind(cohesive, state, node, blunt);
     if (is_slit(cohesive, state, node)) {
         behind.count++;
         behind.sum = shv_add(behind.sum, cohesive->front.slit[node].wing);
     }
     visit_star(cohesive, state, node, lower, &behind);
     cohesive->search.held[node] = 0.0;
+}
+
+void shv_front_update(ShvCohesive *cohesive, const ShvState *state, int32_t node)
+{
+    update(cohesive, state, node, is_blunt(cohesive, state, node));
 }
 
 static double crossing_time(const ShvCohesive *cohesive, int32_t facet)
@@ -302,6 +307,13 @@ int32_t shv_front_steps(const ShvCohesive *cohesive, double step)
     return (int32_t)fmax(1.0, fmin(check_share * cohesive->front.crossing_time / step, INT16_MAX));
 }
 
+/* Where a crack may end: at a node that it has not split, or a blunt one. */
+static void update_end(ShvCohesive *cohesive, const ShvState *state, int32_t node, bool whole)
+{
+    const bool blunt = is_blunt(cohesive, state, node);
+    if (whole || blunt) update(cohesive, state, node, blunt);
+}
+
 void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
 {
     const ShvCohesiveSides *sides = &cohesive->sides[index];
@@ -313,9 +325,8 @@ void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
     if (least > opened_share) return;
     cohesive->opened[index] = true;
     for (int i = 0; i < 3; i++) {
-        const int32_t first = sides->first[i], second = sides->second[i];
-        if (first == second || is_blunt(cohesive, state, first)) shv_front_update(cohesive, state, first);
-        if (first != second && is_blunt(cohesive, state, second)) shv_front_update(cohesive, state, second);
+        update_end(cohesive, state, sides->first[i], sides->first[i] == sides->second[i]);
+        if (sides->first[i] != sides->second[i]) update_end(cohesive, state, sides->second[i], false);
     }
 }
 

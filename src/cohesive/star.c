@@ -190,12 +190,18 @@ static bool load(ShvStar *star, ShvVec3 direction, double least, bool goes_on)
     return exceeded;
 }
 
+/* Whether the group just found leaves across a joint: 1 outward from its first member, -1 from its second, 0 not at all. */
+static int leaves(const ShvStar *star, int32_t joint)
+{
+    const int32_t *member = star->cut.joints[joint].member;
+    return (star->cut.members[member[0]].in_group != 0) - (star->cut.members[member[1]].in_group != 0);
+}
+
 static void keep_disk(ShvStar *star, const ShvCohesive *cohesive)
 {
     star->disk_count = 0;
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
-        const ShvJoint *joint = &star->cut.joints[k];
-        if (star->cut.members[joint->member[0]].in_group == star->cut.members[joint->member[1]].in_group) continue;
+        if (leaves(star, k) == 0) continue;
         if (cohesive->facet_cohesive[star->facets[k].facet] < 0) star->disk[star->disk_count++] = k;
     }
 }
@@ -207,12 +213,9 @@ static bool follows_crack(const ShvStar *star, ShvVec3 direction)
     bool any = false;
     ShvVec3 left = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
-        const ShvJoint *joint = &star->cut.joints[k];
         if (!star->facets[k].tip.behind) continue;
         any = true;
-        const int first = star->cut.members[joint->member[0]].in_group != 0;
-        const int second = star->cut.members[joint->member[1]].in_group != 0;
-        left = shv_madd(left, (double)(first - second), star->facets[k].area);
+        left = shv_madd(left, (double)leaves(star, k), star->facets[k].area);
     }
     return !any || shv_front_is_across(left, direction);
 }
@@ -222,10 +225,8 @@ static double covered_share(const ShvStar *star, ShvVec3 direction)
 {
     double size = 0.0, covered = 0.0;
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
-        const ShvJoint *joint = &star->cut.joints[k];
         const ShvStarFacet *facet = &star->facets[k];
-        if (star->cut.members[joint->member[0]].in_group == star->cut.members[joint->member[1]].in_group) continue;
-        if (!facet->tip.lowered || facet->tip.behind) continue;
+        if (leaves(star, k) == 0 || !facet->tip.lowered || facet->tip.behind) continue;
         size += facet->size;
         covered += fabs(shv_dot(facet->area, direction));
     }
