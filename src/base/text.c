@@ -2,6 +2,7 @@
 
 #include <locale.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The calling thread's locale becomes "C" between enter and leave; other threads are not touched. */
 typedef struct CLocale {
@@ -39,6 +40,15 @@ int shv_format(char *buffer, size_t size, const char *format, ...)
     const int length = shv_format_list(buffer, size, format, arguments);
     va_end(arguments);
     return length;
+}
+
+void shv_append(char *buffer, size_t size, const char *format, ...)
+{
+    const size_t length = strlen(buffer);
+    va_list arguments;
+    va_start(arguments, format);
+    shv_format_list(buffer + length, size - length, format, arguments);
+    va_end(arguments);
 }
 
 int shv_print(FILE *file, const char *format, ...)

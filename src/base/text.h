@@ -9,6 +9,8 @@
 /* As snprintf and vsnprintf: always terminated (when size > 0), returns the length that was wanted. */
 int shv_format(char *buffer, size_t size, const char *format, ...);
 int shv_format_list(char *buffer, size_t size, const char *format, va_list arguments);
+/* Behind what is there already; what does not fit is cut. */
+void shv_append(char *buffer, size_t size, const char *format, ...);
 /* As fprintf: a negative result is a write error. */
 int shv_print(FILE *file, const char *format, ...);
 /* A string of JSON with its quotes. */

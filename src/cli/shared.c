@@ -302,21 +302,15 @@ void shv_cli_print_materials_json(ShvMaterialList materials)
     printf("}");
 }
 
-static void append(char *text, size_t size, const char *format, const char *name, const char *value)
-{
-    const size_t length = strlen(text);
-    snprintf(text + length, size - length, format, name, value);
-}
-
 void shv_cli_command_line(const ShvCommand *command, const ShvArguments *arguments, int first, int last, char *text,
                           size_t size)
 {
     snprintf(text, size, "shiver %s", command->name);
-    for (int i = 0; i < arguments->positional_count; i++) append(text, size, "%s%s", " ", arguments->positional[i]);
+    for (int i = 0; i < arguments->positional_count; i++) shv_append(text, size, "%s%s", " ", arguments->positional[i]);
     for (int i = 0; i < arguments->override_count; i++)
-        append(text, size, " %s '%s'", "--set", arguments->overrides[i]);
+        shv_append(text, size, " %s '%s'", "--set", arguments->overrides[i]);
     for (int i = first; i <= last; i++)
-        if (arguments->values[i]) append(text, size, " %s %s", command->options[i].name, arguments->values[i]);
+        if (arguments->values[i]) shv_append(text, size, " %s %s", command->options[i].name, arguments->values[i]);
 }
 
 ShvStatus shv_cli_read_numbers(const char *text, const char *option, const char *what, double *values, int32_t most,

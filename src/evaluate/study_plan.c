@@ -81,15 +81,6 @@ static void read_multiple(Planner *planner, const char *text, const ShvNode *nod
                   shv_quoted(text).text);
 }
 
-static void append(char *text, size_t size, const char *format, ...)
-{
-    const size_t length = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    shv_format_list(text + length, size - length, format, arguments);
-    va_end(arguments);
-}
-
 /* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
 static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
                          const int32_t *chosen)
@@ -100,17 +91,17 @@ static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis 
         const char *value = axes[i].values[chosen[i]], *dot = strrchr(axes[i].key, '.');
         const char *times = strcmp(axes[i].key, step_key) == 0 ? "×" : "";
         if (strcmp(axes[i].key, planner->along) == 0)
-            append(label, sizeof label, "%s%.60s%s", label[0] ? ", " : "", value, times);
+            shv_append(label, sizeof label, "%s%.60s%s", label[0] ? ", " : "", value, times);
         else if (strchr("+-.0123456789", value[0]))
-            append(series, sizeof series, "%s%s %.60s%s", series[0] ? ", " : "", dot ? dot + 1 : axes[i].key, value,
-                   times);
+            shv_append(series, sizeof series, "%s%s %.60s%s", series[0] ? ", " : "", dot ? dot + 1 : axes[i].key, value,
+                       times);
         else
-            append(series, sizeof series, "%s%.60s%s", series[0] ? ", " : "", value, times);
+            shv_append(series, sizeof series, "%s%.60s%s", series[0] ? ", " : "", value, times);
     }
-    if (series[0] == '\0') append(series, sizeof series, "runs");
+    if (series[0] == '\0') shv_append(series, sizeof series, "runs");
     for (int32_t i = 0; i < plan->key_count; i++)
         if (setting->values[i][0])
-            append(name, sizeof name, "%s%s=%s", name[0] ? " " : "", plan->keys[i], setting->values[i]);
+            shv_append(name, sizeof name, "%s%s=%s", name[0] ? " " : "", plan->keys[i], setting->values[i]);
     shv_format(title, sizeof title, "%s%s%s", series, label[0] ? ", " : "", label);
     setting->series = copy(planner, series);
     setting->label = copy(planner, label);

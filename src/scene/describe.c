@@ -1,5 +1,4 @@
 /* What keys and tables say about themselves in messages. */
-#include <stdarg.h>
 #include <string.h>
 
 #include "base/names.h"
@@ -28,16 +27,6 @@ const char *shv_choice_name(const ShvChoice *choices, int value)
     return "";
 }
 
-/* Appends printf-style; what does not fit is cut. */
-static void append(char *buffer, size_t size, const char *format, ...)
-{
-    const size_t used = strlen(buffer);
-    va_list arguments;
-    va_start(arguments, format);
-    shv_format_list(buffer + used, size - used, format, arguments);
-    va_end(arguments);
-}
-
 void shv_range_describe(const ShvRange *range, char *buffer, size_t size)
 {
     buffer[0] = '\0';
@@ -46,9 +35,9 @@ void shv_range_describe(const ShvRange *range, char *buffer, size_t size)
         shv_format(buffer, size, "exactly %.15g", range->low);
         return;
     }
-    append(buffer, size, "%s %.15g", range->low_open ? "greater than" : "at least", range->low);
+    shv_append(buffer, size, "%s %.15g", range->low_open ? "greater than" : "at least", range->low);
     if (range->high <= 1e300)
-        append(buffer, size, " and %s %.15g", range->high_open ? "less than" : "at most", range->high);
+        shv_append(buffer, size, " and %s %.15g", range->high_open ? "less than" : "at most", range->high);
 }
 
 bool shv_range_holds(const ShvRange *range, double value)
@@ -62,7 +51,7 @@ bool shv_range_holds(const ShvRange *range, double value)
 /* Joins with commas and a last "or". */
 static void join(char *buffer, size_t size, const char *name, int index, int count)
 {
-    append(buffer, size, "%s%s", index == 0 ? "" : index + 1 < count ? ", " : " or ", name);
+    shv_append(buffer, size, "%s%s", index == 0 ? "" : index + 1 < count ? ", " : " or ", name);
 }
 
 static void describe_number(const ShvKey *key, const char *one, char *buffer, size_t size)
@@ -70,12 +59,12 @@ static void describe_number(const ShvKey *key, const char *one, char *buffer, si
     const char *unit = shv_dimension_unit(key->dimension, 0);
     const char *name = shv_dimension_name(key->dimension);
     const bool vowel = strchr("aeio", name[0]) != NULL;
-    append(buffer, size, one, vowel ? "an" : "a", name);
-    if (unit) append(buffer, size, " in %s", unit);
+    shv_append(buffer, size, one, vowel ? "an" : "a", name);
+    if (unit) shv_append(buffer, size, " in %s", unit);
     char others[120];
     shv_dimension_units(key->dimension, others, sizeof others);
     const char *second = strchr(others, ',');
-    if (second) append(buffer, size, " (or %s)", second + 2);
+    if (second) shv_append(buffer, size, " (or %s)", second + 2);
 }
 
 static void describe_choices(const ShvChoice *choices, char *buffer, size_t size)
@@ -93,16 +82,16 @@ static void describe_type(const ShvKey *key, char *buffer, size_t size)
         break;
     case SHV_KEY_INT32:
     case SHV_KEY_INT64:
-        append(buffer, size, "a whole number");
+        shv_append(buffer, size, "a whole number");
         break;
     case SHV_KEY_UINT64:
-        append(buffer, size, "a whole number, at least 0");
+        shv_append(buffer, size, "a whole number, at least 0");
         break;
     case SHV_KEY_BOOLEAN:
-        append(buffer, size, "true or false");
+        shv_append(buffer, size, "true or false");
         break;
     case SHV_KEY_TEXT:
-        append(buffer, size, key->flags & SHV_KEY_FILE ? "the name of a file" : "a text");
+        shv_append(buffer, size, key->flags & SHV_KEY_FILE ? "the name of a file" : "a text");
         break;
     case SHV_KEY_CHOICE:
         describe_choices(key->choices, buffer, size);
@@ -111,17 +100,17 @@ static void describe_type(const ShvKey *key, char *buffer, size_t size)
         describe_number(key, "a list [x, y, z], each %s %s", buffer, size);
         break;
     case SHV_KEY_AXES:
-        append(buffer, size, "a list of some of x, y, z");
+        shv_append(buffer, size, "a list of some of x, y, z");
         break;
     case SHV_KEY_MAPPING:
-        append(buffer, size, "a mapping with keys ");
+        shv_append(buffer, size, "a mapping with keys ");
         break;
     case SHV_KEY_NAMED:
-        append(buffer, size, "a mapping of names to mappings with keys ");
+        shv_append(buffer, size, "a mapping of names to mappings with keys ");
         break;
     case SHV_KEY_LIST:
     case SHV_KEY_NODE:
-        append(buffer, size, "a list of mappings with keys ");
+        shv_append(buffer, size, "a list of mappings with keys ");
         break;
     }
     if (key->table) shv_table_list(key->table, false, buffer + strlen(buffer), size - strlen(buffer));
@@ -133,10 +122,10 @@ void shv_key_describe(const ShvKey *key, char *buffer, size_t size)
     describe_type(key, buffer, size);
     char range[100];
     shv_range_describe(key->range, range, sizeof range);
-    if (range[0]) append(buffer, size, ", %s", range);
-    if (key->flags & SHV_KEY_DIRECTION) append(buffer, size, ", not zero");
-    if (key->flags & SHV_KEY_INFINITE) append(buffer, size, ", or .inf");
-    if (key->flags & SHV_KEY_AUTOMATIC) append(buffer, size, ", or auto");
+    if (range[0]) shv_append(buffer, size, ", %s", range);
+    if (key->flags & SHV_KEY_DIRECTION) shv_append(buffer, size, ", not zero");
+    if (key->flags & SHV_KEY_INFINITE) shv_append(buffer, size, ", or .inf");
+    if (key->flags & SHV_KEY_AUTOMATIC) shv_append(buffer, size, ", or auto");
 }
 
 void shv_table_list(const ShvTable *table, bool variants_alone, char *buffer, size_t size)

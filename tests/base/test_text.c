@@ -63,6 +63,18 @@ static void conversion_tells_where_it_stopped(void **state)
     assert_ptr_equal(end, text + 7);
 }
 
+static void what_does_not_fit_is_cut(void **state)
+{
+    (void)state;
+    char text[8] = "ab";
+    shv_append(text, sizeof text, "%d", 345);
+    assert_string_equal(text, "ab345");
+    shv_append(text, sizeof text, " %s", "cdef");
+    assert_string_equal(text, "ab345 c");
+    shv_append(text, sizeof text, "more");
+    assert_string_equal(text, "ab345 c");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -70,6 +82,7 @@ int main(void)
         cmocka_unit_test(formatting_is_bounded),
         cmocka_unit_test(printing_writes_to_the_file),
         cmocka_unit_test(conversion_tells_where_it_stopped),
+        cmocka_unit_test(what_does_not_fit_is_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
