@@ -6,7 +6,9 @@ usage: strips.py PROGRAM FOLDER [EDGES [MESHES [SLITS]]]      for example  strip
 
 Griffith's load is that of a plane model of its own: the energy that squares of 1 and 0.5 mm release as the slit grows by two of them,
 extrapolated to none. Each next mesh has edges 2 % shorter. The table has the largest nominal stress until two edges at each tip have
-failed over Griffith's, areas over that of the ligament, and the energy of fracture over G × ligament. Takes gmsh, python3-h5py, python3-scipy.
+failed over Griffith's, areas over that of the ligament, and the energy of fracture over G × ligament. Facets lean: "failed" is their own
+area and "plane" what they cover of the crack's plane; "least" is the smallest area of facets that part the mesh from slit to edge (a
+maximum flow through its tets), and no crack along facets has less. Takes gmsh, python3-h5py, python3-scipy.
 """
 import json
 import os
@@ -15,7 +17,8 @@ import sys
 
 import h5py
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import maximum_flow
 from scipy.sparse.linalg import spsolve
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
@@ -80,6 +83,26 @@ def griffith(name):
     return 2 * load_of_growth(start, end, plane_strain, tips, 0.5) - load_of_growth(start, end, plane_strain, tips, 1.0)
 
 
+def least_cut(nodes, tets, near):
+    """Smallest area of facets that part what lies left of x = -near from what lies right of it, m²; slits are apart already."""
+    faces = np.sort(np.concatenate([tets[:, [1, 2, 3]], tets[:, [0, 2, 3]], tets[:, [0, 1, 3]], tets[:, [0, 1, 2]]]), 1)
+    order = np.lexsort(faces.T[::-1])
+    faces, owner = faces[order], np.tile(np.arange(len(tets)), 4)[order]
+    shared = np.flatnonzero((faces[1:] == faces[:-1]).all(1))
+    first, second = owner[shared], owner[shared + 1]
+    corner = nodes[faces[shared]]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    x = nodes[tets, 0].mean(1)
+    left, right, count = np.flatnonzero(x < -near), np.flatnonzero(x > near), len(tets)
+    quantum = 2e-12  # m²: flows are whole numbers of 32 bits
+    sides = np.full(len(left) + len(right), 2**31 - 1)
+    flow = np.concatenate([area / quantum, area / quantum, sides]).astype(np.int32)
+    start = np.concatenate([first, second, np.full(len(left), count), right])
+    end = np.concatenate([second, first, left, np.full(len(right), count + 1)])
+    network = csr_matrix((flow, (start, end)), shape=(count + 2, count + 2))
+    return maximum_flow(network, count, count + 1).flow_value * quantum
+
+
 def run(program, folder, name, edge, mesh):
     start, end, layers, plane_strain, tips = SLITS[name]
     thickness = layers * edge
@@ -95,25 +118,27 @@ def run(program, folder, name, edge, mesh):
                           + [word for change in changes for word in ("--set", change)],
                           check=True, capture_output=True, text=True).stdout
     with h5py.File(path + ".h5") as file:
+        least = least_cut(file["mesh/positions"][()], file["mesh/elements"][()], 4e-3 + edge * 1e-3)
         failed, time = file["ledger"]["failed_area"], file["trajectory/time"][()]
+        covered = file["ledger"]["fracture_energy_area"][-1] / ENERGY
         grown = failed >= 2 * edge * tips * thickness * 1e-6
         until = file["probes/time"][()] <= (time[grown][0] if grown.any() else time[-1])
         load = np.nanmax(abs(file["probes/samples"][:, 0, REACTION][until]))
     end = json.loads(text)
     ligament = (WIDTH - SLITS[name][1] + SLITS[name][0]) * thickness * 1e-6
-    return (load / (WIDTH * thickness * 1e-6) / griffith(name), end["inserted_area"] / ligament, end["failed_area"] / ligament,
-            end["fracture_dissipation"] / ENERGY / ligament, end["fragments"], end["wall_seconds"])
+    areas = np.array([end["inserted_area"], end["failed_area"], least, covered, end["fracture_dissipation"] / ENERGY]) / ligament
+    return load / (WIDTH * thickness * 1e-6) / griffith(name), *areas, end["fragments"], end["wall_seconds"]
 
 
 def main(program, folder, edges="4,2", meshes="3", slits="edge,half,centre,layers"):
     os.makedirs(folder, exist_ok=True)
-    print("slit     edge  mesh   load  inserted  failed  dissipation  pieces  seconds")
+    print("slit     edge  mesh   load   inserted  failed  least  plane  dissipation  pieces  seconds")
     for name in slits.split(","):
         for edge in edges.split(","):
             for mesh in range(int(meshes)):
                 row = run(program, folder, name, float(edge), mesh)
-                print(f"{name:8s} {edge:>4s} {mesh:5d} {row[0]:6.2f} {row[1]:9.2f} {row[2]:7.2f} {row[3]:12.2f} {row[4]:7d} {row[5]:8.0f}",
-                      flush=True)
+                numbers = (f"{value:{width}}" for value, width in zip(row, ("6.2f", "9.2f", "7.2f", "6.2f", "6.2f", "12.2f", "7d", "8.0f")))
+                print(f"{name:8s} {edge:>4s} {mesh:5d}", *numbers, flush=True)
 
 
 if sys.argv[1] == "griffith":

@@ -152,7 +152,7 @@ static void find_disk(const ShvInspection *inspection, int32_t node)
     const bool cracked = is_cracked(cohesive, inspection->state, node);
     const double needed = cracked ? least : least * (1.0 + nucleation_margin);
     shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
-    if (!cracked && cohesive->search.star.disk_count == 0) find_surface_disk(inspection, node, needed);
+    if (!cracked && cohesive->search.star.disk_count == 0) find_surface_disk(inspection, node, least);
 }
 
 /* What it shares tets with has other forces from now on. */
