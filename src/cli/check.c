@@ -52,9 +52,9 @@ static void warn_order(const ShvPreflight *p)
     const ShvMaterialView *m = &p->cohesion;
     if (!p->breakable) return;
     if (p->ordered)
-        printf("  note: its nodes stand in rank and file: cracks follow their planes, and begin at up to 1.4 times the "
-               "strength;\n"
-               "        'pattern: unstructured' has no such planes (docs/glass.md)\n");
+        printf("  note: its nodes stand in rank and file: cracks follow their planes%s;\n"
+               "        'pattern: unstructured' has no such planes (docs/glass.md)\n",
+               m->unresolved == SHV_UNRESOLVED_TIP_STRENGTH ? "" : ", and begin at up to 1.4 times the strength");
     if (m->shear_strength <= m->strength && m->unresolved != SHV_UNRESOLVED_TIP_STRENGTH)
         printf("  warning: it is no stronger in shear (%.3g Pa) than in tension (%.3g Pa), and grinds to crumbs where "
                "it is\n"
