@@ -3,6 +3,7 @@
 
 usage: strips.py PROGRAM FOLDER [EDGES [MESHES [SLITS]]]      for example  strips.py shiver strips 4,2 3 edge,half,centre,layers
        strips.py griffith
+       strips.py least RUN.h5 NEAR AREA      smallest area of facets that part the mesh between x = -NEAR and NEAR, over AREA (mm, mm²)
 
 Griffith's load is that of a plane model of its own: the energy that squares of 1 and 0.5 mm release as the slit grows by two of them,
 extrapolated to none. Each next mesh has edges 2 % shorter. The table has the largest nominal stress until two edges at each tip have
@@ -144,5 +145,9 @@ def main(program, folder, edges="4,2", meshes="3", slits="edge,half,centre,layer
 if sys.argv[1] == "griffith":
     for slit in SLITS:
         print(f"{slit:8s} {griffith(slit) / 1e6:.3f} MPa")
+elif sys.argv[1] == "least":
+    with h5py.File(sys.argv[2]) as file:
+        area = least_cut(file["mesh/positions"][()], file["mesh/elements"][()], float(sys.argv[3]) * 1e-3)
+    print(f"{area * 1e6 / float(sys.argv[4]):.3f}")
 else:
     main(*sys.argv[1:])
