@@ -72,7 +72,8 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
 void shv_verify_destroy(ShvVerification *verification);
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification);
 
-/* The rows of all cases, as `shiver verify --json` prints them. */
+/* The rows of a case, as `shiver verify` prints them; those of all cases, as with --json. */
+void shv_verify_print(const ShvVerifyCase *verified, FILE *stream);
 void shv_verify_print_json(const ShvVerifyCase *const *cases, int32_t count, FILE *stream);
 /* All cases as a page of HTML, or else as the tables of a Markdown page; `force` replaces an existing file. */
 ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,

@@ -1,4 +1,4 @@
-/* The table of verification as HTML, Markdown and JSON. */
+/* The table of verification as text, HTML, Markdown and JSON. */
 #include <math.h>
 #include <string.h>
 
@@ -34,15 +34,20 @@ ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count)
     return sum;
 }
 
-/* Shares of the reference in percent. */
+static void put_name(ShvTable *table, const ShvVerifyRow *row)
+{
+    shv_table_text(table, "quantity", NULL, row->quantity);
+    shv_table_text(table, "run", NULL, row->run);
+}
+
+/* Shares of the reference in percent. In a terminal the names, which are long, come last. */
 static void put_row(ShvTable *table, const void *data, int32_t index)
 {
     static const char *const classes[] = {"pass", "miss", "warn", NULL, "miss"}; /* of ShvVerdict */
     const ShvVerifyRow *row = (const ShvVerifyRow *)data + index;
     const double scale = row->absolute ? 1.0 : 100.0;
     const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
-    shv_table_text(table, "quantity", NULL, row->quantity);
-    shv_table_text(table, "run", NULL, row->run);
+    if (table->form != SHV_TABLE_TEXT) put_name(table, row);
     put_figure(table, "reference", shv_verify_relation(row), "%.6g", row->reference);
     put_figure(table, "Shiver", "", "%.6g", row->value);
     shv_table_text(table, "unit", NULL, row->unit);
@@ -50,6 +55,7 @@ static void put_row(ShvTable *table, const void *data, int32_t index)
     put_figure(table, "tolerance", "", row->absolute ? "%.3g" : "%.3g %%", tolerance);
     shv_table_text(table, "verdict", classes[row->verdict], shv_verdict_name(row->verdict));
     put_figure(table, "run time, s", "", "%.3g", row->seconds);
+    if (table->form == SHV_TABLE_TEXT) put_name(table, row);
 }
 
 /* A sentence once, however many rows it belongs to. */
@@ -64,15 +70,15 @@ static bool said_before(const ShvVerifyCase *of, int32_t index, bool notes)
 
 typedef void (*Paragraph)(FILE *stream, const char *text);
 
-static void put_sentences(FILE *stream, const ShvVerifyCase *of, Paragraph put)
+static void put_sentences(FILE *stream, const ShvVerifyCase *of, Paragraph put, bool sources)
 {
     char text[4096];
-    if (of->remark[0]) put(stream, of->remark);
+    if (of->remark[0] && sources) put(stream, of->remark);
     shv_format(text, sizeof text, "Source: %s", of->source);
-    put(stream, text);
+    if (sources) put(stream, text);
     for (int32_t i = 0; i < of->row_count; i++) {
         const ShvVerifyRow *row = &of->rows[i];
-        if (!said_before(of, i, false)) {
+        if (sources && !said_before(of, i, false)) {
             shv_format(text, sizeof text, "Source of %s: %s", row->quantity, row->source);
             put(stream, text);
         }
@@ -88,6 +94,11 @@ static void markdown_paragraph(FILE *stream, const char *text)
     shv_print(stream, "\n%s\n", text);
 }
 
+static void plain_paragraph(FILE *stream, const char *text)
+{
+    shv_print(stream, "%s\n", text);
+}
+
 static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
 {
     char command[256];
@@ -99,7 +110,14 @@ static void put_case(FILE *stream, const ShvVerifyCase *of, bool html)
         shv_print(stream, "\n## %s\n\n`%s` (%s)\n\n", of->title, of->name, of->scene);
     }
     shv_table_write(stream, html ? SHV_TABLE_HTML : SHV_TABLE_MARKDOWN, of->row_count, put_row, of->rows);
-    put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph);
+    put_sentences(stream, of, html ? shv_html_paragraph : markdown_paragraph, true);
+}
+
+void shv_verify_print(const ShvVerifyCase *verified, FILE *stream)
+{
+    shv_print(stream, "%s: %s (%.2f s)\n", verified->name, verified->title, verified->seconds);
+    shv_table_write(stream, SHV_TABLE_TEXT, verified->row_count, put_row, verified->rows);
+    put_sentences(stream, verified, plain_paragraph, false);
 }
 
 /* ---- JSON ---- */

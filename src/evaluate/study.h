@@ -6,6 +6,7 @@
 #include "evaluate/outcome.h"
 #include "evaluate/study_plan.h"
 #include "export/plot.h"
+#include "export/table.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
 
@@ -52,14 +53,16 @@ ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, c
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
-/* study_tables.c: the same rows in four tables: two of CSV, that of table.md, and that of the page with the scatter below. */
+/* study_tables.c: the same rows in four tables. Results and run times in full, for CSV and JSON; the lines of table.md and of the
+   terminal; and those of the page; the last two with the scatter below. */
 typedef enum ShvStudyTable {
     SHV_STUDY_RESULTS = 1,
     SHV_STUDY_TIMINGS = 2,
+    SHV_STUDY_EXACT = SHV_STUDY_RESULTS | SHV_STUDY_TIMINGS,
     SHV_STUDY_LINES = 4,
     SHV_STUDY_RUNS = 8
 } ShvStudyTable;
-void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream);
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
 /* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
 void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);

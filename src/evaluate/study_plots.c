@@ -34,24 +34,18 @@ static ShvPlotPoint point_of(const Figure *figure, const ShvStudyRow *row)
     return point;
 }
 
-/* Rows of one series, in their order; nothing where an earlier row has begun it. */
-static void add_line(Figure *figure, int32_t first)
+/* A row on the line of its series. */
+static void add_row(Figure *figure, const ShvStudyRow *row)
 {
-    const ShvStudy *study = figure->study;
     ShvPlotDraft *draft = &figure->room.draft;
-    const char *name = study->rows[first].series;
-    for (int32_t i = 0; i < draft->line_count; i++)
-        if (strcmp(draft->lines[i].name, name) == 0) return;
-    shv_plot_line(draft, name, SHV_PLOT_MARKED_LINE);
-    for (int32_t i = first; i < study->setting_count; i++) {
-        const ShvStudyRow *row = &study->rows[i];
-        if (row->is_reference || strcmp(row->series, name) != 0) continue;
-        shv_plot_point(draft, point_of(figure, row));
-        if (study->plan.members > 1 && shv_study_counts(row, figure->measure))
-            figure->room.spans[figure->span_count++] =
-                (ShvPlotSpan){row->seconds, fmax(row->errors_low[figure->measure], figure->least),
-                              row->errors_high[figure->measure], draft->line_count - 1};
-    }
+    const int32_t measure = figure->measure;
+    int32_t line = 0;
+    if (row->is_reference) return;
+    shv_plot_add(draft, row->series, point_of(figure, row));
+    while (strcmp(draft->lines[line].name, row->series) != 0) line++;
+    if (figure->study->plan.members > 1 && shv_study_counts(row, measure))
+        figure->room.spans[figure->span_count++] =
+            (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least), row->errors_high[measure], line};
 }
 
 /* By run time; there are few of them. */
@@ -69,7 +63,7 @@ void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stre
     Figure figure = {study, measure, study->figure, 0, 0, least_error(study, measure)};
     char title[200], label[96];
     for (int32_t i = 0; i < study->setting_count; i++) {
-        if (!study->rows[i].is_reference) add_line(&figure, i);
+        add_row(&figure, &study->rows[i]);
         if (study->rows[i].on_front[measure]) add_to_front(&figure, &study->rows[i]);
     }
     shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);

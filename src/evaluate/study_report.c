@@ -36,7 +36,7 @@ static void put_html(const ShvStudy *study, FILE *stream)
     char text[1024];
     put_head(study, stream);
     shv_html_heading(stream, 2, "Runs");
-    shv_study_put_table(study, SHV_STUDY_RUNS, stream);
+    shv_study_put_table(study, SHV_STUDY_RUNS, SHV_TABLE_HTML, stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
     /* Messages are long: below the table, not in it. */
     for (int32_t i = 0; i < study->setting_count; i++) {
@@ -46,59 +46,22 @@ static void put_html(const ShvStudy *study, FILE *stream)
     }
     shv_html_heading(stream, 2, "Error against run time");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_print(stream, "<figure>\n");
         shv_study_put_error_plot(study, i, stream, true);
-        shv_print(stream, "</figure>\n");
     }
     shv_html_heading(stream, 2, "Run time by part");
-    shv_print(stream, "<figure>\n");
     shv_study_put_cost_plot(study, stream, true);
-    shv_print(stream, "</figure>\n");
     shv_html_heading(stream, 2, "What the errors are");
     shv_study_put_definitions(study, stream);
     shv_html_end(stream);
 }
 
-/* ---- JSON ---- */
+/* ---- text and JSON ---- */
 
-static void put_measure(const ShvStudyRow *row, int32_t measure, FILE *stream)
+void shv_study_print(const ShvStudy *study, FILE *stream)
 {
-    ShvMembers members = {.stream = stream};
-    shv_print(stream, "{");
-    shv_member_number(&members, "value", row->values[measure]);
-    shv_member_number(&members, "error", row->errors[measure]);
-    shv_member_number(&members, "error_low", row->errors_low[measure]);
-    shv_member_number(&members, "error_high", row->errors_high[measure]);
-    shv_member_flag(&members, "on_front", row->on_front[measure]);
-    shv_print(stream, "}");
-}
-
-static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
-{
-    const ShvStudySetting *setting = &study->plan.settings[index];
-    const ShvStudyRow *row = &study->rows[index];
-    ShvMembers keys = {.stream = stream}, costs = keys, measures = keys, members = {.stream = stream, .any = true};
-    shv_print(stream, "{\"setting\": {");
-    for (int32_t i = 0; i < study->plan.key_count; i++)
-        if (setting->values[i][0]) shv_member_text(&keys, study->plan.keys[i], setting->values[i]);
-    shv_print(stream, "}");
-    shv_member_flag(&members, "reference", row->is_reference);
-    shv_member_text(&members, "status", shv_status_name(row->status));
-    shv_member_text(&members, "message", row->message);
-    shv_member_number(&members, "seconds", row->seconds);
-    shv_member_number(&members, "seconds_low", row->seconds_low);
-    shv_member_number(&members, "seconds_high", row->seconds_high);
-    shv_member_number(&members, "stable_step", row->stable_step);
-    shv_member_number(&members, "step", row->step);
-    shv_member_number(&members, "courant", row->courant);
-    shv_print(stream, ", \"costs\": {");
-    for (int c = 0; c < SHV_COST_COUNT; c++) shv_member_number(&costs, shv_cost_name((ShvCost)c), row->costs[c]);
-    shv_print(stream, "}, \"measures\": {");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_member_key(&measures, study->plan.measures[i].name);
-        put_measure(row, i, stream);
-    }
-    shv_print(stream, "}}");
+    shv_print(stream, "errors from %s; * on the Pareto front%s\n", study->view.reference,
+              study->view.timings_valid ? "" : "; run times are not valid");
+    shv_study_put_table(study, SHV_STUDY_LINES, SHV_TABLE_TEXT, stream);
 }
 
 void shv_study_print_json(const ShvStudy *study, FILE *stream)
@@ -116,12 +79,11 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
     shv_print(stream, ", \"scatter\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++)
         shv_member_number(&scatter, study->plan.measures[i].name, study->view.scatter[i]);
-    shv_print(stream, "}, \"rows\": [");
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");
-        put_row(study, i, stream);
-    }
-    shv_print(stream, "]}\n");
+    shv_print(stream, "}, \"results\": ");
+    shv_study_put_table(study, SHV_STUDY_RESULTS, SHV_TABLE_JSON, stream);
+    shv_print(stream, ", \"timings\": ");
+    shv_study_put_table(study, SHV_STUDY_TIMINGS, SHV_TABLE_JSON, stream);
+    shv_print(stream, "}\n");
 }
 
 /* ---- files ---- */
@@ -133,7 +95,8 @@ static void put_file(const void *data, int index, FILE *stream)
 {
     const ShvStudy *study = data;
     if (index <= TABLE)
-        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index), stream);
+        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index),
+                            index == TABLE ? SHV_TABLE_MARKDOWN : SHV_TABLE_CSV, stream);
     else if (index == JSON)
         shv_study_print_json(study, stream);
     else if (index == COSTS)

@@ -4,13 +4,12 @@
 
 #include "base/text.h"
 #include "evaluate/study.h"
-#include "export/output.h"
-#include "export/table.h"
 
 /* A row as it is put. */
 typedef struct Cells {
     ShvTable *table;
     ShvStudyTable kind;
+    ShvTableForm form;
     const ShvStudy *study;
     const ShvStudyRow *row; /* of a setting, or the scatter of an ensemble, which has nothing but errors */
     const char *const *values;
@@ -32,21 +31,16 @@ static const Column columns[] = {{"stable step", "s", ROW(stable_step), SHV_STUD
                                  {"least", "s", ROW(seconds_low), SHV_STUDY_TIMINGS},
                                  {"most", "s", ROW(seconds_high), SHV_STUDY_TIMINGS}};
 
-static void put_number(Cells *cells, const char *name, const char *unit, const char *class, double value)
+static void put_number(const Cells *cells, const char *name, const char *unit, const char *class, double value)
 {
-    char head[160], text[SHV_OUTPUT_NUMBER] = "";
-    const bool csv = cells->table->form == SHV_TABLE_CSV;
-    shv_format(head, sizeof head, unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", name, unit);
-    if (csv && isfinite(value))
-        shv_output_format(text, value);
-    else if (isfinite(value))
-        shv_format(text, sizeof text, "%.3g", value);
-    else if (!csv && !cells->scatter)
-        shv_format(text, sizeof text, "–");
-    shv_table_text(cells->table, head, cells->kind == SHV_STUDY_RUNS && !class ? "number" : class, text);
+    if (!class && (cells->kind == SHV_STUDY_RUNS || cells->form == SHV_TABLE_TEXT)) class = "number";
+    if (cells->scatter && !isfinite(value))
+        shv_table_text(cells->table, "", class, "");
+    else
+        shv_table_number(cells->table, name, unit, class, "%.3g", value);
 }
 
-static void put_part(Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
+static void put_part(const Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
 {
     char name[128];
     shv_format(name, sizeof name, "%s%s", part, measure->name);
@@ -66,21 +60,21 @@ static bool has_figure(const ShvStudy *study, int32_t measure)
     return failed;
 }
 
-static void put_numbers(Cells *cells)
+static void put_numbers(const Cells *cells)
 {
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         double value;
         memcpy(&value, (const char *)cells->row + columns[i].offset, sizeof value);
         if (!(columns[i].in & cells->kind) || (columns[i].in == SHV_STUDY_LINES && !has_figure(cells->study, -1)))
             continue;
-        if (cells->table->form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
+        if (!(cells->kind & SHV_STUDY_EXACT) && !(value > 0.0)) value = (double)NAN;
         const bool doubtful = columns[i].offset == ROW(seconds) && !cells->study->view.timings_valid;
         put_number(cells, columns[i].head, columns[i].unit,
                    doubtful && cells->kind == SHV_STUDY_RUNS ? "number warn" : NULL, value);
     }
 }
 
-static void put_setting(Cells *cells)
+static void put_setting(const Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
     const ShvStudyPlan *plan = &cells->study->plan;
@@ -89,12 +83,12 @@ static void put_setting(Cells *cells)
                       row->is_reference ? " (reference)" : "");
     for (int32_t i = 0; i < plan->key_count && cells->kind != SHV_STUDY_LINES; i++)
         shv_table_text(cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
-    if (cells->table->form != SHV_TABLE_CSV) return;
+    if (!(cells->kind & SHV_STUDY_EXACT)) return;
     shv_table_text(cells->table, "reference", NULL, row->is_reference ? "yes" : "");
     shv_table_text(cells->table, "status", NULL, shv_status_name(row->status));
 }
 
-static void put_error(Cells *cells, int32_t measure)
+static void put_error(const Cells *cells, int32_t measure)
 {
     const ShvStudyRow *row = cells->row;
     const ShvMeasure *of = &cells->study->plan.measures[measure];
@@ -102,7 +96,8 @@ static void put_error(Cells *cells, int32_t measure)
     const double scatter = cells->study->view.scatter[measure];
     const bool best = row->on_front[measure], ensemble = cells->study->plan.members > 1 && !cells->scatter;
     if (cells->kind == SHV_STUDY_LINES) {
-        put_number(cells, of->name, of->error_unit, best ? "best" : NULL, error);
+        put_number(cells, of->name, of->error_unit,
+                   best ? "number best" + (cells->form == SHV_TABLE_MARKDOWN ? 7 : 0) : NULL, error);
         return;
     }
     if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[measure]);
@@ -118,7 +113,7 @@ static void put_error(Cells *cells, int32_t measure)
 }
 
 /* Of a run that failed table.md says in its first column what happened; what to do about it is in the page. */
-static void put_errors(Cells *cells)
+static void put_errors(const Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
     const bool told = cells->kind == SHV_STUDY_LINES && row->status != SHV_OK && !cells->table->heads;
@@ -135,7 +130,7 @@ static void put_errors(Cells *cells)
     if (told && first) shv_table_put(cells->table, "", NULL, "failed: %s", row->message);
 }
 
-static void put_row(Cells *cells)
+static void put_row(const Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
     const bool failed = row->status != SHV_OK;
@@ -175,13 +170,10 @@ static void put_cells(ShvTable *table, const void *data, int32_t index)
     put_row(&cells);
 }
 
-void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream)
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream)
 {
-    const Cells cells = {.kind = kind, .study = study};
-    const ShvTableForm form = kind == SHV_STUDY_RUNS    ? SHV_TABLE_HTML
-                              : kind == SHV_STUDY_LINES ? SHV_TABLE_MARKDOWN
-                                                        : SHV_TABLE_CSV;
-    const int32_t scatter = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
+    const Cells cells = {.kind = kind, .form = form, .study = study};
+    const int32_t scatter = !(kind & SHV_STUDY_EXACT) && study->plan.members > 1 ? 1 : 0;
     shv_table_write(stream, form, study->setting_count + scatter, put_cells, &cells);
 }
 

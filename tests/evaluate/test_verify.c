@@ -218,12 +218,13 @@ static void test_names(void **state)
         "  - {name: speeds, measure: block.bar_speed / sqrt(stone.youngs_modulus / stone.density), reference: '1', "
         "tolerance: 1e-12}\n"
         "  - {name: object, measure: block.edge + block.position.z + block.velocity.x + block.angular_velocity.y + "
-        "block.stretch_rate.z + block.rotation_degrees, reference: '0.12', tolerance: 1e-12}\n"
+        "block.stretch_rate.z + block.angle, reference: '0.12', tolerance: 1e-12}\n"
         "  - {name: obstacle, measure: floor.friction + floor.restitution + floor.offset + floor.normal.z, reference: "
         "'1.3', tolerance: 1e-12}\n"
-        "  - {name: condition, measure: hold.start + hold.value.x + hold.ramp_time, reference: '0', "
+        "  - {name: condition, measure: hold.start + hold.normal.x, reference: '0', "
         "tolerance_absolute: 0}\n"
-        "  - {name: scene, measure: scene.duration + scene.gravity.z + scene.safety, reference: '-8.909', tolerance: "
+        "  - {name: scene, measure: scene.duration + scene.gravity.z + fracture.safety, reference: '-8.909', "
+        "tolerance: "
         "1e-12}\n";
     write_text(*state, "fall.yaml",
                "shiver: 1\nduration: 1 ms\nthreads: 1\n"
