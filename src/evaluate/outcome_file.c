@@ -4,7 +4,7 @@
 #include "evaluate/outcome.h"
 #include "export/output.h"
 
-static const char word[16] = "shiver-outcome 3";
+static const char word[16] = "shiver-outcome 4";
 enum { LARGEST_FILE = 1 << 30 };
 
 /* Heads and values as they lie in memory, without pointers: whoever reads them is the program that wrote them, on a machine of the
@@ -68,6 +68,7 @@ static bool get_outcome(Reader *reader, ShvOutcome *outcome)
     outcome->status = head.status;
     outcome->shared = head.shared;
     memcpy(outcome->message, head.message, sizeof head.message);
+    memcpy(outcome->no_motion, head.no_motion, sizeof head.no_motion);
     memcpy(outcome->processor, head.processor, sizeof head.processor);
     for (int32_t i = 0; i < head.list_count && !outcome->failed; i++)
         if (!get_list(reader, outcome)) return false;

@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
+#include "evaluate/trajectory.h"
 #include "record/checkpoint.h"
 #include "scene/inputs.h"
 #include "scene/source.h"
@@ -19,13 +20,6 @@ ShvStudyOptions shv_study_default(void)
 }
 
 /* ---- scenes ---- */
-
-bool shv_study_tracks(const ShvStudy *study)
-{
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (shv_measure_tracks(&study->plan.measures[i])) return true;
-    return false;
-}
 
 ShvStatus shv_study_scene(const ShvStudy *study, int32_t index, ShvScene **scene, ShvError *error)
 {
@@ -126,9 +120,7 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
     *outcome = (ShvOutcome){.memory = study->memory};
     SHV_TRY(shv_study_path(study, run, NULL, path, error));
     SHV_TRY(shv_outcome_load(outcome, path, study->memory, error));
-    const char *kept = study->plan.reference == SHV_STUDY_CLOSED ? "exact" : "track";
-    const bool whole = outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, kept) != NULL;
-    if (outcome->key == study->keys[run] && whole) return SHV_OK;
+    if (outcome->key == study->keys[run]) return SHV_OK;
     shv_outcome_release(outcome);
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
 }
@@ -206,7 +198,7 @@ static void tell(const ShvStudy *study, int32_t run)
     study->options.begins(study->options.begins_data, text);
 }
 
-/* `path` NULL: only the first frame, to see whether it can be run. */
+/* `path` NULL: only the first frame, to see whether the closed form fits. */
 static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
                             ShvOutcome *outcome, ShvError *error)
 {
@@ -215,7 +207,6 @@ static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *
     ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
     if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
     const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
-    const bool tracked = shv_study_tracks(study);
     const ShvRunOrder order = {.scene = &member,
                                .folder = shv_scene_folder(scene),
                                .memory = study->memory,
@@ -223,8 +214,6 @@ static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *
                                .repeats = path ? study->plan.repeats : 1,
                                .repeat_below = study->options.repeat_below,
                                .audit_wakes = study->plan.audit_wakes,
-                               .tracked = tracked,
-                               .closed = tracked && study->plan.reference == SHV_STUDY_CLOSED,
                                .look = !path,
                                .checkpoint = path,
                                .key = study->keys[run],
@@ -239,11 +228,13 @@ static ShvStatus do_run(const ShvStudy *study, int32_t run, const char *path, Sh
 {
     ShvScene *scene;
     ShvOutcome outcome = {.memory = study->memory};
+    double errors[SHV_TRAJECTORY_MEASURES];
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
     ShvStatus status = run_member(study, run, scene, path, &outcome, error);
     outcome.shared = study->options.shared;
     if (status == SHV_OK && path) status = shv_outcome_save(&outcome, path, error);
     if (status == SHV_OK && path) shv_checkpoint_remove(path, study->memory, -1);
+    if (status == SHV_OK && !path) status = shv_trajectory_errors(&outcome, NULL, errors, error);
     shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;
@@ -280,8 +271,8 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) find_reference(made);
-    /* What bodies are compared with must fit the scene before anything is run. */
-    if (status == SHV_OK && shv_study_tracks(made)) status = do_run(made, 0, NULL, error);
+    /* The closed form must fit the scene before anything is run. */
+    if (status == SHV_OK && made->reference < 0) status = do_run(made, 0, NULL, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;

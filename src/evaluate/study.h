@@ -36,8 +36,6 @@ struct ShvStudy {
     char processor[128];
 };
 
-/* Whether runs must keep the way of bodies. */
-bool shv_study_tracks(const ShvStudy *study);
 /* The scene of a setting; the caller destroys it. */
 ShvStatus shv_study_scene(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvError *error);
 /* The definition of a member: seed or places changed. `objects` has room for the scene's objects. */

@@ -8,6 +8,7 @@
 typedef struct Ways {
     ShvTrackScene scene;
     int32_t body_count;
+    bool closed; /* compared with the closed form, which may be of one body */
     const ShvBody *bodies;
     const ShvBodyState *own, *exact; /* frame by frame, all bodies */
     const double *times;
@@ -16,7 +17,7 @@ typedef struct Ways {
 
 static bool is_chosen(const Ways *ways, int32_t body)
 {
-    return ways->bodies[body].chosen == 1.0;
+    return !ways->closed || ways->bodies[body].chosen == 1.0;
 }
 
 static int32_t first_chosen(const Ways *ways)
@@ -46,7 +47,9 @@ static ShvStatus find_ways(Ways *ways, const ShvOutcome *run, const ShvOutcome *
     const ShvOutcomeList *times = shv_outcome_find(run, "frame.time"), *track = shv_outcome_find(run, "track"),
                          *exact = shv_outcome_find(reference ? reference : run, reference ? "track" : "exact"),
                          *scene = shv_outcome_find(run, "track.scene"), *bodies = shv_outcome_find(run, "track.masses");
-    *ways = (Ways){.count = 0};
+    *ways = (Ways){.closed = !reference};
+    if (times && run->no_motion[0] && !(track && reference))
+        return shv_fail(error, SHV_BAD_INPUT, "%s", run->no_motion);
     if (!times || times->count == 0 || !track || !exact || !scene || !bodies) return SHV_OK;
     memcpy(&ways->scene, scene->values, sizeof ways->scene);
     ways->body_count = (int32_t)shv_outcome_number(run, "track.bodies");

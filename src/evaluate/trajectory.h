@@ -17,7 +17,7 @@ typedef struct ShvBody {
     double mass;     /* kg */
     double radius;   /* m: of the ball of this mass with the same sum of moments */
     ShvMat3 inertia; /* kg m², about the centre, body axes */
-    double chosen;   /* 1: errors are taken of it; else 0 */
+    double chosen;   /* 1: the closed form is of it; else 0 */
 } ShvBody;
 
 enum { SHV_STATE_NUMBERS = sizeof(ShvBodyState) / sizeof(double), SHV_BODY_NUMBERS = sizeof(ShvBody) / sizeof(double) };
