@@ -94,8 +94,7 @@ static void add_closed_forms(ShvSampler *sampler)
     const int32_t count = sampler->body_count;
     ShvBodyState *room = room_for_states(sampler->outcome, "exact", times.count * count);
     for (int64_t frame = 0; room && frame < times.count; frame++)
-        for (int32_t i = 0; i < count; i++, room++)
-            *room = shv_closed_form_at(&sampler->forms[i], times.values[frame]);
+        for (int32_t i = 0; i < count; i++, room++) *room = shv_closed_form_at(&sampler->forms[i], times.values[frame]);
 }
 
 /* ---- series ---- */

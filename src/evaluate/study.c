@@ -66,6 +66,15 @@ static uint64_t hash_member(const ShvStudy *study, uint64_t hash, int32_t member
     return shv_hash_bytes(hash, &study->plan.shift, sizeof study->plan.shift);
 }
 
+/* Unless a setting is it. */
+static void name_reference(ShvStudy *study, const ShvScene *scene)
+{
+    static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
+    const ShvReferenceDefinition *form = &shv_scene_definition(scene)->reference;
+    shv_format(study->reference_name, sizeof study->reference_name, "closed form (%s of %.60s%s%.60s)", laws[form->law],
+               form->body ? form->body : "every body", form->on ? " on " : "", form->on ? form->on : "");
+}
+
 /* Reads every scene once, so that nothing is run of a study that cannot be run whole. */
 static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 {
@@ -78,6 +87,7 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
         ShvScene *scene;
         const ShvStatus status = shv_study_scene(study, s, &scene, error);
         if (status != SHV_OK) return shv_fail_within(error, status, "%s:%d", file, (int)setting->line);
+        if (s == 0) name_reference(study, scene);
         uint64_t hash = 0;
         const ShvStatus hashed = hash_setting(study, scene, setting, &hash, error);
         for (int32_t m = 0; m < members; m++) study->keys[s * members + m] = hash_member(study, hash, m);
@@ -184,6 +194,8 @@ static void find_reference(ShvStudy *study)
     study->reference = 0;
     while (study->keys[study->reference * members] != study->keys[own * members]) study->reference++;
     if (study->reference < own) study->setting_count = own;
+    shv_format(study->reference_name, sizeof study->reference_name, "run of %.220s",
+               study->plan.settings[study->reference].title);
 }
 
 /* ---- running ---- */

@@ -28,6 +28,7 @@ struct ShvStudy {
     const char *scene_path;
     int32_t setting_count; /* those of the plan, and the reference's own */
     int32_t reference;     /* index of its setting; −1: closed form */
+    char reference_name[256];
     uint64_t *keys;        /* of each run: setting × members + member */
     /* after measuring */
     ShvStudyRow *rows;
