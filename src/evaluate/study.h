@@ -29,7 +29,7 @@ struct ShvStudy {
     int32_t setting_count; /* those of the plan, and the reference's own */
     int32_t reference;     /* index of its setting; −1: closed form */
     char reference_name[256];
-    uint64_t *keys;        /* of each run: setting × members + member */
+    uint64_t *keys; /* of each run: setting × members + member */
     /* after measuring */
     ShvStudyRow *rows;
     ShvStudyView view;
@@ -54,13 +54,7 @@ void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
 /* study_tables.c: the same rows in four tables. Results and run times in full, for CSV and JSON; the lines of table.md and of the
    terminal; and those of the page; the last two with the scatter below. */
-typedef enum ShvStudyTable {
-    SHV_STUDY_RESULTS = 1,
-    SHV_STUDY_TIMINGS = 2,
-    SHV_STUDY_EXACT = SHV_STUDY_RESULTS | SHV_STUDY_TIMINGS,
-    SHV_STUDY_LINES = 4,
-    SHV_STUDY_RUNS = 8
-} ShvStudyTable;
+typedef enum ShvStudyTable { SHV_STUDY_RESULTS, SHV_STUDY_TIMINGS, SHV_STUDY_LINES, SHV_STUDY_RUNS } ShvStudyTable;
 void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
 /* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */

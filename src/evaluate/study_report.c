@@ -95,8 +95,7 @@ static void put_file(const void *data, int index, FILE *stream)
 {
     const ShvStudy *study = data;
     if (index <= TABLE)
-        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index),
-                            index == TABLE ? SHV_TABLE_MARKDOWN : SHV_TABLE_CSV, stream);
+        shv_study_put_table(study, (ShvStudyTable)index, index == TABLE ? SHV_TABLE_MARKDOWN : SHV_TABLE_CSV, stream);
     else if (index == JSON)
         shv_study_print_json(study, stream);
     else if (index == COSTS)

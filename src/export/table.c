@@ -41,16 +41,13 @@ static void put_aligned(ShvTable *table, const char *class, const char *text)
     table->fill = 2 + (number ? 0 : rest);
 }
 
-static void put_member(ShvTable *table, const char *head, const char *text, const double *number)
+/* Whether there is a member to put: JSON has no heads. */
+static bool begin_member(ShvTable *table, ShvMembers *members)
 {
-    ShvMembers members = {table->stream, table->column > 0};
-    if (table->heads) return;
-    if (table->column == 0) shv_print(table->stream, table->any ? ",\n {" : "\n {");
-    table->any = true;
-    if (number)
-        shv_member_number(&members, head, *number);
-    else
-        shv_member_text(&members, head, text);
+    *members = (ShvMembers){table->stream, table->column++ > 0};
+    if (!members->any && !table->heads) shv_print(table->stream, table->any ? ",\n {" : "\n {");
+    table->any |= !table->heads;
+    return !table->heads;
 }
 
 void shv_table_text(ShvTable *table, const char *head, const char *class, const char *text)
@@ -58,7 +55,11 @@ void shv_table_text(ShvTable *table, const char *head, const char *class, const 
     static const char *const starts[][3] = {{"<tr>", "|", ""}, {"<thead><tr>", "|", ""}};
     if (table->column == 0 && table->form <= SHV_TABLE_CSV)
         shv_print(table->stream, "%s", starts[table->heads][table->form]);
-    if (table->form == SHV_TABLE_JSON) put_member(table, head, text, NULL);
+    if (table->form == SHV_TABLE_JSON) {
+        ShvMembers members;
+        if (begin_member(table, &members)) shv_member_text(&members, head, text);
+        return;
+    }
     if (table->heads) text = head;
     if (table->form == SHV_TABLE_HTML) {
         shv_html_element(table->stream, table->heads ? "th" : "td", table->heads ? NULL : class, text);
@@ -90,8 +91,8 @@ void shv_table_number(ShvTable *table, const char *head, const char *unit, const
     char full[160], text[64] = "";
     const bool csv = table->form == SHV_TABLE_CSV;
     if (table->form == SHV_TABLE_JSON) {
-        put_member(table, head, NULL, &value);
-        table->column++;
+        ShvMembers members;
+        if (begin_member(table, &members)) shv_member_number(&members, head, value);
         return;
     }
     shv_format(full, sizeof full, !unit || unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", head, unit);
@@ -102,6 +103,15 @@ void shv_table_number(ShvTable *table, const char *head, const char *unit, const
     else if (!csv)
         shv_format(text, sizeof text, format, value);
     shv_table_text(table, full, class, text);
+}
+
+void shv_table_flag(ShvTable *table, const char *head, bool flag)
+{
+    ShvMembers members;
+    if (table->form != SHV_TABLE_JSON)
+        shv_table_text(table, head, NULL, flag ? "yes" : "");
+    else if (begin_member(table, &members))
+        shv_member_flag(&members, head, flag);
 }
 
 void shv_table_end_row(ShvTable *table)

@@ -47,6 +47,8 @@ void shv_table_put(ShvTable *table, const char *head, const char *class, const c
    full. What is no number is a dash or, there, nothing and null. */
 void shv_table_number(ShvTable *table, const char *head, const char *unit, const char *class, const char *format,
                       double value);
+/* Yes, or nothing; JSON has true and false. */
+void shv_table_flag(ShvTable *table, const char *head, bool flag);
 void shv_table_end_row(ShvTable *table);
 void shv_table_end(ShvTable *table);
 /* All at once: `put` puts the cells of a row, of the first one for the heads, too. Nothing, of JSON an empty array, where there

@@ -66,7 +66,7 @@ static void put_row(ShvTable *table, const void *data, int32_t index)
     put_setting(table, row);
     put_limit(table, row);
     put_columns(table, row, refusal_column, 1);
-    shv_table_text(table, "monotone", NULL, row->monotone ? "yes" : "no");
+    shv_table_flag(table, "monotone", row->monotone);
 }
 
 /* Points of all rows, one after the other; in CSV with what is known of the row. */

@@ -49,7 +49,7 @@ static void put_row(ShvTable *table, const void *data, int32_t index)
     static const char *const names[] = {"ä", "longer"};
     shv_table_text(table, "run", NULL, names[index]);
     shv_table_number(table, "error", "m", index == 0 ? "number best" : "number", "%.3g", ((const double *)data)[index]);
-    shv_table_text(table, "", NULL, index == 0 ? "so" : "");
+    shv_table_flag(table, "so", index == 0);
 }
 
 static void check_numbers(ShvTableForm form, int32_t count, const char *wanted)
@@ -66,15 +66,15 @@ static void check_numbers(ShvTableForm form, int32_t count, const char *wanted)
 static void test_numbers(void **state)
 {
     (void)state;
-    check_numbers(SHV_TABLE_TEXT, 2, "run     error, m  \nä         0.333*  so\nlonger        -   \n");
+    check_numbers(SHV_TABLE_TEXT, 2, "run     error, m  so\nä         0.333*  yes\nlonger        -   \n");
     check_numbers(SHV_TABLE_JSON, 2,
-                  "[\n {\"run\": \"ä\", \"error\": 0.3333333333333333, \"\": \"so\"},\n "
-                  "{\"run\": \"longer\", \"error\": null, \"\": \"\"}\n]");
+                  "[\n {\"run\": \"ä\", \"error\": 0.3333333333333333, \"so\": true},\n "
+                  "{\"run\": \"longer\", \"error\": null, \"so\": false}\n]");
     assert_true(json_valid(text));
     check_numbers(SHV_TABLE_JSON, 0, "[\n]");
-    check_numbers(SHV_TABLE_CSV, 2, "run,error [m],\nä,0.3333333333333333,so\nlonger,,\n");
+    check_numbers(SHV_TABLE_CSV, 2, "run,error [m],so\nä,0.3333333333333333,yes\nlonger,,\n");
     check_numbers(SHV_TABLE_MARKDOWN, 2,
-                  "| run | error, m |  |\n|---|--:|---|\n| ä | **0.333** | so |\n| longer | – |  |\n");
+                  "| run | error, m | so |\n|---|--:|---|\n| ä | **0.333** | yes |\n| longer | – |  |\n");
     check_numbers(SHV_TABLE_TEXT, 0, "");
 }
 
