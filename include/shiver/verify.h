@@ -50,8 +50,6 @@ typedef struct ShvVerifyCase {
     double seconds;
 } ShvVerifyCase;
 
-/* "≤ " and so on, what stands before a reference. */
-const char *shv_verify_relation(const ShvVerifyRow *row);
 /* Sums of all cases; names and rows stay empty. */
 ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count);
 

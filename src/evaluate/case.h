@@ -19,6 +19,7 @@ typedef struct ShvCaseQuantity {
     ShvItemHead head;
     const char *name, *measure, *reference, *unit, *source, *explained, *step;
     ShvVerifyCompare compare;
+    bool strict; /* of a line of `expect` alone */
     ShvCaseJudge judge;
     double tolerance, tolerance_absolute, order, order_tolerance; /* NaN: not given */
 } ShvCaseQuantity;

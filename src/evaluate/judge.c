@@ -104,6 +104,7 @@ static ShvVerifyRow row_of(const ShvVerification *made, const char *title, const
                           .source = quantity->source ? quantity->source : made->view.source,
                           .note = "",
                           .compare = quantity->compare,
+                          .strict = quantity->strict,
                           .value = none,
                           .reference = none,
                           .error = none,
@@ -168,11 +169,10 @@ static ShvStatus measure(ShvVerification *made, const ShvCaseQuantity *quantity,
 }
 
 /* What a run that did not come to its end lacks is a miss, and no fault of the formula. */
-static ShvStatus put_quantity(ShvVerification *made, const ShvCaseQuantity *quantity, bool strict, ShvError *error)
+static ShvStatus put_quantity(ShvVerification *made, const ShvCaseQuantity *quantity, ShvError *error)
 {
     ShvVerifyRow row = row_of(made, made->now->title, quantity);
     ShvError why;
-    row.strict = strict;
     const ShvStatus status = measure(made, quantity, &row, &why);
     if (made->work.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
     if (status != SHV_OK && made->now->outcome.status == SHV_OK) return fail(made, quantity->name, &why, error);
@@ -190,7 +190,7 @@ static ShvStatus put_quantities(ShvVerification *made, bool last, ShvError *erro
     for (int32_t i = 0; i < made->item->quantities.count; i++) {
         ShvCaseQuantity quantity = quantities[i];
         if (quantity.judge == SHV_JUDGE_LAST && !last) quantity.compare = SHV_VERIFY_SHOWN;
-        SHV_TRY(put_quantity(made, &quantity, false, error));
+        SHV_TRY(put_quantity(made, &quantity, error));
     }
     return SHV_OK;
 }
@@ -221,8 +221,7 @@ static int ended_so(const ShvOutcome *outcome, const char *line)
 }
 
 /* A line with a relation is a quantity. `text` is cut into its formulas. */
-static ShvStatus read_relation(ShvVerification *made, char *text, ShvCaseQuantity *quantity, bool *strict,
-                               ShvError *error)
+static ShvStatus read_relation(ShvVerification *made, char *text, ShvCaseQuantity *quantity, ShvError *error)
 {
     static const struct {
         const char *sign;
@@ -248,7 +247,7 @@ static ShvStatus read_relation(ShvVerification *made, char *text, ShvCaseQuantit
     quantity->measure = text;
     quantity->reference = right;
     quantity->compare = relations[i].compare;
-    *strict = relations[i].strict;
+    quantity->strict = relations[i].strict;
     double *share = tolerance && !absolute ? &quantity->tolerance : &quantity->tolerance_absolute;
     *share = 0.0;
     return tolerance ? shv_formula_number(tolerance + strlen(" within "), &names, share, error) : SHV_OK;
@@ -265,12 +264,11 @@ static ShvStatus expect_line(ShvVerification *made, char *line, const ShvCaseRun
                                 .tolerance = (double)NAN,
                                 .tolerance_absolute = (double)NAN};
     ShvError why;
-    bool strict = false;
     if (!quantity.name || !message) return shv_fail_memory(error, "rows", 0);
     if (so < 0) {
-        const ShvStatus status = read_relation(made, line, &quantity, &strict, &why);
+        const ShvStatus status = read_relation(made, line, &quantity, &why);
         if (status == SHV_NO_MEMORY) return shv_fail_memory(error, "rows", 0);
-        return status == SHV_OK ? put_quantity(made, &quantity, strict, error) : fail(made, quantity.name, &why, error);
+        return status == SHV_OK ? put_quantity(made, &quantity, error) : fail(made, quantity.name, &why, error);
     }
     ShvVerifyRow row = row_of(made, made->now->title, &quantity);
     if (!so) row.note = message[0] ? message : "it ran to its end";

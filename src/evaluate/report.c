@@ -8,7 +8,8 @@
 #include "export/table.h"
 #include "shiver/verify.h"
 
-const char *shv_verify_relation(const ShvVerifyRow *row)
+/* What stands before a reference. */
+static const char *relation_of(const ShvVerifyRow *row)
 {
     static const char *const relations[] = {"", "≤ ", "≥ ", ""}, *const strict[] = {"", "< ", "> ", ""};
     return (row->strict ? strict : relations)[row->compare];
@@ -48,7 +49,7 @@ static void put_row(ShvTable *table, const void *data, int32_t index)
     const double scale = row->absolute ? 1.0 : 100.0;
     const double tolerance = row->verdict == SHV_VERDICT_SHOWN ? (double)NAN : scale * row->tolerance;
     if (table->form != SHV_TABLE_TEXT) put_name(table, row);
-    put_figure(table, "reference", shv_verify_relation(row), "%.6g", row->reference);
+    put_figure(table, "reference", relation_of(row), "%.6g", row->reference);
     put_figure(table, "Shiver", "", "%.6g", row->value);
     shv_table_text(table, "unit", NULL, row->unit);
     put_figure(table, "error", "", row->absolute ? "%+.3g" : "%+.3g %%", scale * row->error);

@@ -11,7 +11,7 @@
 
 #define NUMBER(name, member)                                                                                           \
     {                                                                                                                  \
-        name, NULL, offsetof(ShvPreflight, member)                                                                     \
+        name, offsetof(ShvPreflight, member)                                                                           \
     }
 static const ShvNumberField preflight_fields[] = {NUMBER("mass", mass),
                                                   NUMBER("volume", volume),

@@ -208,7 +208,7 @@ static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
 
 #define OF(member)                                                                                                     \
     {                                                                                                                  \
-#member, NULL, offsetof(ShvFragilityView, member)                                                              \
+#member, offsetof(ShvFragilityView, member)                                                                    \
     }
 static const ShvNumberField law_fields[] = {OF(h50),      OF(h50_low),  OF(h50_high), OF(h10),       OF(h10_low),
                                             OF(h10_high), OF(location), OF(scale),    OF(likelihood)};
