@@ -37,8 +37,7 @@ typedef struct ShvVerifyRow {
     bool strict;                               /* below or above: and not equal */
     bool absolute;                             /* error and tolerance: in the unit; else shares of |reference| */
     double value, reference, error, tolerance; /* error: value − reference; NaN: does not apply */
-    double step;                               /* what goes to zero over the runs; NaN: nothing */
-    double seconds;                            /* run time of the run; of an order of convergence: NaN */
+    double seconds;                            /* run time of the run; of all runs together: NaN */
 } ShvVerifyRow;
 
 typedef struct ShvVerifyCase {

@@ -13,15 +13,19 @@ typedef struct ShvCaseRun {
     bool full; /* only with the full set */
 } ShvCaseRun;
 
-typedef enum ShvCaseJudge { SHV_JUDGE_ALL, SHV_JUDGE_LAST } ShvCaseJudge;
+typedef enum ShvCaseJudge {
+    SHV_JUDGE_ALL,
+    SHV_JUDGE_LAST,
+    SHV_JUDGE_TOGETHER /* once, after all runs */
+} ShvCaseJudge;
 
 typedef struct ShvCaseQuantity {
     ShvItemHead head;
-    const char *name, *measure, *reference, *unit, *source, *explained, *step;
+    const char *name, *measure, *reference, *unit, *source, *explained;
     ShvVerifyCompare compare;
     bool strict; /* of a line of `expect` alone */
     ShvCaseJudge judge;
-    double tolerance, tolerance_absolute, order, order_tolerance; /* NaN: not given */
+    double tolerance, tolerance_absolute; /* NaN: not given */
 } ShvCaseQuantity;
 
 typedef struct ShvCaseItem {
@@ -63,8 +67,8 @@ struct ShvVerification {
 char *shv_next_line(ShvPool *pool, const char **at);
 /* s of the whole run, with set-up. */
 double shv_run_seconds(const ShvOutcome *outcome);
-/* judge.c: the rows of the run `now`, of which `last` is the last one; and of all runs together, judged if these are `complete`. */
+/* judge.c: the rows of the run `now`, of which `last` is the last one; and those of all runs together, judged if these are `complete`. */
 ShvStatus shv_judge_run(ShvVerification *made, const ShvCaseRun *run, bool last, ShvError *error);
-ShvStatus shv_judge_orders(ShvVerification *made, bool complete, ShvError *error);
+ShvStatus shv_judge_together(ShvVerification *made, bool complete, ShvError *error);
 
 #endif

@@ -1,7 +1,6 @@
-/* From runs to the rows of a case: variables, what is expected of a run, quantities, orders of convergence. */
+/* From runs to the rows of a case: variables, what is expected of a run, quantities, rows of all runs together. */
 #include <string.h>
 
-#include "base/line.h"
 #include "base/text.h"
 #include "evaluate/case.h"
 
@@ -95,10 +94,11 @@ static ShvStatus append(ShvVerification *made, const ShvVerifyRow *row, ShvError
 }
 
 /* Of nothing yet; not judged. */
-static ShvVerifyRow row_of(const ShvVerification *made, const char *title, const ShvCaseQuantity *quantity)
+static ShvVerifyRow row_of(const ShvVerification *made, const ShvCaseQuantity *quantity)
 {
     const double none = (double)NAN;
-    return (ShvVerifyRow){.run = title,
+    const bool together = quantity->judge == SHV_JUDGE_TOGETHER;
+    return (ShvVerifyRow){.run = together ? "all runs" : made->now->title,
                           .quantity = quantity->name,
                           .unit = quantity->unit ? quantity->unit : "",
                           .source = quantity->source ? quantity->source : made->view.source,
@@ -109,14 +109,13 @@ static ShvVerifyRow row_of(const ShvVerification *made, const char *title, const
                           .reference = none,
                           .error = none,
                           .tolerance = none,
-                          .step = none,
-                          .seconds = shv_run_seconds(&made->now->outcome)};
+                          .seconds = together ? none : shv_run_seconds(&made->now->outcome)};
 }
 
 static ShvStatus fail(ShvVerification *made, const char *what, const ShvError *why, ShvError *error)
 {
     const char *note = shv_pool_text(&made->texts, why->message, strlen(why->message));
-    ShvVerifyRow row = row_of(made, made->now->title, &(ShvCaseQuantity){.name = what, .compare = SHV_VERIFY_SHOWN});
+    ShvVerifyRow row = row_of(made, &(ShvCaseQuantity){.name = what, .compare = SHV_VERIFY_SHOWN});
     row.verdict = SHV_VERDICT_FAILED;
     if (note) row.note = note;
     return append(made, &row, error);
@@ -162,7 +161,6 @@ static ShvStatus measure(ShvVerification *made, const ShvCaseQuantity *quantity,
     const ShvFormulaNames names = shv_names(&made->names);
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
     if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
-    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
     const ShvStatus status = made->names.status;
     made->names.status = SHV_OK;
     return status == SHV_OK ? SHV_OK : shv_fail(error, status, "%s", made->names.error.message);
@@ -171,7 +169,7 @@ static ShvStatus measure(ShvVerification *made, const ShvCaseQuantity *quantity,
 /* What a run that did not come to its end lacks is a miss, and no fault of the formula. */
 static ShvStatus put_quantity(ShvVerification *made, const ShvCaseQuantity *quantity, ShvError *error)
 {
-    ShvVerifyRow row = row_of(made, made->now->title, quantity);
+    ShvVerifyRow row = row_of(made, quantity);
     ShvError why;
     const ShvStatus status = measure(made, quantity, &row, &why);
     if (made->work.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
@@ -190,7 +188,7 @@ static ShvStatus put_quantities(ShvVerification *made, bool last, ShvError *erro
     for (int32_t i = 0; i < made->item->quantities.count; i++) {
         ShvCaseQuantity quantity = quantities[i];
         if (quantity.judge == SHV_JUDGE_LAST && !last) quantity.compare = SHV_VERIFY_SHOWN;
-        SHV_TRY(put_quantity(made, &quantity, error));
+        if (quantity.judge != SHV_JUDGE_TOGETHER) SHV_TRY(put_quantity(made, &quantity, error));
     }
     return SHV_OK;
 }
@@ -270,7 +268,7 @@ static ShvStatus expect_line(ShvVerification *made, char *line, const ShvCaseRun
         if (status == SHV_NO_MEMORY) return shv_fail_memory(error, "rows", 0);
         return status == SHV_OK ? put_quantity(made, &quantity, error) : fail(made, quantity.name, &why, error);
     }
-    ShvVerifyRow row = row_of(made, made->now->title, &quantity);
+    ShvVerifyRow row = row_of(made, &quantity);
     if (!so) row.note = message[0] ? message : "it ran to its end";
     give(&row, so, run->explained);
     return append(made, &row, error);
@@ -305,37 +303,13 @@ ShvStatus shv_judge_run(ShvVerification *made, const ShvCaseRun *run, bool last,
     return put_quantities(made, last, error);
 }
 
-/* Slope of log|error| over log step through the rows of a quantity, least squares; NaN with fewer than two. */
-static double observed_order(const ShvVerifyCase *view, const char *quantity)
-{
-    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < view->row_count; i++) {
-        const ShvVerifyRow *row = &view->rows[i];
-        const double step = log(row->step), error = log(fabs(row->value / row->reference - 1.0));
-        if (row->quantity == quantity && isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
-    }
-    return shv_line_slope(&line);
-}
-
-ShvStatus shv_judge_orders(ShvVerification *made, bool complete, ShvError *error)
+ShvStatus shv_judge_together(ShvVerification *made, bool complete, ShvError *error)
 {
     const ShvCaseQuantity *quantities = made->item->quantities.data;
-    for (int32_t i = 0; i < made->item->quantities.count; i++) {
-        const ShvCaseQuantity *quantity = &quantities[i];
-        char name[400];
-        if (isnan(quantity->order) || made->run_count < 2) continue;
-        ShvVerifyRow row = row_of(made, "all runs", quantity);
-        shv_format(name, sizeof name, "%.360s: observed order", quantity->name);
-        row.quantity = shv_pool_text(&made->texts, name, strlen(name));
-        if (!row.quantity) return shv_fail_memory(error, "rows", 0);
-        row.unit = "";
-        row.seconds = (double)NAN;
-        row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
-        row.value = observed_order(&made->view, quantity->name);
-        row.reference = quantity->order;
-        row.tolerance = quantity->order_tolerance;
-        decide(&row, true, quantity->explained);
-        SHV_TRY(append(made, &row, error));
+    for (int32_t i = 0; i < made->item->quantities.count && made->run_count > 1; i++) {
+        ShvCaseQuantity quantity = quantities[i];
+        if (!complete) quantity.compare = SHV_VERIFY_SHOWN;
+        if (quantity.judge == SHV_JUDGE_TOGETHER) SHV_TRY(put_quantity(made, &quantity, error));
     }
     return SHV_OK;
 }

@@ -88,7 +88,7 @@ static ShvStatus make_runs(ShvVerification *made, ShvError *error)
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++)
         if (full || !runs[i].full) SHV_TRY(make_run(made, &runs[i], i == last, error));
-    return shv_judge_orders(made, made->run_count == count, error);
+    return shv_judge_together(made, made->run_count == count, error);
 }
 
 /* ---- the case ---- */

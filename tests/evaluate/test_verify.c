@@ -246,7 +246,7 @@ static void test_names(void **state)
     shv_verify_destroy(made);
 }
 
-/* Errors of 1 + h² against 1: order 2 over the runs; the last run alone is judged. */
+/* Errors of 1 + h² against 1: order 2 over all runs; of each the last one alone is judged. */
 static const char series[] =
     "let: error = h^2\n"
     "runs:\n"
@@ -254,8 +254,9 @@ static const char series[] =
     "  middle: {let: h = 0.2, set: \"duration=0.02\\ngravity=[0, 0, -1]\"}\n"
     "  fine: {let: \"h = 0.1\\nbefore = runs.coarse.h\", full: true}\n"
     "quantities:\n"
-    "  - {name: x, measure: 1 + error, reference: '1', tolerance: 0.02, judge: last, order: 2, "
-    "order_tolerance: 1e-6, step: h}\n"
+    "  - {name: x, measure: 1 + error, reference: '1', tolerance: 0.02, judge: last}\n"
+    "  - {name: order, measure: log(runs.coarse.error / error) / log(runs.coarse.h / h), reference: '2', "
+    "tolerance_absolute: 1e-6, judge: together}\n"
     "  - {name: duration, measure: scene.duration, compare: shown}\n";
 
 static void test_runs(void **state)
@@ -270,12 +271,12 @@ static void test_runs(void **state)
     check_near(verified->rows[1].value, 0.01, 0.0);
     check_near(verified->rows[3].value, 0.02, 0.0);
     check_near(verified->rows[5].value, 0.1, 0.0);
-    assert_string_equal(verified->rows[6].quantity, "x: observed order");
+    assert_string_equal(verified->rows[6].quantity, "order");
     check_near(verified->rows[6].value, 2.0, 1e-9);
     shv_verify_destroy(made);
 }
 
-/* Without the finest run the one before it is the last, and the order is not judged. */
+/* Without the finest run the one before it is the last, and what is of all runs is not judged. */
 static void test_short_runs(void **state)
 {
     ShvVerification *made = run_case(state, series, false);
@@ -317,7 +318,7 @@ static void test_faults(void **state)
         {"quantities: [{name: x, measure: '1'}]\n", "needs 'reference'"},
         {"quantities: [{name: x, measure: '1', reference: '1'}]\n", "needs 'tolerance' or 'tolerance_absolute'"},
         {"quantities: [{name: x, measure: '1', reference: '1', tolerance: 1, tolerance_absolute: 1}]\n", "give one of"},
-        {"quantities: [{name: x, measure: '1', reference: '1', tolerance: 1, order: 2}]\n", "'order' needs 'step'"},
+        {"quantities: [{name: x, measure: '1', compare: shown, judge: none}]\n", "together"},
         {"quantities: [{name: x, measure: '1', reference: '1', tolerance: -1}]\n", "tolerance is '-1'"},
         {"quantities: [{name: x, measure: '1', compare: shown, mesure: '1'}]\n", "did you mean 'measure'?"},
         {"quantities: [{name: x, measure: '1', compare: shown}]\nruns: {only: {full: true}}\n", "give --full"},
@@ -375,13 +376,13 @@ static void test_pages(void **state)
     check_fails(shv_verify_write(markdown, false, false, cases, 1, &error), SHV_BAD_INPUT, error, "--force");
     check_ok(shv_verify_write(markdown, false, true, cases, 1, &error), error);
     char *text = read_text(html);
-    assert_non_null(strstr(text, "x: observed order"));
+    assert_non_null(strstr(text, "order"));
     assert_non_null(strstr(text, "G. Galilei"));
     free(text);
     text = read_text(markdown);
     assert_non_null(strstr(text, "## a fall"));
     assert_non_null(strstr(text, "| x | fine | 1 | 1.01 |  | +1 % | 2 % | pass |"));
-    assert_non_null(strstr(text, "| x: observed order | all runs | 2 | 2 |  |"));
+    assert_non_null(strstr(text, "| order | all runs | 2 | 2 |  |"));
     assert_non_null(strstr(text, "\nSource: G. Galilei\n"));
     free(text);
     shv_verify_destroy(made);
