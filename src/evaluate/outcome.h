@@ -49,7 +49,7 @@ void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */
 void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3]);
 
-/* outcome_file.c; `data`: an outcome */
+/* `data`: an outcome */
 void shv_outcome_put(const void *data, FILE *stream);
 /* Writes whole or not at all. */
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error);

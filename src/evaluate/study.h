@@ -48,7 +48,7 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
 enum { SHV_STUDY_PATH = 4096 };
 ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
                          ShvError *error);
-/* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
+/* study_measure.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
@@ -57,8 +57,5 @@ void shv_study_mark_front(ShvStudy *study, int32_t measure);
 typedef enum ShvStudyTable { SHV_STUDY_RESULTS, SHV_STUDY_TIMINGS, SHV_STUDY_LINES, SHV_STUDY_RUNS } ShvStudyTable;
 void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
-/* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
-void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);
-void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within);
 
 #endif

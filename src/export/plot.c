@@ -30,7 +30,7 @@ void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point)
     draft->lines[draft->line_count - 1].count++;
 }
 
-void shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point)
+int32_t shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point)
 {
     int32_t i = 0;
     while (i < draft->line_count && strcmp(draft->lines[i].name, name) != 0) i++;
@@ -38,7 +38,8 @@ void shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point)
     const ptrdiff_t at = draft->lines[i].points - draft->points + draft->lines[i].count++;
     memmove(draft->points + at + 1, draft->points + at, (size_t)(draft->point_count++ - at) * sizeof point);
     draft->points[at] = point;
-    for (i++; i < draft->line_count; i++) draft->lines[i].points++;
+    for (int32_t k = i + 1; k < draft->line_count; k++) draft->lines[k].points++;
+    return i;
 }
 
 /* ---- axes ---- */

@@ -28,8 +28,9 @@ typedef struct ShvPlotDraft {
 } ShvPlotDraft;
 void shv_plot_line(ShvPlotDraft *draft, const char *name, ShvPlotStyle style);
 void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point);
-/* At the end of the line of that name, in whatever order lines get their points; a marked line where there is none yet. */
-void shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point);
+/* At the end of the line of that name, in whatever order lines get their points; a marked line where there is none yet. Returns the
+   line's index. */
+int32_t shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point);
 
 /* From `low` to `high` at x, in the colour of a line: what lies around a point. */
 typedef struct ShvPlotSpan {

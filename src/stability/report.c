@@ -129,7 +129,7 @@ static void add(Drawing *drawing, const char *name, double x, double y)
 {
     char *kept = drawing->names[drawing->draft.line_count];
     shv_format(kept, sizeof drawing->names[0], "%s", name);
-    shv_plot_add(&drawing->draft, kept, (ShvPlotPoint){.x = x, .y = y});
+    (void)shv_plot_add(&drawing->draft, kept, (ShvPlotPoint){.x = x, .y = y});
 }
 
 /* The limit against the number of sweeps, a line a k; else what is wrong at each step, a line a setting. */
