@@ -50,7 +50,6 @@ static ShvStatus make_forms(ShvSampler *sampler, const ShvSimulation *simulation
     return SHV_OK;
 }
 
-/* Why there is no way of bodies, or no closed form of it, is told to whoever asks for it. */
 static ShvStatus start_track(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
     const ShvSceneDefinition *scene = sampler->scene;
@@ -61,18 +60,14 @@ static ShvStatus start_track(ShvSampler *sampler, const ShvSimulation *simulatio
         .law = scene->reference.law, .duration = scene->duration, .gravity = shv_load3(scene->gravity)};
     ShvBody *bodies = shv_pool_take(&sampler->pool, (size_t)count, sizeof *bodies);
     if (!bodies) return shv_fail_memory(error, "bodies to compare", (size_t)count * sizeof *bodies);
-    ShvStatus status = describe_bodies(sampler, frame, bodies, count, error);
-    if (status == SHV_OK) {
-        sampler->begun = frame->fragment_count;
-        sampler->body_count = count;
-        status = make_forms(sampler, simulation, bodies, &head.up, error);
-        shv_outcome_set(outcome, "track.bodies", count);
-        shv_outcome_add_all(outcome, "track.masses", SHV_CLOCK_NONE, bodies, (int64_t)count * SHV_BODY_NUMBERS);
-        shv_outcome_add_all(outcome, "track.scene", SHV_CLOCK_NONE, &head, sizeof head / sizeof(double));
-    }
-    if (status == SHV_NO_MEMORY) return status;
-    if (status != SHV_OK) shv_format(outcome->no_motion, sizeof outcome->no_motion, "%.500s", error->message);
-    return SHV_OK;
+    SHV_TRY(describe_bodies(sampler, frame, bodies, count, error));
+    sampler->begun = frame->fragment_count;
+    sampler->body_count = count;
+    const ShvStatus status = make_forms(sampler, simulation, bodies, &head.up, error);
+    shv_outcome_set(outcome, "track.bodies", count);
+    shv_outcome_add_all(outcome, "track.masses", SHV_CLOCK_NONE, bodies, (int64_t)count * SHV_BODY_NUMBERS);
+    shv_outcome_add_all(outcome, "track.scene", SHV_CLOCK_NONE, &head, sizeof head / sizeof(double));
+    return status;
 }
 
 static ShvBodyState *room_for_states(ShvOutcome *outcome, const char *name, int64_t count)
@@ -244,7 +239,12 @@ ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation,
     sampler->fragments = shv_pool_take(&sampler->pool, count, sizeof *sampler->fragments);
     sampler->damage = shv_pool_take(&sampler->pool, 4 * count, sizeof *sampler->damage);
     if (sampler->pool.failed) return shv_fail_memory(error, "corners", 132 * count);
-    return start_track(sampler, simulation, error);
+    /* Why there is no way of bodies, or no closed form of it, is told to whoever asks for it. */
+    const ShvStatus status = start_track(sampler, simulation, error);
+    if (status == SHV_NO_MEMORY) return status;
+    if (status != SHV_OK)
+        shv_format(sampler->outcome->no_motion, sizeof sampler->outcome->no_motion, "%.500s", error->message);
+    return SHV_OK;
 }
 
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)

@@ -246,6 +246,23 @@ static void test_names(void **state)
     shv_verify_destroy(made);
 }
 
+/* A run beside the motion that its scene's `reference` names; without one that is said, of that row alone. */
+static void test_closed_form(void **state)
+{
+    static const char rest[] = "runs: {flies: {set: 'reference={law: flight}'}, without: {}}\n"
+                               "quantities:\n"
+                               "  - {name: place, measure: position(closed_form), reference: '0', compare: below, "
+                               "tolerance_absolute: 1e-9}\n"
+                               "  - {name: pieces, measure: end.fragments, reference: '1', tolerance: 0}\n";
+    ShvVerification *made = run_case(state, rest, false);
+    const ShvVerifyCase *verified = shv_verification_case(made);
+    assert_int_equal(verified->row_count, 4);
+    assert_int_equal(verified->passes, 3);
+    assert_int_equal(verified->rows[2].verdict, SHV_VERDICT_FAILED);
+    assert_non_null(strstr(verified->rows[2].note, "has no 'reference'"));
+    shv_verify_destroy(made);
+}
+
 /* Errors of 1 + h² against 1: order 2 over all runs; of each the last one alone is judged. */
 static const char series[] =
     "let: error = h^2\n"
@@ -420,6 +437,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_expectations, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_circle, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_names, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_closed_form, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_runs, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_short_runs, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_failed_runs, make_folder, remove_folder),
