@@ -24,7 +24,7 @@ static void put_markdown(ShvTable *table, const char *class, const char *text)
     if (table->heads && class && strstr(class, "number")) table->right |= (uint64_t)1 << table->column % 64;
 }
 
-/* Numbers to the right. A text that is longer than most hangs over. */
+/* Numbers to the right. A text that is longer than most hangs over; control characters would move the terminal. */
 static void put_aligned(ShvTable *table, const char *class, const char *text)
 {
     enum { LONGEST = 72 };
@@ -37,7 +37,9 @@ static void put_aligned(ShvTable *table, const char *class, const char *text)
         return;
     }
     const int rest = *width > length ? *width - length : 0;
-    shv_print(table->stream, "%*s%s%s", table->fill + (number ? rest : 0), "", text, mark);
+    shv_print(table->stream, "%*s", table->fill + (number ? rest : 0), "");
+    for (; *text; text++) shv_print(table->stream, "%c", (unsigned char)*text < 0x20 ? ' ' : *text);
+    shv_print(table->stream, "%s", mark);
     table->fill = 2 + (number ? 0 : rest);
 }
 
