@@ -77,7 +77,8 @@ ShvStatus shv_study_run(ShvStudy *study, ShvError *error);
 ShvStatus shv_study_measure(ShvStudy *study, ShvError *error);
 /* After measuring: report.html, study.json, results.csv, timings.csv, table.md and figures (.svg) into the folder. */
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error);
-/* The content of study.json. */
+/* The table as `shiver study` prints it; the content of study.json. */
+void shv_study_print(const ShvStudy *study, FILE *stream);
 void shv_study_print_json(const ShvStudy *study, FILE *stream);
 
 const ShvStudyView *shv_study_view(const ShvStudy *study);

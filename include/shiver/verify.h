@@ -37,8 +37,7 @@ typedef struct ShvVerifyRow {
     bool strict;                               /* below or above: and not equal */
     bool absolute;                             /* error and tolerance: in the unit; else shares of |reference| */
     double value, reference, error, tolerance; /* error: value − reference; NaN: does not apply */
-    double step;                               /* what goes to zero over the runs; NaN: nothing */
-    double seconds;                            /* run time of the run; of an order of convergence: NaN */
+    double seconds;                            /* run time of the run; of all runs together: NaN */
 } ShvVerifyRow;
 
 typedef struct ShvVerifyCase {
@@ -50,8 +49,6 @@ typedef struct ShvVerifyCase {
     double seconds;
 } ShvVerifyCase;
 
-/* "≤ " and so on, what stands before a reference. */
-const char *shv_verify_relation(const ShvVerifyRow *row);
 /* Sums of all cases; names and rows stay empty. */
 ShvVerifyCase shv_verify_sum(const ShvVerifyCase *const *cases, int32_t count);
 
@@ -72,7 +69,8 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
 void shv_verify_destroy(ShvVerification *verification);
 const ShvVerifyCase *shv_verification_case(const ShvVerification *verification);
 
-/* The rows of all cases, as `shiver verify --json` prints them. */
+/* The rows of a case, as `shiver verify` prints them; those of all cases, as with --json. */
+void shv_verify_print(const ShvVerifyCase *verified, FILE *stream);
 void shv_verify_print_json(const ShvVerifyCase *const *cases, int32_t count, FILE *stream);
 /* All cases as a page of HTML, or else as the tables of a Markdown page; `force` replaces an existing file. */
 ShvStatus shv_verify_write(const char *path, bool html, bool force, const ShvVerifyCase *const *cases, int32_t count,

@@ -1,4 +1,3 @@
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,45 +13,7 @@ static void say_run(void *data, const char *setting)
     fprintf(stderr, "shiver: running %s\n", setting);
 }
 
-/* ---- what is printed ---- */
-
-static void print_number(double value, const char *mark)
-{
-    char text[32] = "-";
-    if (isfinite(value)) snprintf(text, sizeof text, "%.3g", value);
-    printf("  %12s%s", text, mark);
-}
-
-static void print_row(const ShvStudyView *study, const ShvStudyRow *row, int width)
-{
-    printf("%-*s", width, row->name);
-    print_number(row->seconds, "");
-    print_number(row->courant > 0.0 ? row->courant : (double)NAN, "");
-    for (int32_t i = 0; i < study->measure_count; i++) print_number(row->errors[i], row->on_front[i] ? "*" : " ");
-    if (row->status != SHV_OK) printf("  failed: %s", row->message);
-    printf("%s\n", row->is_reference ? "  (reference)" : "");
-}
-
-static void print_table(const ShvStudyView *study)
-{
-    int width = 8;
-    bool any = false;
-    for (int32_t i = 0; i < study->row_count; i++) {
-        const int length = (int)strlen(study->rows[i].name);
-        width = length > width ? length : width;
-    }
-    printf("errors from %s; * on the Pareto front%s\n", study->reference,
-           study->timings_valid ? "" : "; run times are not valid");
-    printf("%-*s  %12s  %12s", width, "setting", "run time, s", "Courant");
-    for (int32_t i = 0; i < study->measure_count; i++) printf("  %12.12s ", study->measures[i]);
-    printf("\n");
-    for (int32_t i = 0; i < study->row_count; i++) print_row(study, &study->rows[i], width);
-    for (int32_t i = 0; i < study->measure_count; i++) any |= study->scatter[i] > 0.0;
-    if (!any) return;
-    printf("%-*s  %12s  %12s", width, "scatter", "", "");
-    for (int32_t i = 0; i < study->measure_count; i++) print_number(study->scatter[i], " ");
-    printf("\n");
-}
+/* ---- the cheapest that is good enough ---- */
 
 /* "error=0.05" takes the study's first measure. */
 static ShvStatus read_pick(const ShvStudyView *study, const char *text, int32_t *measure, double *largest,
@@ -135,7 +96,7 @@ static ShvStatus show(ShvStudy *study, bool json, ShvError *error)
     if (json)
         shv_study_print_json(study, stdout);
     else
-        print_table(shv_study_view(study));
+        shv_study_print(study, stdout);
     return SHV_OK;
 }
 

@@ -1,50 +1,16 @@
 #include "cli/command.h"
 
 #include <dirent.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "base/text.h"
 
 enum { FULL, JSON, HTML, MARKDOWN, FOLDER, FORCE };
 
 static const char ending[] = ".case.yaml";
-
-/* ---- text ---- */
-
-static void print_row(const ShvVerifyRow *row)
-{
-    const double scale = row->absolute ? 1.0 : 100.0;
-    const char *percent = row->absolute ? "" : " %", *verdict = shv_verdict_name(row->verdict);
-    printf("  %s%s%s%s: ", row->quantity, row->run[0] ? " (" : "", row->run, row->run[0] ? ")" : "");
-    if (row->verdict == SHV_VERDICT_FAILED) {
-        printf("FAILED: %s\n", row->note);
-        return;
-    }
-    if (!isnan(row->value) || !isnan(row->reference))
-        printf("%.6g%s%s", row->value, row->unit[0] ? " " : "", row->unit);
-    if (!isnan(row->reference))
-        printf(", reference %s%.6g, error %+.3g%s", shv_verify_relation(row), row->reference, scale * row->error,
-               percent);
-    if (row->verdict == SHV_VERDICT_SHOWN) {
-        printf("\n");
-        return;
-    }
-    if (!isnan(row->tolerance)) printf(", tolerance %.3g%s: ", scale * row->tolerance, percent);
-    printf("%s\n", row->verdict == SHV_VERDICT_MISS ? "MISS" : verdict);
-    if (row->note[0]) printf("    %s\n", row->note);
-}
-
-static void print_case(const ShvVerifyCase *verified)
-{
-    printf("%s: %s (%.2f s)\n", verified->name, verified->title, verified->seconds);
-    for (int32_t i = 0; i < verified->row_count; i++) print_row(&verified->rows[i]);
-    fflush(stdout);
-}
 
 /* ---- running ---- */
 
@@ -97,7 +63,8 @@ static ShvStatus run_case(Work *work, const char *path, ShvError *error)
     if (status != SHV_OK || !made) return status;
     work->made[work->count] = made;
     work->cases[work->count] = shv_verification_case(made);
-    if (!work->arguments->values[JSON]) print_case(work->cases[work->count]);
+    if (!work->arguments->values[JSON]) shv_verify_print(work->cases[work->count], stdout);
+    fflush(stdout);
     work->count++;
     return SHV_OK;
 }

@@ -30,7 +30,8 @@ static const ShvChoice compare_choices[] = {{"near", SHV_VERIFY_NEAR},
                                             {"above", SHV_VERIFY_ABOVE},
                                             {"shown", SHV_VERIFY_SHOWN},
                                             {NULL, 0}};
-static const ShvChoice judge_choices[] = {{"all", SHV_JUDGE_ALL}, {"last", SHV_JUDGE_LAST}, {NULL, 0}};
+static const ShvChoice judge_choices[] = {
+    {"all", SHV_JUDGE_ALL}, {"last", SHV_JUDGE_LAST}, {"together", SHV_JUDGE_TOGETHER}, {NULL, 0}};
 static const ShvKey quantity_keys[] = {
     {"name", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(name)},
     {"measure", SHV_KEY_TEXT, .flags = SHV_KEY_REQUIRED, .offset = QUANTITY(measure)},
@@ -41,18 +42,12 @@ static const ShvKey quantity_keys[] = {
     {"tolerance_absolute", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(tolerance_absolute),
      .absent = ""},
     {"judge", SHV_KEY_CHOICE, .choices = judge_choices, .offset = QUANTITY(judge)},
-    {"order", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order), .absent = ""},
-    {"order_tolerance", SHV_KEY_NUMBER, .range = &not_negative, .offset = QUANTITY(order_tolerance), .absent = ""},
-    {"step", SHV_KEY_TEXT, .offset = QUANTITY(step)},
     {"source", SHV_KEY_TEXT, .offset = QUANTITY(source)},
     {"explained", SHV_KEY_TEXT, .offset = QUANTITY(explained)},
 };
 static void start_quantity(void *item)
 {
-    *(ShvCaseQuantity *)item = (ShvCaseQuantity){.tolerance = (double)NAN,
-                                                 .tolerance_absolute = (double)NAN,
-                                                 .order = (double)NAN,
-                                                 .order_tolerance = (double)NAN};
+    *(ShvCaseQuantity *)item = (ShvCaseQuantity){.tolerance = (double)NAN, .tolerance_absolute = (double)NAN};
 }
 static const ShvTable quantity_table = {.name = "quantities.<index>",
                                         .keys = quantity_keys,
@@ -88,8 +83,6 @@ static void check_quantity(const ShvCaseQuantity *quantity, ShvDiagnostics *diag
         shv_error(diagnostics, place, "'compare: near' needs 'tolerance' or 'tolerance_absolute'");
     if (!isnan(quantity->tolerance) && !isnan(quantity->tolerance_absolute))
         shv_error(diagnostics, place, "give one of 'tolerance' and 'tolerance_absolute'");
-    if (!isnan(quantity->order) && (!quantity->step || isnan(quantity->order_tolerance)))
-        shv_error(diagnostics, place, "'order' needs 'step' and 'order_tolerance'");
 }
 
 ShvCaseItem *shv_case_read(const char *text, size_t length, ShvPool *work, ShvPool *texts, ShvDiagnostics *diagnostics)

@@ -13,14 +13,19 @@ typedef struct ShvCaseRun {
     bool full; /* only with the full set */
 } ShvCaseRun;
 
-typedef enum ShvCaseJudge { SHV_JUDGE_ALL, SHV_JUDGE_LAST } ShvCaseJudge;
+typedef enum ShvCaseJudge {
+    SHV_JUDGE_ALL,
+    SHV_JUDGE_LAST,
+    SHV_JUDGE_TOGETHER /* once, after all runs */
+} ShvCaseJudge;
 
 typedef struct ShvCaseQuantity {
     ShvItemHead head;
-    const char *name, *measure, *reference, *unit, *source, *explained, *step;
+    const char *name, *measure, *reference, *unit, *source, *explained;
     ShvVerifyCompare compare;
+    bool strict; /* of a line of `expect` alone */
     ShvCaseJudge judge;
-    double tolerance, tolerance_absolute, order, order_tolerance; /* NaN: not given */
+    double tolerance, tolerance_absolute; /* NaN: not given */
 } ShvCaseQuantity;
 
 typedef struct ShvCaseItem {
@@ -35,14 +40,6 @@ typedef struct ShvCaseItem {
    failed. */
 ShvCaseItem *shv_case_read(const char *text, size_t length, ShvPool *work, ShvPool *texts, ShvDiagnostics *diagnostics);
 
-struct ShvVerification {
-    ShvMemory *memory;
-    ShvPool texts; /* what rows point to */
-    ShvVerifyCase view;
-    ShvVerifyRow *rows;
-    int32_t row_capacity;
-};
-
 /* What is kept of a run until the case is done. */
 typedef struct ShvKeptRun {
     ShvNamedRun named;
@@ -50,21 +47,28 @@ typedef struct ShvKeptRun {
     ShvOutcome outcome;
 } ShvKeptRun;
 
-typedef struct ShvJudge {
-    ShvVerification *made;
+struct ShvVerification {
+    ShvMemory *memory;
+    ShvPool texts; /* what rows point to */
+    ShvVerifyCase view;
+    ShvVerifyRow *rows;
+    int32_t row_capacity;
+    /* until the case is done */
+    const ShvVerifyOptions *options;
     const ShvCaseItem *item;
-    ShvPool work; /* of the whole case: lines, variables, series */
+    char *folder;
+    ShvPool work; /* lines, variables, series */
     ShvKeptRun *runs, *now;
     int32_t run_count;
     ShvNames names;
-} ShvJudge;
+};
 
 /* The next line that is not blank, without spaces around it; NULL at the end. `*at` moves on. */
 char *shv_next_line(ShvPool *pool, const char **at);
 /* s of the whole run, with set-up. */
 double shv_run_seconds(const ShvOutcome *outcome);
-/* judge.c: the rows of the run `now`, of which `last` is the last one; and of all runs together, judged if these are `complete`. */
-ShvStatus shv_judge_run(ShvJudge *judge, const ShvCaseRun *run, bool last, ShvError *error);
-ShvStatus shv_judge_orders(ShvJudge *judge, bool complete, ShvError *error);
+/* judge.c: the rows of the run `now`, of which `last` is the last one; and those of all runs together, judged if these are `complete`. */
+ShvStatus shv_judge_run(ShvVerification *made, const ShvCaseRun *run, bool last, ShvError *error);
+ShvStatus shv_judge_together(ShvVerification *made, bool complete, ShvError *error);
 
 #endif

@@ -1,7 +1,6 @@
-/* From runs to the rows of a case: variables, what is expected of a run, quantities, orders of convergence. */
+/* From runs to the rows of a case: variables, what is expected of a run, quantities, rows of all runs together. */
 #include <string.h>
 
-#include "base/line.h"
 #include "base/text.h"
 #include "evaluate/case.h"
 
@@ -34,12 +33,13 @@ static void cut(char *text, char *at)
 /* ---- variables ---- */
 
 /* A name that is defined by one of these lines, though not yet, is told apart from one that never is. */
-static ShvStatus fail_variable(ShvJudge *judge, const char *name, const char *rest, ShvStatus status, ShvError *error)
+static ShvStatus fail_variable(ShvVerification *made, const char *name, const char *rest, ShvStatus status,
+                               ShvError *error)
 {
     const ShvError why = *error;
     const char *at = rest, *quoted = strstr(why.message, "': '");
     bool later = false;
-    for (char *line = shv_next_line(&judge->work, &at); line && quoted; line = shv_next_line(&judge->work, &at)) {
+    for (char *line = shv_next_line(&made->work, &at); line && quoted; line = shv_next_line(&made->work, &at)) {
         const size_t length = strcspn(line, " \t=");
         later |= strncmp(quoted + 4, line, length) == 0 && strncmp(quoted + 4 + length, "' is unknown", 12) == 0;
     }
@@ -48,28 +48,28 @@ static ShvStatus fail_variable(ShvJudge *judge, const char *name, const char *re
 }
 
 /* "name = formula", the first of these lines */
-static ShvStatus define(ShvJudge *judge, char *line, const char *from, ShvError *error)
+static ShvStatus define(ShvVerification *made, char *line, const char *from, ShvError *error)
 {
     char *equals = strchr(line, '=');
     if (!equals) return shv_fail(error, SHV_BAD_INPUT, "'%.200s' in 'let' is not of the form name = formula", line);
     cut(line, equals);
-    ShvNamedRun *named = &judge->now->named;
-    ShvVariable *variable = shv_pool_take(&judge->work, 1, sizeof *variable);
+    ShvNamedRun *named = &made->now->named;
+    ShvVariable *variable = shv_pool_take(&made->work, 1, sizeof *variable);
     if (!variable) return shv_fail_memory(error, "variables", sizeof *variable);
-    const ShvFormulaNames names = shv_names(&judge->names);
+    const ShvFormulaNames names = shv_names(&made->names);
     const ShvStatus status = shv_formula_evaluate(equals + 1, &names, &variable->value, error);
-    if (status != SHV_OK) return fail_variable(judge, line, from, status, error);
+    if (status != SHV_OK) return fail_variable(made, line, from, status, error);
     variable->name = line;
     variable->before = named->variables;
     named->variables = variable;
     return SHV_OK;
 }
 
-static ShvStatus define_all(ShvJudge *judge, const char *let, ShvError *error)
+static ShvStatus define_all(ShvVerification *made, const char *let, ShvError *error)
 {
     const char *from = let;
-    for (char *line = shv_next_line(&judge->work, &let); line; line = shv_next_line(&judge->work, &let)) {
-        SHV_TRY(define(judge, line, from, error));
+    for (char *line = shv_next_line(&made->work, &let); line; line = shv_next_line(&made->work, &let)) {
+        SHV_TRY(define(made, line, from, error));
         from = let;
     }
     return SHV_OK;
@@ -77,9 +77,8 @@ static ShvStatus define_all(ShvJudge *judge, const char *let, ShvError *error)
 
 /* ---- rows ---- */
 
-static ShvStatus append(ShvJudge *judge, const ShvVerifyRow *row, ShvError *error)
+static ShvStatus append(ShvVerification *made, const ShvVerifyRow *row, ShvError *error)
 {
-    ShvVerification *made = judge->made;
     ShvVerifyCase *view = &made->view;
     if (view->row_count == made->row_capacity) {
         const size_t capacity = 2 * (size_t)made->row_capacity + 16;
@@ -95,30 +94,31 @@ static ShvStatus append(ShvJudge *judge, const ShvVerifyRow *row, ShvError *erro
 }
 
 /* Of nothing yet; not judged. */
-static ShvVerifyRow row_of(const ShvJudge *judge, const char *title, const ShvCaseQuantity *quantity)
+static ShvVerifyRow row_of(const ShvVerification *made, const ShvCaseQuantity *quantity)
 {
     const double none = (double)NAN;
-    return (ShvVerifyRow){.run = title,
+    const bool together = quantity->judge == SHV_JUDGE_TOGETHER;
+    return (ShvVerifyRow){.run = together ? "all runs" : made->now->title,
                           .quantity = quantity->name,
                           .unit = quantity->unit ? quantity->unit : "",
-                          .source = quantity->source ? quantity->source : judge->made->view.source,
+                          .source = quantity->source ? quantity->source : made->view.source,
                           .note = "",
                           .compare = quantity->compare,
+                          .strict = quantity->strict,
                           .value = none,
                           .reference = none,
                           .error = none,
                           .tolerance = none,
-                          .step = none,
-                          .seconds = shv_run_seconds(&judge->now->outcome)};
+                          .seconds = together ? none : shv_run_seconds(&made->now->outcome)};
 }
 
-static ShvStatus fail(ShvJudge *judge, const char *what, const ShvError *why, ShvError *error)
+static ShvStatus fail(ShvVerification *made, const char *what, const ShvError *why, ShvError *error)
 {
-    const char *note = shv_pool_text(&judge->made->texts, why->message, strlen(why->message));
-    ShvVerifyRow row = row_of(judge, judge->now->title, &(ShvCaseQuantity){.name = what, .compare = SHV_VERIFY_SHOWN});
+    const char *note = shv_pool_text(&made->texts, why->message, strlen(why->message));
+    ShvVerifyRow row = row_of(made, &(ShvCaseQuantity){.name = what, .compare = SHV_VERIFY_SHOWN});
     row.verdict = SHV_VERDICT_FAILED;
     if (note) row.note = note;
-    return append(judge, &row, error);
+    return append(made, &row, error);
 }
 
 /* A value that is not a number passes nothing. */
@@ -156,39 +156,39 @@ static void decide(ShvVerifyRow *row, bool absolute, const char *explained)
 
 /* ---- quantities ---- */
 
-static ShvStatus measure(ShvJudge *judge, const ShvCaseQuantity *quantity, ShvVerifyRow *row, ShvError *error)
+static ShvStatus measure(ShvVerification *made, const ShvCaseQuantity *quantity, ShvVerifyRow *row, ShvError *error)
 {
-    const ShvFormulaNames names = shv_names(&judge->names);
+    const ShvFormulaNames names = shv_names(&made->names);
     SHV_TRY(shv_formula_number(quantity->measure, &names, &row->value, error));
     if (quantity->reference) SHV_TRY(shv_formula_number(quantity->reference, &names, &row->reference, error));
-    if (quantity->step) SHV_TRY(shv_formula_number(quantity->step, &names, &row->step, error));
-    return SHV_OK;
+    const ShvStatus status = made->names.status;
+    made->names.status = SHV_OK;
+    return status == SHV_OK ? SHV_OK : shv_fail(error, status, "%s", made->names.error.message);
 }
 
 /* What a run that did not come to its end lacks is a miss, and no fault of the formula. */
-static ShvStatus put_quantity(ShvJudge *judge, const ShvCaseQuantity *quantity, bool strict, ShvError *error)
+static ShvStatus put_quantity(ShvVerification *made, const ShvCaseQuantity *quantity, ShvError *error)
 {
-    ShvVerifyRow row = row_of(judge, judge->now->title, quantity);
+    ShvVerifyRow row = row_of(made, quantity);
     ShvError why;
-    row.strict = strict;
-    const ShvStatus status = measure(judge, quantity, &row, &why);
-    if (judge->work.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
-    if (status != SHV_OK && judge->now->outcome.status == SHV_OK) return fail(judge, quantity->name, &why, error);
+    const ShvStatus status = measure(made, quantity, &row, &why);
+    if (made->work.failed || status == SHV_NO_MEMORY) return shv_fail_memory(error, "series", 0);
+    if (status != SHV_OK && made->now->outcome.status == SHV_OK) return fail(made, quantity->name, &why, error);
     const bool absolute = !isnan(quantity->tolerance_absolute) || row.reference == 0.0;
     row.tolerance = absolute ? quantity->tolerance_absolute : quantity->tolerance;
     if (isnan(row.tolerance) && quantity->compare != SHV_VERIFY_NEAR && quantity->compare != SHV_VERIFY_SHOWN)
         row.tolerance = 0.0;
     decide(&row, absolute, quantity->explained);
-    return append(judge, &row, error);
+    return append(made, &row, error);
 }
 
-static ShvStatus put_quantities(ShvJudge *judge, bool last, ShvError *error)
+static ShvStatus put_quantities(ShvVerification *made, bool last, ShvError *error)
 {
-    const ShvCaseQuantity *quantities = judge->item->quantities.data;
-    for (int32_t i = 0; i < judge->item->quantities.count; i++) {
+    const ShvCaseQuantity *quantities = made->item->quantities.data;
+    for (int32_t i = 0; i < made->item->quantities.count; i++) {
         ShvCaseQuantity quantity = quantities[i];
         if (quantity.judge == SHV_JUDGE_LAST && !last) quantity.compare = SHV_VERIFY_SHOWN;
-        SHV_TRY(put_quantity(judge, &quantity, false, error));
+        if (quantity.judge != SHV_JUDGE_TOGETHER) SHV_TRY(put_quantity(made, &quantity, error));
     }
     return SHV_OK;
 }
@@ -219,7 +219,7 @@ static int ended_so(const ShvOutcome *outcome, const char *line)
 }
 
 /* A line with a relation is a quantity. `text` is cut into its formulas. */
-static ShvStatus read_relation(ShvJudge *judge, char *text, ShvCaseQuantity *quantity, bool *strict, ShvError *error)
+static ShvStatus read_relation(ShvVerification *made, char *text, ShvCaseQuantity *quantity, ShvError *error)
 {
     static const struct {
         const char *sign;
@@ -230,7 +230,7 @@ static ShvStatus read_relation(ShvJudge *judge, char *text, ShvCaseQuantity *qua
                      {"<", SHV_VERIFY_BELOW, true},
                      {">", SHV_VERIFY_ABOVE, true},
                      {"=", SHV_VERIFY_NEAR, false}};
-    const ShvFormulaNames names = shv_names(&judge->names);
+    const ShvFormulaNames names = shv_names(&made->names);
     char *sign = NULL;
     size_t i = 0;
     while (i < sizeof relations / sizeof relations[0] && !(sign = strstr(text, relations[i].sign))) i++;
@@ -245,16 +245,16 @@ static ShvStatus read_relation(ShvJudge *judge, char *text, ShvCaseQuantity *qua
     quantity->measure = text;
     quantity->reference = right;
     quantity->compare = relations[i].compare;
-    *strict = relations[i].strict;
+    quantity->strict = relations[i].strict;
     double *share = tolerance && !absolute ? &quantity->tolerance : &quantity->tolerance_absolute;
     *share = 0.0;
     return tolerance ? shv_formula_number(tolerance + strlen(" within "), &names, share, error) : SHV_OK;
 }
 
-static ShvStatus expect_line(ShvJudge *judge, char *line, const ShvCaseRun *run, ShvError *error)
+static ShvStatus expect_line(ShvVerification *made, char *line, const ShvCaseRun *run, ShvError *error)
 {
-    ShvPool *texts = &judge->made->texts;
-    const ShvOutcome *outcome = &judge->now->outcome;
+    ShvPool *texts = &made->texts;
+    const ShvOutcome *outcome = &made->now->outcome;
     const int so = ended_so(outcome, line);
     const char *message = shv_pool_text(texts, outcome->message, strlen(outcome->message));
     ShvCaseQuantity quantity = {.name = shv_pool_text(texts, line, strlen(line)),
@@ -262,80 +262,54 @@ static ShvStatus expect_line(ShvJudge *judge, char *line, const ShvCaseRun *run,
                                 .tolerance = (double)NAN,
                                 .tolerance_absolute = (double)NAN};
     ShvError why;
-    bool strict = false;
     if (!quantity.name || !message) return shv_fail_memory(error, "rows", 0);
     if (so < 0) {
-        const ShvStatus status = read_relation(judge, line, &quantity, &strict, &why);
+        const ShvStatus status = read_relation(made, line, &quantity, &why);
         if (status == SHV_NO_MEMORY) return shv_fail_memory(error, "rows", 0);
-        return status == SHV_OK ? put_quantity(judge, &quantity, strict, error)
-                                : fail(judge, quantity.name, &why, error);
+        return status == SHV_OK ? put_quantity(made, &quantity, error) : fail(made, quantity.name, &why, error);
     }
-    ShvVerifyRow row = row_of(judge, judge->now->title, &quantity);
+    ShvVerifyRow row = row_of(made, &quantity);
     if (!so) row.note = message[0] ? message : "it ran to its end";
     give(&row, so, run->explained);
-    return append(judge, &row, error);
+    return append(made, &row, error);
 }
 
-static ShvStatus expect(ShvJudge *judge, const ShvCaseRun *run, ShvError *error)
+static ShvStatus expect(ShvVerification *made, const ShvCaseRun *run, ShvError *error)
 {
     const char *at = run->expect;
-    for (char *line = shv_next_line(&judge->work, &at); line; line = shv_next_line(&judge->work, &at))
-        SHV_TRY(expect_line(judge, line, run, error));
-    return judge->work.failed ? shv_fail_memory(error, "rows", 0) : SHV_OK;
+    for (char *line = shv_next_line(&made->work, &at); line; line = shv_next_line(&made->work, &at))
+        SHV_TRY(expect_line(made, line, run, error));
+    return made->work.failed ? shv_fail_memory(error, "rows", 0) : SHV_OK;
 }
 
 /* ---- all of a run ---- */
 
 /* Variables of the run, of the case; then what is expected and what is compared. */
-ShvStatus shv_judge_run(ShvJudge *judge, const ShvCaseRun *run, bool last, ShvError *error)
+ShvStatus shv_judge_run(ShvVerification *made, const ShvCaseRun *run, bool last, ShvError *error)
 {
-    const ShvOutcome *outcome = &judge->now->outcome;
+    const ShvOutcome *outcome = &made->now->outcome;
     ShvError why;
-    judge->names = (ShvNames){.pool = &judge->work, .run = &judge->now->named};
-    if (outcome->status != SHV_OK && run->expect) return expect(judge, run, error);
+    made->names = (ShvNames){.pool = &made->work, .run = &made->now->named};
+    if (outcome->status != SHV_OK && run->expect) return expect(made, run, error);
     if (outcome->status != SHV_OK) {
         shv_fail(&why, outcome->status, "%s", outcome->message);
-        return fail(judge, "the run", &why, error);
+        return fail(made, "the run", &why, error);
     }
-    ShvStatus status = define_all(judge, run->let, &why);
-    if (status == SHV_OK) status = define_all(judge, judge->item->let, &why);
-    if (status == SHV_NO_MEMORY || judge->work.failed) return shv_fail_memory(error, "variables", 0);
-    if (status != SHV_OK) return fail(judge, "variables", &why, error);
-    if (run->expect) SHV_TRY(expect(judge, run, error));
-    return put_quantities(judge, last, error);
+    ShvStatus status = define_all(made, run->let, &why);
+    if (status == SHV_OK) status = define_all(made, made->item->let, &why);
+    if (status == SHV_NO_MEMORY || made->work.failed) return shv_fail_memory(error, "variables", 0);
+    if (status != SHV_OK) return fail(made, "variables", &why, error);
+    if (run->expect) SHV_TRY(expect(made, run, error));
+    return put_quantities(made, last, error);
 }
 
-/* Slope of log|error| over log step through the rows of a quantity, least squares; NaN with fewer than two. */
-static double observed_order(const ShvVerifyCase *view, const char *quantity)
+ShvStatus shv_judge_together(ShvVerification *made, bool complete, ShvError *error)
 {
-    ShvLine line = {0.0, 0.0, 0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < view->row_count; i++) {
-        const ShvVerifyRow *row = &view->rows[i];
-        const double step = log(row->step), error = log(fabs(row->value / row->reference - 1.0));
-        if (row->quantity == quantity && isfinite(step) && isfinite(error)) shv_line_add(&line, step, error);
-    }
-    return shv_line_slope(&line);
-}
-
-ShvStatus shv_judge_orders(ShvJudge *judge, bool complete, ShvError *error)
-{
-    const ShvCaseQuantity *quantities = judge->item->quantities.data;
-    for (int32_t i = 0; i < judge->item->quantities.count; i++) {
-        const ShvCaseQuantity *quantity = &quantities[i];
-        char name[400];
-        if (isnan(quantity->order) || judge->run_count < 2) continue;
-        ShvVerifyRow row = row_of(judge, "all runs", quantity);
-        shv_format(name, sizeof name, "%.360s: observed order", quantity->name);
-        row.quantity = shv_pool_text(&judge->made->texts, name, strlen(name));
-        if (!row.quantity) return shv_fail_memory(error, "rows", 0);
-        row.unit = "";
-        row.seconds = (double)NAN;
-        row.compare = complete ? SHV_VERIFY_NEAR : SHV_VERIFY_SHOWN;
-        row.value = observed_order(&judge->made->view, quantity->name);
-        row.reference = quantity->order;
-        row.tolerance = quantity->order_tolerance;
-        decide(&row, true, quantity->explained);
-        SHV_TRY(append(judge, &row, error));
+    const ShvCaseQuantity *quantities = made->item->quantities.data;
+    for (int32_t i = 0; i < made->item->quantities.count && made->run_count > 1; i++) {
+        ShvCaseQuantity quantity = quantities[i];
+        if (!complete) quantity.compare = SHV_VERIFY_SHOWN;
+        if (quantity.judge == SHV_JUDGE_TOGETHER) SHV_TRY(put_quantity(made, &quantity, error));
     }
     return SHV_OK;
 }

@@ -36,37 +36,25 @@ static ShvCrackSurface crack_of(const ShvOutcome *outcome)
                              (int32_t)(list->count / SHV_FACET_NUMBERS)};
 }
 
-static double masses(const ShvOutcome *a, const ShvOutcome *b)
+/* False: there is no such function. */
+static bool compare_ends(const char *function, const ShvOutcome *a, const ShvOutcome *b, double *value)
 {
-    const ShvOutcomeList *x = shv_outcome_find(a, "pieces.mass"), *y = shv_outcome_find(b, "pieces.mass");
-    return x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
-}
-
-static double overlap(const ShvOutcome *a, const ShvOutcome *b)
-{
+    if (strcmp(function, "masses") == 0) {
+        const ShvOutcomeList *x = shv_outcome_find(a, "pieces.mass"), *y = shv_outcome_find(b, "pieces.mass");
+        *value = x && y ? shv_masses_distance(x->values, x->count, y->values, y->count) : (double)NAN;
+        return true;
+    }
     const ShvCrackSurface x = crack_of(a), y = crack_of(b);
-    return shv_crack_overlap(&x, &y);
+    if (strcmp(function, "crack_overlap") == 0)
+        *value = shv_crack_overlap(&x, &y);
+    else if (strcmp(function, "crack_distance") == 0)
+        *value = shv_crack_distance(&x, &y).largest;
+    else if (strcmp(function, "crack_mean_distance") == 0)
+        *value = shv_crack_distance(&x, &y).mean;
+    else
+        return false;
+    return true;
 }
-
-static double distance(const ShvOutcome *a, const ShvOutcome *b)
-{
-    const ShvCrackSurface x = crack_of(a), y = crack_of(b);
-    return shv_crack_distance(&x, &y).largest;
-}
-
-static double mean_distance(const ShvOutcome *a, const ShvOutcome *b)
-{
-    const ShvCrackSurface x = crack_of(a), y = crack_of(b);
-    return shv_crack_distance(&x, &y).mean;
-}
-
-static const struct {
-    const char *name;
-    double (*of)(const ShvOutcome *a, const ShvOutcome *b);
-} functions[] = {{"masses", masses},
-                 {"crack_overlap", overlap},
-                 {"crack_distance", distance},
-                 {"crack_mean_distance", mean_distance}};
 
 static double trajectory_function(ShvNames *names, int index, const ShvOutcome *other)
 {
@@ -100,12 +88,8 @@ static bool call(void *data, const char *function, const char *name, ShvFormulaV
         value->number = trajectory_function(names, index, other->outcome);
         return true;
     }
-    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
-        if (strcmp(functions[i].name, function) != 0) continue;
-        if (other->outcome) value->number = functions[i].of(names->run->outcome, other->outcome);
-        return true;
-    }
-    return false;
+    const ShvOutcome none = {.memory = NULL};
+    return compare_ends(function, names->run->outcome, other->outcome ? other->outcome : &none, &value->number);
 }
 
 /* ---- names ---- */

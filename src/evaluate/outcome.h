@@ -24,6 +24,7 @@ typedef struct ShvOutcome {
     uint64_t key;                       /* hash of all that the run follows from */
     ShvStatus status;                   /* of the run, which failed by its own fault; */
     char message[2048], processor[128]; /* how; where it ran */
+    char no_motion[512];                /* why there is no way of bodies, or no closed form of it */
     bool shared;                        /* other runs went on at the same time: run times say little */
     ShvOutcomeList *lists;
     int32_t list_count, list_capacity, cursor;
@@ -48,7 +49,7 @@ void shv_outcome_set(ShvOutcome *outcome, const char *name, double value);
 /* "name.x" and so on. */
 void shv_outcome_add_vector(ShvOutcome *outcome, const char *name, ShvClock clock, const double value[3]);
 
-/* outcome_file.c; `data`: an outcome */
+/* `data`: an outcome */
 void shv_outcome_put(const void *data, FILE *stream);
 /* Writes whole or not at all. */
 ShvStatus shv_outcome_save(const ShvOutcome *outcome, const char *path, ShvError *error);
@@ -66,9 +67,7 @@ typedef struct ShvRunOrder {
     int32_t repeats;     /* for the run time alone, the first one counted; ≥ 1 */
     double repeat_below; /* s: no further repeats once the run times add up to this; 0: all */
     int32_t audit_wakes;
-    bool tracked; /* also the way of all bodies, */
-    bool closed;  /* and of the closed form that the scene's `reference` names */
-    bool look;    /* only the first frame */
+    bool look; /* only the first frame */
     /* Checkpoints: "CHECKPOINT.checkpoint-1" and "-2", of a run with this key. NULL: none. */
     const char *checkpoint;
     uint64_t key;

@@ -79,11 +79,6 @@ static bool take_note(Pull *pull, const ShvCheckpoint *found)
     if (shv_outcome_parse(&before, (const char *)found->note, found->note_size, "a checkpoint", pull->order->memory,
                           &ignored) != SHV_OK)
         return false;
-    if (pull->order->tracked &&
-        shv_outcome_number(&before, "track.bodies") != shv_outcome_number(pull->outcome, "track.bodies")) {
-        shv_outcome_release(&before);
-        return false;
-    }
     shv_outcome_release(pull->outcome);
     *pull->outcome = before;
     shv_processor_name(pull->outcome->processor, sizeof pull->outcome->processor);
@@ -215,11 +210,7 @@ ShvStatus shv_run_scene(ShvOutcome *outcome, const ShvRunOrder *order, ShvError 
 {
     *outcome = (ShvOutcome){.memory = order->memory};
     Pull pull = {.order = order, .scene = *order->scene, .outcome = outcome, .own = {SHV_OK, ""}};
-    pull.sampler = (ShvSampler){.outcome = outcome,
-                                .scene = order->scene,
-                                .tracked = order->tracked,
-                                .closed = order->closed,
-                                .pool = {.memory = order->memory}};
+    pull.sampler = (ShvSampler){.outcome = outcome, .scene = order->scene, .pool = {.memory = order->memory}};
     shv_processor_name(outcome->processor, sizeof outcome->processor);
     SHV_TRY(run_first(&pull, error));
     outcome->key = order->key;

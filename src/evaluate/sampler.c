@@ -11,54 +11,63 @@
 
 /* ---- bodies ---- */
 
-/* With a closed form the body that it is of, or all. */
-static ShvStatus describe_body(ShvSampler *sampler, const ShvSimulation *simulation, ShvBody *body, int32_t index,
-                               ShvError *error)
+static ShvStatus describe_bodies(const ShvSampler *sampler, const ShvFrameView *frame, ShvBody *bodies, int32_t count,
+                                 ShvError *error)
 {
     const ShvSceneDefinition *scene = sampler->scene;
-    const ShvFrameView *frame = shv_simulation_frame(simulation);
-    const ShvObstacleDefinition *obstacle = shv_body_obstacle(scene, sampler->begun, index);
-    const char *name = obstacle ? obstacle->name : scene->objects[frame->fragments[index].object].name;
-    SHV_TRY(shv_body_describe(body, scene, frame, index, error));
-    if (!sampler->closed) return SHV_OK;
-    body->chosen = !scene->reference.body || strcmp(name, scene->reference.body) == 0;
-    return body->chosen == 0.0 ? SHV_OK
-                               : shv_closed_form(&sampler->forms[index], scene, simulation, body, index, error);
+    for (int32_t i = 0; i < count; i++) {
+        const ShvObstacleDefinition *obstacle = shv_body_obstacle(scene, frame->fragment_count, i);
+        const char *name = obstacle ? obstacle->name : scene->objects[frame->fragments[i].object].name;
+        SHV_TRY(shv_body_describe(&bodies[i], scene, frame, i, error));
+        bodies[i].chosen = !scene->reference.body || strcmp(name, scene->reference.body) == 0;
+    }
+    return SHV_OK;
 }
 
-static ShvStatus check_reference(const ShvReferenceDefinition *reference, ShvError *error)
+/* Of the bodies chosen. `up`: the direction of the first one's motion. */
+static ShvStatus make_forms(ShvSampler *sampler, const ShvSimulation *simulation, const ShvBody *bodies, ShvVec3 *up,
+                            ShvError *error)
 {
+    const ShvSceneDefinition *scene = sampler->scene;
+    const ShvReferenceDefinition *reference = &scene->reference;
+    const size_t count = (size_t)sampler->body_count;
+    bool any = false;
     if (reference->law == SHV_REFERENCE_NONE)
         return shv_fail(error, SHV_BAD_INPUT,
                         "the closed form is asked for, but the scene has no 'reference'; give it one");
     if (!reference->body && reference->law != SHV_REFERENCE_FLIGHT && reference->law != SHV_REFERENCE_REST)
         return shv_fail(error, SHV_BAD_INPUT, "this law of `reference` needs `body`");
+    ShvClosedForm *forms = shv_pool_take(&sampler->pool, count, sizeof *forms);
+    if (!forms) return shv_fail_memory(error, "bodies to compare", count * sizeof *forms);
+    for (int32_t i = 0; i < sampler->body_count; i++) {
+        if (bodies[i].chosen == 0.0) continue;
+        SHV_TRY(shv_closed_form(&forms[i], scene, simulation, &bodies[i], i, error));
+        if (!any) *up = forms[i].direction;
+        any = true;
+    }
+    if (!any) return shv_fail(error, SHV_BAD_INPUT, "reference.body must name an object or a free obstacle");
+    sampler->forms = forms;
     return SHV_OK;
 }
 
 static ShvStatus start_track(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
 {
     const ShvSceneDefinition *scene = sampler->scene;
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
     ShvOutcome *outcome = sampler->outcome;
-    ShvTrackScene head = {.duration = scene->duration, .gravity = shv_load3(scene->gravity)};
-    sampler->begun = shv_simulation_frame(simulation)->fragment_count;
-    const int32_t count = shv_body_count(scene, sampler->begun);
-    if (sampler->closed) SHV_TRY(check_reference(&scene->reference, error));
-    ShvBody *bodies =
-        (void *)shv_outcome_room(outcome, "track.masses", SHV_CLOCK_NONE, (int64_t)count * SHV_BODY_NUMBERS);
-    sampler->forms = shv_pool_take(&sampler->pool, (size_t)count, sizeof *sampler->forms);
-    if (!bodies || !sampler->forms) return shv_fail_memory(error, "bodies to compare", (size_t)count * sizeof *bodies);
-    bool any = false;
-    for (int32_t i = 0; i < count; i++) {
-        SHV_TRY(describe_body(sampler, simulation, &bodies[i], i, error));
-        if (!any) head.up = sampler->forms[i].direction;
-        any |= bodies[i].chosen == 1.0;
-    }
-    if (!any) return shv_fail(error, SHV_BAD_INPUT, "reference.body must name an object or a free obstacle");
-    if (sampler->closed) head.law = scene->reference.law;
+    const int32_t count = shv_body_count(scene, frame->fragment_count);
+    ShvTrackScene head = {
+        .law = scene->reference.law, .duration = scene->duration, .gravity = shv_load3(scene->gravity)};
+    ShvBody *bodies = shv_pool_take(&sampler->pool, (size_t)count, sizeof *bodies);
+    if (!bodies) return shv_fail_memory(error, "bodies to compare", (size_t)count * sizeof *bodies);
+    SHV_TRY(describe_bodies(sampler, frame, bodies, count, error));
+    sampler->begun = frame->fragment_count;
+    sampler->body_count = count;
+    const ShvStatus status = make_forms(sampler, simulation, bodies, &head.up, error);
     shv_outcome_set(outcome, "track.bodies", count);
+    shv_outcome_add_all(outcome, "track.masses", SHV_CLOCK_NONE, bodies, (int64_t)count * SHV_BODY_NUMBERS);
     shv_outcome_add_all(outcome, "track.scene", SHV_CLOCK_NONE, &head, sizeof head / sizeof(double));
-    return SHV_OK;
+    return status;
 }
 
 static ShvBodyState *room_for_states(ShvOutcome *outcome, const char *name, int64_t count)
@@ -68,20 +77,19 @@ static ShvBodyState *room_for_states(ShvOutcome *outcome, const char *name, int6
 
 static void track(ShvSampler *sampler, const ShvFrameView *frame)
 {
-    const int32_t count = shv_body_count(sampler->scene, sampler->begun);
-    ShvBodyState *room = room_for_states(sampler->outcome, "track", count);
+    const int32_t count = sampler->body_count;
+    ShvBodyState *room = count > 0 ? room_for_states(sampler->outcome, "track", count) : NULL;
     for (int32_t i = 0; i < count && room; i++) room[i] = shv_body_state(sampler->scene, frame, sampler->begun, i);
 }
 
 /* At the end, so that what was stopped in between has the same numbers. */
 static void add_closed_forms(ShvSampler *sampler)
 {
-    const ShvOutcomeList *times = shv_outcome_find(sampler->outcome, "frame.time");
-    const int32_t count = shv_body_count(sampler->scene, sampler->begun);
-    ShvBodyState *room = times ? room_for_states(sampler->outcome, "exact", times->count * count) : NULL;
-    for (int64_t frame = 0; room && frame < times->count; frame++)
-        for (int32_t i = 0; i < count; i++, room++)
-            *room = shv_closed_form_at(&sampler->forms[i], times->values[frame]);
+    const ShvOutcomeList times = *shv_outcome_find(sampler->outcome, "frame.time"); /* lists move when one is made */
+    const int32_t count = sampler->body_count;
+    ShvBodyState *room = room_for_states(sampler->outcome, "exact", times.count * count);
+    for (int64_t frame = 0; room && frame < times.count; frame++)
+        for (int32_t i = 0; i < count; i++, room++) *room = shv_closed_form_at(&sampler->forms[i], times.values[frame]);
 }
 
 /* ---- series ---- */
@@ -231,7 +239,12 @@ ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation,
     sampler->fragments = shv_pool_take(&sampler->pool, count, sizeof *sampler->fragments);
     sampler->damage = shv_pool_take(&sampler->pool, 4 * count, sizeof *sampler->damage);
     if (sampler->pool.failed) return shv_fail_memory(error, "corners", 132 * count);
-    return sampler->tracked ? start_track(sampler, simulation, error) : SHV_OK;
+    /* Why there is no way of bodies, or no closed form of it, is told to whoever asks for it. */
+    const ShvStatus status = start_track(sampler, simulation, error);
+    if (status == SHV_NO_MEMORY) return status;
+    if (status != SHV_OK)
+        shv_format(sampler->outcome->no_motion, sizeof sampler->outcome->no_motion, "%.500s", error->message);
+    return SHV_OK;
 }
 
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error)
@@ -244,7 +257,7 @@ ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation,
     add_corners(sampler, simulation);
     SHV_TRY(add_tip(sampler, simulation, error));
     add_probes(outcome, frame);
-    if (sampler->tracked) track(sampler, frame);
+    track(sampler, frame);
     return outcome->failed ? shv_fail_memory(error, "what is kept of a run", 0) : SHV_OK;
 }
 
@@ -336,7 +349,7 @@ ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, S
     ShvOutcome *outcome = sampler->outcome;
     ShvCrackView crack;
     SHV_TRY(shv_simulation_crack(simulation, &crack, error));
-    if (sampler->closed) add_closed_forms(sampler);
+    if (sampler->forms) add_closed_forms(sampler);
     add_pieces(outcome, frame->fragments, frame->fragment_count);
     shv_outcome_set(outcome, "end.crack_facets", crack.facets);
     shv_outcome_add_vector(outcome, "end.crack_origin", SHV_CLOCK_NONE, crack.origin);

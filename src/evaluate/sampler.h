@@ -10,17 +10,15 @@
 typedef struct ShvSampler {
     ShvOutcome *outcome;
     const ShvSceneDefinition *scene;
-    bool tracked, closed; /* also the way of all bodies; and in closed form, as the scene's `reference` says */
-    int32_t begun;        /* fragments of the first frame */
-    ShvPool pool;         /* of what is below */
-    ShvClosedForm *forms; /* one a body */
-    double *corners;      /* 12 per element */
-    int32_t *fragments;   /* per element */
-    double *damage;       /* 4 per element */
+    int32_t begun, body_count; /* fragments of the first frame; bodies whose way is kept */
+    ShvPool pool;              /* of what is below */
+    ShvClosedForm *forms;      /* one a body; NULL: none */
+    double *corners;           /* 12 per element */
+    int32_t *fragments;        /* per element */
+    double *damage;            /* 4 per element */
 } ShvSampler;
 
-/* At the first frame, before it is sampled: room, and the bodies that are tracked. SHV_BAD_INPUT where the closed form does not
-   fit the scene. */
+/* At the first frame, before it is sampled: room, and the bodies whose way is kept. */
 ShvStatus shv_sample_start(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);
 /* The present frame. */
 ShvStatus shv_sample_frame(ShvSampler *sampler, const ShvSimulation *simulation, ShvError *error);

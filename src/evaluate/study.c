@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
+#include "evaluate/trajectory.h"
 #include "record/checkpoint.h"
 #include "scene/inputs.h"
 #include "scene/source.h"
@@ -19,13 +20,6 @@ ShvStudyOptions shv_study_default(void)
 }
 
 /* ---- scenes ---- */
-
-bool shv_study_tracks(const ShvStudy *study)
-{
-    for (int32_t i = 0; i < study->plan.measure_count; i++)
-        if (shv_measure_tracks(&study->plan.measures[i])) return true;
-    return false;
-}
 
 ShvStatus shv_study_scene(const ShvStudy *study, int32_t index, ShvScene **scene, ShvError *error)
 {
@@ -72,6 +66,15 @@ static uint64_t hash_member(const ShvStudy *study, uint64_t hash, int32_t member
     return shv_hash_bytes(hash, &study->plan.shift, sizeof study->plan.shift);
 }
 
+/* Unless a setting is it. */
+static void name_reference(ShvStudy *study, const ShvScene *scene)
+{
+    static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
+    const ShvReferenceDefinition *form = &shv_scene_definition(scene)->reference;
+    shv_format(study->reference_name, sizeof study->reference_name, "closed form (%s of %.60s%s%.60s)", laws[form->law],
+               form->body ? form->body : "every body", form->on ? " on " : "", form->on ? form->on : "");
+}
+
 /* Reads every scene once, so that nothing is run of a study that cannot be run whole. */
 static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
 {
@@ -84,6 +87,7 @@ static ShvStatus make_keys(ShvStudy *study, const char *file, ShvError *error)
         ShvScene *scene;
         const ShvStatus status = shv_study_scene(study, s, &scene, error);
         if (status != SHV_OK) return shv_fail_within(error, status, "%s:%d", file, (int)setting->line);
+        if (s == 0) name_reference(study, scene);
         uint64_t hash = 0;
         const ShvStatus hashed = hash_setting(study, scene, setting, &hash, error);
         for (int32_t m = 0; m < members; m++) study->keys[s * members + m] = hash_member(study, hash, m);
@@ -126,9 +130,7 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
     *outcome = (ShvOutcome){.memory = study->memory};
     SHV_TRY(shv_study_path(study, run, NULL, path, error));
     SHV_TRY(shv_outcome_load(outcome, path, study->memory, error));
-    const char *kept = study->plan.reference == SHV_STUDY_CLOSED ? "exact" : "track";
-    const bool whole = outcome->status != SHV_OK || !shv_study_tracks(study) || shv_outcome_find(outcome, kept) != NULL;
-    if (outcome->key == study->keys[run] && whole) return SHV_OK;
+    if (outcome->key == study->keys[run]) return SHV_OK;
     shv_outcome_release(outcome);
     return shv_fail(error, SHV_BAD_INPUT, "'%s' is of another run; remove it", path);
 }
@@ -192,6 +194,8 @@ static void find_reference(ShvStudy *study)
     study->reference = 0;
     while (study->keys[study->reference * members] != study->keys[own * members]) study->reference++;
     if (study->reference < own) study->setting_count = own;
+    shv_format(study->reference_name, sizeof study->reference_name, "run of %.220s",
+               study->plan.settings[study->reference].title);
 }
 
 /* ---- running ---- */
@@ -206,7 +210,7 @@ static void tell(const ShvStudy *study, int32_t run)
     study->options.begins(study->options.begins_data, text);
 }
 
-/* `path` NULL: only the first frame, to see whether it can be run. */
+/* `path` NULL: only the first frame, to see whether the closed form fits. */
 static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *scene, const char *path,
                             ShvOutcome *outcome, ShvError *error)
 {
@@ -215,7 +219,6 @@ static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *
     ShvObjectDefinition *objects = shv_allocate(study->memory, SHV_PART_GENERAL, count, sizeof *objects);
     if (!objects) return shv_fail_memory(error, "shifted objects", count * sizeof *objects);
     const ShvSceneDefinition member = shv_study_member(study, definition, run % study->plan.members, objects);
-    const bool tracked = shv_study_tracks(study);
     const ShvRunOrder order = {.scene = &member,
                                .folder = shv_scene_folder(scene),
                                .memory = study->memory,
@@ -223,8 +226,6 @@ static ShvStatus run_member(const ShvStudy *study, int32_t run, const ShvScene *
                                .repeats = path ? study->plan.repeats : 1,
                                .repeat_below = study->options.repeat_below,
                                .audit_wakes = study->plan.audit_wakes,
-                               .tracked = tracked,
-                               .closed = tracked && study->plan.reference == SHV_STUDY_CLOSED,
                                .look = !path,
                                .checkpoint = path,
                                .key = study->keys[run],
@@ -239,11 +240,13 @@ static ShvStatus do_run(const ShvStudy *study, int32_t run, const char *path, Sh
 {
     ShvScene *scene;
     ShvOutcome outcome = {.memory = study->memory};
+    double errors[SHV_TRAJECTORY_MEASURES];
     SHV_TRY(shv_study_scene(study, run / study->plan.members, &scene, error));
     ShvStatus status = run_member(study, run, scene, path, &outcome, error);
     outcome.shared = study->options.shared;
     if (status == SHV_OK && path) status = shv_outcome_save(&outcome, path, error);
     if (status == SHV_OK && path) shv_checkpoint_remove(path, study->memory, -1);
+    if (status == SHV_OK && !path) status = shv_trajectory_errors(&outcome, NULL, errors, error);
     shv_outcome_release(&outcome);
     shv_scene_destroy(scene);
     return status;
@@ -280,8 +283,8 @@ ShvStatus shv_study_open(ShvStudy **study, const char *scene, const char *file, 
     made->scene_path = scene;
     ShvStatus status = read_texts(made, scene, file, error);
     if (status == SHV_OK) find_reference(made);
-    /* What bodies are compared with must fit the scene before anything is run. */
-    if (status == SHV_OK && shv_study_tracks(made)) status = do_run(made, 0, NULL, error);
+    /* The closed form must fit the scene before anything is run. */
+    if (status == SHV_OK && made->reference < 0) status = do_run(made, 0, NULL, error);
     if (status == SHV_OK) status = make_folders(made, error);
     if (status == SHV_OK)
         *study = made;

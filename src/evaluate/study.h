@@ -6,6 +6,7 @@
 #include "evaluate/outcome.h"
 #include "evaluate/study_plan.h"
 #include "export/plot.h"
+#include "export/table.h"
 #include "shiver/scene.h"
 #include "shiver/study.h"
 
@@ -27,7 +28,8 @@ struct ShvStudy {
     const char *scene_path;
     int32_t setting_count; /* those of the plan, and the reference's own */
     int32_t reference;     /* index of its setting; −1: closed form */
-    uint64_t *keys;        /* of each run: setting × members + member */
+    char reference_name[256];
+    uint64_t *keys; /* of each run: setting × members + member */
     /* after measuring */
     ShvStudyRow *rows;
     ShvStudyView view;
@@ -35,8 +37,6 @@ struct ShvStudy {
     char processor[128];
 };
 
-/* Whether runs must keep the way of bodies. */
-bool shv_study_tracks(const ShvStudy *study);
 /* The scene of a setting; the caller destroys it. */
 ShvStatus shv_study_scene(const ShvStudy *study, int32_t setting, ShvScene **scene, ShvError *error);
 /* The definition of a member: seed or places changed. `objects` has room for the scene's objects. */
@@ -48,21 +48,14 @@ ShvStatus shv_study_load(const ShvStudy *study, int32_t run, ShvOutcome *outcome
 enum { SHV_STUDY_PATH = 4096 };
 ShvStatus shv_study_path(const ShvStudy *study, int32_t run, const char *file, char path[SHV_STUDY_PATH],
                          ShvError *error);
-/* study_front.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
+/* study_measure.c: whether a row has an error and a run time to be compared; marks rows for one measure. */
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure);
 void shv_study_mark_front(ShvStudy *study, int32_t measure);
 
-/* study_tables.c: the same rows in four tables: two of CSV, that of table.md, and that of the page with the scatter below. */
-typedef enum ShvStudyTable {
-    SHV_STUDY_RESULTS = 1,
-    SHV_STUDY_TIMINGS = 2,
-    SHV_STUDY_LINES = 4,
-    SHV_STUDY_RUNS = 8
-} ShvStudyTable;
-void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream);
+/* study_tables.c: the same rows in four tables. Results and run times in full, for CSV and JSON; the lines of table.md and of the
+   terminal; and those of the page; the last two with the scatter below. */
+typedef enum ShvStudyTable { SHV_STUDY_RESULTS, SHV_STUDY_TIMINGS, SHV_STUDY_LINES, SHV_STUDY_RUNS } ShvStudyTable;
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream);
 void shv_study_put_definitions(const ShvStudy *study, FILE *stream);
-/* Figures: error against run time; run time by part. Each writes a document, or an element within HTML. */
-void shv_study_put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within);
-void shv_study_put_cost_plot(const ShvStudy *study, FILE *stream, bool within);
 
 #endif

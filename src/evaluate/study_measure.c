@@ -188,23 +188,6 @@ static ShvStatus find_scatter(Judge *judge, ShvError *error)
     return SHV_OK;
 }
 
-static void name_reference(ShvStudy *study)
-{
-    static const char *const laws[] = {"none", "flight", "bounce", "slide", "roll", "rest"};
-    char *text = study->view.reference;
-    const size_t size = sizeof study->view.reference;
-    ShvScene *scene = NULL;
-    ShvError ignored;
-    if (study->reference >= 0) {
-        shv_format(text, size, "run of %.220s", study->plan.settings[study->reference].title);
-    } else if (shv_study_scene(study, 0, &scene, &ignored) == SHV_OK) {
-        const ShvReferenceDefinition *form = &shv_scene_definition(scene)->reference;
-        shv_format(text, size, "closed form (%s of %.60s%s%.60s)", laws[form->law],
-                   form->body ? form->body : "every body", form->on ? " on " : "", form->on ? form->on : "");
-    }
-    shv_scene_destroy(scene);
-}
-
 /* ---- fronts ---- */
 
 bool shv_study_counts(const ShvStudyRow *row, int32_t measure)
@@ -242,7 +225,6 @@ void shv_study_mark_front(ShvStudy *study, int32_t measure)
 static ShvStatus judge_all(Judge *judge, ShvError *error)
 {
     ShvStudy *study = judge->study;
-    name_reference(study);
     if (study->reference >= 0) SHV_TRY(load_references(judge, error));
     if (study->plan.members > 1) SHV_TRY(find_scatter(judge, error));
     for (int32_t i = 0; i < study->setting_count; i++) SHV_TRY(judge_setting(judge, i, error));
@@ -288,6 +270,7 @@ ShvStatus shv_study_measure(ShvStudy *study, ShvError *error)
     Judge judge = {.study = study, .series = {.memory = study->memory}};
     SHV_TRY(check_missing(study, error));
     study->view = (ShvStudyView){.measure_count = study->plan.measure_count, .timings_valid = true};
+    shv_format(study->view.reference, sizeof study->view.reference, "%s", study->reference_name);
     study->processor[0] = '\0';
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
         study->view.measures[i] = study->plan.measures[i].name;

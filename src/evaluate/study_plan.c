@@ -21,7 +21,7 @@ typedef struct Planner {
 typedef struct Axis {
     const char *key;
     const char **values;
-    int32_t count, column;
+    int32_t count, column, chosen; /* chosen: the value of the setting under way */
 } Axis;
 
 static const char *const step_key = "step";
@@ -82,13 +82,12 @@ static void read_multiple(Planner *planner, const char *text, const ShvNode *nod
 }
 
 /* "a, b" of the values that are not along the line; numbers carry the last word of their key. */
-static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
-                         const int32_t *chosen)
+static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count)
 {
     char series[200] = "", label[64] = "", name[1024] = "", title[300];
     const ShvStudyPlan *plan = planner->plan;
     for (int32_t i = 0; i < count; i++) {
-        const char *value = axes[i].values[chosen[i]], *dot = strrchr(axes[i].key, '.');
+        const char *value = axes[i].values[axes[i].chosen], *dot = strrchr(axes[i].key, '.');
         const char *times = strcmp(axes[i].key, step_key) == 0 ? "×" : "";
         if (strcmp(axes[i].key, planner->along) == 0)
             shv_append(label, sizeof label, "%s%.60s%s", label[0] ? ", " : "", value, times);
@@ -109,9 +108,9 @@ static void name_setting(Planner *planner, ShvStudySetting *setting, const Axis 
     setting->name = copy(planner, name[0] ? name : "reference");
 }
 
-/* One combination: `chosen` says which value of each axis. */
+/* The combination that is chosen. */
 static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis *axes, int32_t count,
-                         const int32_t *chosen, const ShvNode *node)
+                         const ShvNode *node)
 {
     ShvPool *pool = planner->pool;
     const char **overrides = shv_pool_take(pool, (size_t)(planner->fixed_count + count), sizeof *overrides);
@@ -122,7 +121,7 @@ static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis 
     for (int32_t i = 0; i < planner->fixed_count; i++) overrides[setting->override_count++] = planner->fixed[i];
     for (int32_t i = 0; i < SHV_STUDY_MOST_KEYS; i++) values[i] = "";
     for (int32_t i = 0; i < count; i++) {
-        const char *value = axes[i].values[chosen[i]];
+        const char *value = axes[i].values[axes[i].chosen];
         if (!value) return;
         if (axes[i].column >= 0) values[axes[i].column] = value;
         if (strcmp(axes[i].key, step_key) == 0)
@@ -130,7 +129,7 @@ static void fill_setting(Planner *planner, ShvStudySetting *setting, const Axis 
         else
             overrides[setting->override_count++] = assignment(pool, axes[i].key, value);
     }
-    name_setting(planner, setting, axes, count, chosen);
+    name_setting(planner, setting, axes, count);
 }
 
 /* The values of a key, one or a list, as texts of YAML. Returns their number; 0 after a fault, which is reported. */
@@ -169,8 +168,7 @@ static int32_t read_axes(Planner *planner, const ShvNode *block, bool columns, A
     }
     for (const ShvEntry *entry = block->first; entry; entry = entry->next) {
         Axis *axis = &axes[count++];
-        axis->key = entry->key->text;
-        axis->column = columns ? column_of(planner, entry->key) : -1;
+        *axis = (Axis){.key = entry->key->text, .column = columns ? column_of(planner, entry->key) : -1};
         axis->count = read_values(planner, entry->value, &axis->values);
         if (axis->count == 0 || (columns && axis->column < 0)) return 0;
         if (given_twice(axis))
@@ -189,20 +187,9 @@ static const char *choose_along(const char *told, const Axis *axes, int32_t coun
     return axes[count - 1].key;
 }
 
-/* The last key of the block runs fastest. */
-static bool next_choice(int32_t *chosen, const Axis *axes, int32_t count)
-{
-    for (int32_t i = count - 1; i >= 0; i--) {
-        if (++chosen[i] < axes[i].count) return true;
-        chosen[i] = 0;
-    }
-    return false;
-}
-
 static void read_block(Planner *planner, const ShvNode *block, const char *along)
 {
     Axis axes[SHV_STUDY_MOST_KEYS];
-    int32_t chosen[SHV_STUDY_MOST_KEYS] = {0};
     ShvStudyPlan *plan = planner->plan;
     const int32_t count = read_axes(planner, block, true, axes);
     if (count == 0) return;
@@ -219,8 +206,11 @@ static void read_block(Planner *planner, const ShvNode *block, const char *along
     if (plan->settings) memcpy(grown, plan->settings, (size_t)plan->setting_count * sizeof *grown);
     plan->settings = grown;
     planner->along = choose_along(along, axes, count);
-    do fill_setting(planner, &plan->settings[plan->setting_count++], axes, count, chosen, block);
-    while (next_choice(chosen, axes, count));
+    for (int32_t k = 0; k < own; k++) {
+        int32_t rest = k; /* the last key of the block runs fastest */
+        for (int32_t i = count - 1; i >= 0; rest /= axes[i--].count) axes[i].chosen = rest % axes[i].count;
+        fill_setting(planner, &plan->settings[plan->setting_count++], axes, count, block);
+    }
 }
 
 static void read_vary(Planner *planner, const ShvNode *vary, const char *along)
@@ -240,7 +230,6 @@ static void read_vary(Planner *planner, const ShvNode *vary, const char *along)
 static void read_reference(Planner *planner, const ShvNode *node)
 {
     Axis axes[SHV_STUDY_MOST_KEYS];
-    const int32_t chosen[SHV_STUDY_MOST_KEYS] = {0};
     ShvStudyPlan *plan = planner->plan;
     const bool text = node && node->kind == SHV_NODE_SCALAR && node->text;
     if (!node || (text && strcmp(node->text, "closed form") == 0)) return;
@@ -255,8 +244,7 @@ static void read_reference(Planner *planner, const ShvNode *node)
             shv_error(planner->diagnostics, node->place, "the reference is one run: give one value of '%.60s'",
                       axes[i].key);
     planner->along = "";
-    if (count > 0 && plan->settings)
-        fill_setting(planner, &plan->settings[plan->setting_count], axes, count, chosen, node);
+    if (count > 0 && plan->settings) fill_setting(planner, &plan->settings[plan->setting_count], axes, count, node);
 }
 
 typedef struct MeasureItem {

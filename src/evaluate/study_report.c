@@ -1,9 +1,111 @@
-/* The files of a study. */
+/* The files of a study: figures, page, JSON. */
 #include "base/text.h"
 #include "evaluate/study.h"
 #include "export/html.h"
 #include "export/output.h"
 #include "shiver/version.h"
+
+/* ---- error against run time ---- */
+
+/* A figure as it is put together, in the study's room. */
+typedef struct Figure {
+    const ShvStudy *study;
+    int32_t measure;
+    ShvStudyFigure room;
+    int32_t front_count, span_count;
+    double least; /* an error of zero has a place here, below all others */
+} Figure;
+
+static double least_error(const ShvStudy *study, int32_t measure)
+{
+    double least = HUGE_VAL;
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        const ShvStudyRow *row = &study->rows[i];
+        if (shv_study_counts(row, measure) && row->errors[measure] > 0.0) least = fmin(least, row->errors[measure]);
+    }
+    return isfinite(least) ? 0.1 * least : 1e-16;
+}
+
+static ShvPlotPoint point_of(const Figure *figure, const ShvStudyRow *row)
+{
+    const double error = row->errors[figure->measure];
+    ShvPlotPoint point = {.x = shv_study_counts(row, figure->measure) ? row->seconds : (double)NAN,
+                          .y = fmax(error, figure->least)};
+    shv_format(point.label, sizeof point.label, "%.18s%s", row->label, error <= figure->least ? " (0)" : "");
+    return point;
+}
+
+/* A row on the line of its series. */
+static void add_row(Figure *figure, const ShvStudyRow *row)
+{
+    const int32_t measure = figure->measure;
+    if (row->is_reference) return;
+    const int32_t line = shv_plot_add(&figure->room.draft, row->series, point_of(figure, row));
+    if (figure->study->plan.members > 1 && shv_study_counts(row, measure))
+        figure->room.spans[figure->span_count++] =
+            (ShvPlotSpan){row->seconds, fmax(row->errors_low[measure], figure->least), row->errors_high[measure], line};
+}
+
+/* By run time; there are few of them. */
+static void add_to_front(Figure *figure, const ShvStudyRow *row)
+{
+    ShvPlotPoint *front = figure->room.front;
+    int32_t k = figure->front_count++;
+    for (; k > 0 && front[k - 1].x > row->seconds; k--) front[k] = front[k - 1];
+    front[k] = point_of(figure, row);
+}
+
+static void put_error_plot(const ShvStudy *study, int32_t measure, FILE *stream, bool within)
+{
+    const ShvMeasure *kind = &study->plan.measures[measure];
+    Figure figure = {study, measure, study->figure, 0, 0, least_error(study, measure)};
+    char title[200], label[96];
+    for (int32_t i = 0; i < study->setting_count; i++) {
+        add_row(&figure, &study->rows[i]);
+        if (study->rows[i].on_front[measure]) add_to_front(&figure, &study->rows[i]);
+    }
+    shv_format(title, sizeof title, "%.120s: %s", study->plan.name, kind->name);
+    shv_format(label, sizeof label, "error of %s%s%s", kind->name, kind->error_unit[0] ? ", " : "", kind->error_unit);
+    const ShvPlotLine front = {"Pareto front", figure.room.front, figure.front_count, SHV_PLOT_MARKED_LINE};
+    const ShvPlot plot = {.title = title,
+                          .x_label = study->view.timings_valid ? "run time, s"
+                                                               : "run time, s (invalid: runs shared the machine)",
+                          .y_label = label,
+                          .log_x = true,
+                          .log_y = true,
+                          .lines = figure.room.draft.lines,
+                          .line_count = figure.room.draft.line_count,
+                          .front = &front,
+                          .spans = figure.room.spans,
+                          .span_count = figure.span_count};
+    shv_plot_write(stream, &plot, within);
+}
+
+/* ---- run time by part ---- */
+
+static const double *costs_of(const void *data, int32_t index, char name[SHV_PLOT_BAR_NAME])
+{
+    const ShvStudyRow *row = &((const ShvStudy *)data)->rows[index];
+    shv_format(name, SHV_PLOT_BAR_NAME, "%.34s%s%.20s", row->series, row->label[0] ? ", " : "", row->label);
+    return row->costs;
+}
+
+static void put_cost_plot(const ShvStudy *study, FILE *stream, bool within)
+{
+    enum { MOST_BARS = 60 };
+    const char *parts[SHV_COST_COUNT];
+    char title[300];
+    for (int c = 0; c < SHV_COST_COUNT; c++) parts[c] = shv_cost_name((ShvCost)c);
+    shv_format(title, sizeof title, "%.250s: run time by part", study->plan.name);
+    const ShvPlotBars bars = {.title = title,
+                              .unit = "s",
+                              .parts = parts,
+                              .part_count = SHV_COST_COUNT,
+                              .count = study->setting_count < MOST_BARS ? study->setting_count : MOST_BARS,
+                              .bar = costs_of,
+                              .data = study};
+    shv_plot_bars(stream, &bars, within);
+}
 
 /* ---- the page ---- */
 
@@ -36,7 +138,7 @@ static void put_html(const ShvStudy *study, FILE *stream)
     char text[1024];
     put_head(study, stream);
     shv_html_heading(stream, 2, "Runs");
-    shv_study_put_table(study, SHV_STUDY_RUNS, stream);
+    shv_study_put_table(study, SHV_STUDY_RUNS, SHV_TABLE_HTML, stream);
     shv_html_paragraph(stream, "Bold: on the Pareto front, nothing cheaper is as good. Yellow: not above the scatter.");
     /* Messages are long: below the table, not in it. */
     for (int32_t i = 0; i < study->setting_count; i++) {
@@ -46,59 +148,22 @@ static void put_html(const ShvStudy *study, FILE *stream)
     }
     shv_html_heading(stream, 2, "Error against run time");
     for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_print(stream, "<figure>\n");
-        shv_study_put_error_plot(study, i, stream, true);
-        shv_print(stream, "</figure>\n");
+        put_error_plot(study, i, stream, true);
     }
     shv_html_heading(stream, 2, "Run time by part");
-    shv_print(stream, "<figure>\n");
-    shv_study_put_cost_plot(study, stream, true);
-    shv_print(stream, "</figure>\n");
+    put_cost_plot(study, stream, true);
     shv_html_heading(stream, 2, "What the errors are");
     shv_study_put_definitions(study, stream);
     shv_html_end(stream);
 }
 
-/* ---- JSON ---- */
+/* ---- text and JSON ---- */
 
-static void put_measure(const ShvStudyRow *row, int32_t measure, FILE *stream)
+void shv_study_print(const ShvStudy *study, FILE *stream)
 {
-    ShvMembers members = {.stream = stream};
-    shv_print(stream, "{");
-    shv_member_number(&members, "value", row->values[measure]);
-    shv_member_number(&members, "error", row->errors[measure]);
-    shv_member_number(&members, "error_low", row->errors_low[measure]);
-    shv_member_number(&members, "error_high", row->errors_high[measure]);
-    shv_member_flag(&members, "on_front", row->on_front[measure]);
-    shv_print(stream, "}");
-}
-
-static void put_row(const ShvStudy *study, int32_t index, FILE *stream)
-{
-    const ShvStudySetting *setting = &study->plan.settings[index];
-    const ShvStudyRow *row = &study->rows[index];
-    ShvMembers keys = {.stream = stream}, costs = keys, measures = keys, members = {.stream = stream, .any = true};
-    shv_print(stream, "{\"setting\": {");
-    for (int32_t i = 0; i < study->plan.key_count; i++)
-        if (setting->values[i][0]) shv_member_text(&keys, study->plan.keys[i], setting->values[i]);
-    shv_print(stream, "}");
-    shv_member_flag(&members, "reference", row->is_reference);
-    shv_member_text(&members, "status", shv_status_name(row->status));
-    shv_member_text(&members, "message", row->message);
-    shv_member_number(&members, "seconds", row->seconds);
-    shv_member_number(&members, "seconds_low", row->seconds_low);
-    shv_member_number(&members, "seconds_high", row->seconds_high);
-    shv_member_number(&members, "stable_step", row->stable_step);
-    shv_member_number(&members, "step", row->step);
-    shv_member_number(&members, "courant", row->courant);
-    shv_print(stream, ", \"costs\": {");
-    for (int c = 0; c < SHV_COST_COUNT; c++) shv_member_number(&costs, shv_cost_name((ShvCost)c), row->costs[c]);
-    shv_print(stream, "}, \"measures\": {");
-    for (int32_t i = 0; i < study->plan.measure_count; i++) {
-        shv_member_key(&measures, study->plan.measures[i].name);
-        put_measure(row, i, stream);
-    }
-    shv_print(stream, "}}");
+    shv_print(stream, "errors from %s; * on the Pareto front%s\n", study->view.reference,
+              study->view.timings_valid ? "" : "; run times are not valid");
+    shv_study_put_table(study, SHV_STUDY_LINES, SHV_TABLE_TEXT, stream);
 }
 
 void shv_study_print_json(const ShvStudy *study, FILE *stream)
@@ -116,12 +181,11 @@ void shv_study_print_json(const ShvStudy *study, FILE *stream)
     shv_print(stream, ", \"scatter\": {");
     for (int32_t i = 0; i < study->plan.measure_count; i++)
         shv_member_number(&scatter, study->plan.measures[i].name, study->view.scatter[i]);
-    shv_print(stream, "}, \"rows\": [");
-    for (int32_t i = 0; i < study->setting_count; i++) {
-        shv_print(stream, "%s", i > 0 ? ",\n " : "\n ");
-        put_row(study, i, stream);
-    }
-    shv_print(stream, "]}\n");
+    shv_print(stream, "}, \"results\": ");
+    shv_study_put_table(study, SHV_STUDY_RESULTS, SHV_TABLE_JSON, stream);
+    shv_print(stream, ", \"timings\": ");
+    shv_study_put_table(study, SHV_STUDY_TIMINGS, SHV_TABLE_JSON, stream);
+    shv_print(stream, "}\n");
 }
 
 /* ---- files ---- */
@@ -133,15 +197,15 @@ static void put_file(const void *data, int index, FILE *stream)
 {
     const ShvStudy *study = data;
     if (index <= TABLE)
-        shv_study_put_table(study, (ShvStudyTable)(SHV_STUDY_RESULTS << index), stream);
+        shv_study_put_table(study, (ShvStudyTable)index, index == TABLE ? SHV_TABLE_MARKDOWN : SHV_TABLE_CSV, stream);
     else if (index == JSON)
         shv_study_print_json(study, stream);
     else if (index == COSTS)
-        shv_study_put_cost_plot(study, stream, false);
+        put_cost_plot(study, stream, false);
     else if (index == PAGE)
         put_html(study, stream);
     else
-        shv_study_put_error_plot(study, index - FILES, stream, false);
+        put_error_plot(study, index - FILES, stream, false);
 }
 
 ShvStatus shv_study_write(const ShvStudy *study, ShvError *error)

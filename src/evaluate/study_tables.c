@@ -4,57 +4,98 @@
 
 #include "base/text.h"
 #include "evaluate/study.h"
-#include "export/output.h"
-#include "export/table.h"
 
 /* A row as it is put. */
 typedef struct Cells {
     ShvTable *table;
-    ShvStudyTable kind;
+    void (*put)(const struct Cells *cells);
     const ShvStudy *study;
+    int32_t index;
     const ShvStudyRow *row; /* of a setting, or the scatter of an ensemble, which has nothing but errors */
-    const char *const *values;
     bool scatter;
 } Cells;
 
-typedef struct Column {
-    const char *head, *unit;
-    size_t offset; /* of a number in the row */
-    unsigned in;   /* tables */
-} Column;
-#define ROW(member) offsetof(ShvStudyRow, member)
-static const Column columns[] = {{"stable step", "s", ROW(stable_step), SHV_STUDY_RESULTS},
-                                 {"step", "s", ROW(step), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
-                                 {"Courant number", "", ROW(courant), SHV_STUDY_RESULTS | SHV_STUDY_RUNS},
-                                 {"Courant", "", ROW(courant), SHV_STUDY_LINES},
-                                 {"run time", "s", ROW(seconds), SHV_STUDY_LINES | SHV_STUDY_RUNS},
-                                 {"median", "s", ROW(seconds), SHV_STUDY_TIMINGS},
-                                 {"least", "s", ROW(seconds_low), SHV_STUDY_TIMINGS},
-                                 {"most", "s", ROW(seconds_high), SHV_STUDY_TIMINGS}};
-
-static void put_number(Cells *cells, const char *name, const char *unit, const char *class, double value)
+static void put_number(const Cells *cells, const char *name, const char *unit, const char *class, double value)
 {
-    char head[160], text[SHV_OUTPUT_NUMBER] = "";
-    const bool csv = cells->table->form == SHV_TABLE_CSV;
-    shv_format(head, sizeof head, unit[0] == '\0' ? "%s" : csv ? "%s [%s]" : "%s, %s", name, unit);
-    if (csv && isfinite(value))
-        shv_output_format(text, value);
-    else if (isfinite(value))
-        shv_format(text, sizeof text, "%.3g", value);
-    else if (!csv && !cells->scatter)
-        shv_format(text, sizeof text, "–");
-    shv_table_text(cells->table, head, cells->kind == SHV_STUDY_RUNS && !class ? "number" : class, text);
+    if (cells->scatter && !isfinite(value))
+        shv_table_text(cells->table, "", class, "");
+    else
+        shv_table_number(cells->table, name, unit, class, "%.3g", value);
 }
 
-static void put_part(Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
+static void put_part(const Cells *cells, const char *part, const ShvMeasure *measure, const char *class, double value)
 {
     char name[128];
     shv_format(name, sizeof name, "%s%s", part, measure->name);
     put_number(cells, name, measure->error_unit, class, value);
 }
 
-/* Columns of table.md in which no row would have a figure are left out: `measure` −1 is the Courant number. Where all runs
-   failed, what was to be measured is told. */
+static void put_keys(const Cells *cells)
+{
+    const ShvStudyPlan *plan = &cells->study->plan;
+    for (int32_t i = 0; i < plan->key_count; i++)
+        shv_table_text(cells->table, plan->keys[i], NULL,
+                       !cells->scatter ? plan->settings[cells->index].values[i]
+                       : i             ? ""
+                                       : "scatter");
+}
+
+static void put_state(const Cells *cells)
+{
+    shv_table_flag(cells->table, "reference", cells->row->is_reference);
+    shv_table_text(cells->table, "status", NULL, shv_status_name(cells->row->status));
+}
+
+/* What a run has none of is 0. */
+static double positive(double value)
+{
+    return value > 0.0 ? value : (double)NAN;
+}
+
+/* ---- in full: results, run times ---- */
+
+static void put_results(const Cells *cells)
+{
+    const ShvStudyRow *row = cells->row;
+    const ShvStudyPlan *plan = &cells->study->plan;
+    put_keys(cells);
+    put_state(cells);
+    put_number(cells, "stable step", "s", NULL, row->stable_step);
+    put_number(cells, "step", "s", NULL, row->step);
+    put_number(cells, "Courant number", "", NULL, row->courant);
+    for (int32_t i = 0; i < plan->measure_count; i++) {
+        const ShvMeasure *of = &plan->measures[i];
+        if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[i]);
+        put_part(cells, "error of ", of, NULL, row->errors[i]);
+        if (plan->members == 1) continue;
+        put_part(cells, "least error of ", of, NULL, row->errors_low[i]);
+        put_part(cells, "most error of ", of, NULL, row->errors_high[i]);
+        put_part(cells, "scatter of ", of, NULL, cells->study->view.scatter[i]);
+    }
+    shv_table_text(cells->table, "message", NULL, row->message);
+}
+
+static void put_timings(const Cells *cells)
+{
+    const ShvStudyRow *row = cells->row;
+    char head[96];
+    put_keys(cells);
+    put_state(cells);
+    shv_table_text(cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
+    put_number(cells, "median", "s", NULL, row->seconds);
+    put_number(cells, "least", "s", NULL, row->seconds_low);
+    put_number(cells, "most", "s", NULL, row->seconds_high);
+    for (int c = 0; c < SHV_COST_COUNT; c++) put_number(cells, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
+    for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
+        shv_format(head, sizeof head, "on front of %s", cells->study->plan.measures[i].name);
+        shv_table_flag(cells->table, head, row->on_front[i]);
+    }
+}
+
+/* ---- to be read: lines of table.md and of a terminal, the table of the page ---- */
+
+/* Columns in which no row would have a figure are left out: `measure` −1 is the Courant number. Where all runs failed, what was
+   to be measured is told. */
 static bool has_figure(const ShvStudy *study, int32_t measure)
 {
     bool failed = measure >= 0;
@@ -66,98 +107,59 @@ static bool has_figure(const ShvStudy *study, int32_t measure)
     return failed;
 }
 
-static void put_numbers(Cells *cells)
-{
-    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
-        double value;
-        memcpy(&value, (const char *)cells->row + columns[i].offset, sizeof value);
-        if (!(columns[i].in & cells->kind) || (columns[i].in == SHV_STUDY_LINES && !has_figure(cells->study, -1)))
-            continue;
-        if (cells->table->form != SHV_TABLE_CSV && !(value > 0.0)) value = (double)NAN;
-        const bool doubtful = columns[i].offset == ROW(seconds) && !cells->study->view.timings_valid;
-        put_number(cells, columns[i].head, columns[i].unit,
-                   doubtful && cells->kind == SHV_STUDY_RUNS ? "number warn" : NULL, value);
-    }
-}
-
-static void put_setting(Cells *cells)
+/* Of a run that failed the first column of errors says what happened; what to do about it is in the page. */
+static void put_line(const Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
-    const ShvStudyPlan *plan = &cells->study->plan;
-    if (cells->kind == SHV_STUDY_LINES)
-        shv_table_put(cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
-                      row->is_reference ? " (reference)" : "");
-    for (int32_t i = 0; i < plan->key_count && cells->kind != SHV_STUDY_LINES; i++)
-        shv_table_text(cells->table, plan->keys[i], NULL, !cells->scatter ? cells->values[i] : i ? "" : "scatter");
-    if (cells->table->form != SHV_TABLE_CSV) return;
-    shv_table_text(cells->table, "reference", NULL, row->is_reference ? "yes" : "");
-    shv_table_text(cells->table, "status", NULL, shv_status_name(row->status));
-}
-
-static void put_error(Cells *cells, int32_t measure)
-{
-    const ShvStudyRow *row = cells->row;
-    const ShvMeasure *of = &cells->study->plan.measures[measure];
-    const double error = row->errors[measure], low = row->errors_low[measure], high = row->errors_high[measure];
-    const double scatter = cells->study->view.scatter[measure];
-    const bool best = row->on_front[measure], ensemble = cells->study->plan.members > 1 && !cells->scatter;
-    if (cells->kind == SHV_STUDY_LINES) {
-        put_number(cells, of->name, of->error_unit, best ? "best" : NULL, error);
-        return;
-    }
-    if (of->unit) put_number(cells, of->name, of->unit, NULL, row->values[measure]);
-    const char *class = best ? "number best" : ensemble && error <= scatter ? "number warn" : "number";
-    if (cells->kind == SHV_STUDY_RUNS && ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
-        shv_table_put(cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, high);
-    else
-        put_part(cells, "error of ", of, class, error);
-    if (cells->kind != SHV_STUDY_RESULTS || !ensemble) return;
-    put_part(cells, "least error of ", of, NULL, low);
-    put_part(cells, "most error of ", of, NULL, high);
-    put_part(cells, "scatter of ", of, NULL, scatter);
-}
-
-/* Of a run that failed table.md says in its first column what happened; what to do about it is in the page. */
-static void put_errors(Cells *cells)
-{
-    const ShvStudyRow *row = cells->row;
-    const bool told = cells->kind == SHV_STUDY_LINES && row->status != SHV_OK && !cells->table->heads;
-    bool first = true;
-    for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
-        if (cells->kind == SHV_STUDY_LINES && !has_figure(cells->study, i)) continue;
-        if (told)
-            shv_table_put(cells->table, "", NULL, first ? "failed: %.*s" : "", (int)strcspn(row->message, ";"),
-                          row->message);
+    const ShvStudy *study = cells->study;
+    const char *number = cells->table->form == SHV_TABLE_TEXT ? "number" : NULL;
+    bool told = row->status == SHV_OK || cells->table->heads;
+    shv_table_put(cells->table, "setting", NULL, "%s%s%s%s", row->series, row->label[0] ? ", " : "", row->label,
+                  row->is_reference ? " (reference)" : "");
+    if (has_figure(study, -1)) put_number(cells, "Courant", "", number, positive(row->courant));
+    put_number(cells, "run time", "s", number, positive(row->seconds));
+    for (int32_t i = 0; i < study->plan.measure_count; i++) {
+        const ShvMeasure *of = &study->plan.measures[i];
+        if (!has_figure(study, i)) continue;
+        if (row->status == SHV_OK || cells->table->heads)
+            put_number(cells, of->name, of->error_unit,
+                       !row->on_front[i] ? number
+                       : number          ? "number best"
+                                         : "best",
+                       row->errors[i]);
         else
-            put_error(cells, i);
-        first = false;
+            shv_table_put(cells->table, "", NULL, told ? "" : "failed: %.*s", (int)strcspn(row->message, ";"),
+                          row->message);
+        told = true;
     }
-    if (told && first) shv_table_put(cells->table, "", NULL, "failed: %s", row->message);
+    if (!told) shv_table_put(cells->table, "", NULL, "failed: %s", row->message);
 }
 
-static void put_row(Cells *cells)
+static void put_run(const Cells *cells)
 {
     const ShvStudyRow *row = cells->row;
-    const bool failed = row->status != SHV_OK;
-    char head[96];
-    put_setting(cells);
-    if (cells->kind == SHV_STUDY_TIMINGS)
-        shv_table_text(cells->table, "valid", NULL, cells->study->view.timings_valid ? "yes" : "no");
-    put_numbers(cells);
-    if (cells->kind == SHV_STUDY_RUNS)
-        shv_table_text(cells->table, "", failed ? "miss" : NULL,
-                       failed              ? "failed"
-                       : row->is_reference ? "reference"
-                                           : "");
-    if (cells->kind != SHV_STUDY_TIMINGS) put_errors(cells);
-    if (cells->kind == SHV_STUDY_RESULTS) shv_table_text(cells->table, "message", NULL, row->message);
-    if (cells->kind != SHV_STUDY_TIMINGS) return;
-    for (int c = 0; c < SHV_COST_COUNT; c++) put_number(cells, shv_cost_name((ShvCost)c), "s", NULL, row->costs[c]);
-    for (int32_t i = 0; i < cells->study->plan.measure_count; i++) {
-        shv_format(head, sizeof head, "on front of %s", cells->study->plan.measures[i].name);
-        shv_table_text(cells->table, head, NULL, row->on_front[i] ? "yes" : "");
+    const ShvStudyView *view = &cells->study->view;
+    const ShvStudyPlan *plan = &cells->study->plan;
+    const bool failed = row->status != SHV_OK, ensemble = plan->members > 1 && !cells->scatter;
+    put_keys(cells);
+    put_number(cells, "step", "s", "number", positive(row->step));
+    put_number(cells, "Courant number", "", "number", positive(row->courant));
+    put_number(cells, "run time", "s", view->timings_valid ? "number" : "number warn", positive(row->seconds));
+    shv_table_text(cells->table, "", failed ? "miss" : NULL, failed ? "failed" : row->is_reference ? "reference" : "");
+    for (int32_t i = 0; i < plan->measure_count; i++) {
+        const ShvMeasure *of = &plan->measures[i];
+        const double error = row->errors[i], low = row->errors_low[i];
+        const bool doubtful = ensemble && error <= view->scatter[i];
+        const char *class = row->on_front[i] ? "number best" : doubtful ? "number warn" : "number";
+        if (of->unit) put_number(cells, of->name, of->unit, "number", row->values[i]);
+        if (ensemble && !cells->table->heads && isfinite(error) && isfinite(low))
+            shv_table_put(cells->table, "", class, "%.3g (%.3g to %.3g)", error, low, row->errors_high[i]);
+        else
+            put_part(cells, "error of ", of, class, error);
     }
 }
+
+/* ---- all rows ---- */
 
 static void put_cells(ShvTable *table, const void *data, int32_t index)
 {
@@ -169,19 +171,17 @@ static void put_cells(ShvTable *table, const void *data, int32_t index)
         scatter.errors[i] = study->view.scatter[i];
     }
     cells.table = table;
+    cells.index = index;
     cells.scatter = index == study->setting_count;
     cells.row = cells.scatter ? &scatter : &study->rows[index];
-    cells.values = cells.scatter || !study->plan.settings ? NULL : study->plan.settings[index].values;
-    put_row(&cells);
+    cells.put(&cells);
 }
 
-void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, FILE *stream)
+void shv_study_put_table(const ShvStudy *study, ShvStudyTable kind, ShvTableForm form, FILE *stream)
 {
-    const Cells cells = {.kind = kind, .study = study};
-    const ShvTableForm form = kind == SHV_STUDY_RUNS    ? SHV_TABLE_HTML
-                              : kind == SHV_STUDY_LINES ? SHV_TABLE_MARKDOWN
-                                                        : SHV_TABLE_CSV;
-    const int32_t scatter = form != SHV_TABLE_CSV && study->plan.members > 1 ? 1 : 0;
+    static void (*const puts[])(const Cells *cells) = {put_results, put_timings, put_line, put_run};
+    const bool scatter = kind >= SHV_STUDY_LINES && study->plan.members > 1;
+    const Cells cells = {.put = puts[kind], .study = study};
     shv_table_write(stream, form, study->setting_count + scatter, put_cells, &cells);
 }
 

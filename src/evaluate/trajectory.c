@@ -8,6 +8,7 @@
 typedef struct Ways {
     ShvTrackScene scene;
     int32_t body_count;
+    bool closed; /* compared with the closed form, which may be of one body */
     const ShvBody *bodies;
     const ShvBodyState *own, *exact; /* frame by frame, all bodies */
     const double *times;
@@ -16,7 +17,7 @@ typedef struct Ways {
 
 static bool is_chosen(const Ways *ways, int32_t body)
 {
-    return ways->bodies[body].chosen == 1.0;
+    return !ways->closed || ways->bodies[body].chosen == 1.0;
 }
 
 static int32_t first_chosen(const Ways *ways)
@@ -46,7 +47,9 @@ static ShvStatus find_ways(Ways *ways, const ShvOutcome *run, const ShvOutcome *
     const ShvOutcomeList *times = shv_outcome_find(run, "frame.time"), *track = shv_outcome_find(run, "track"),
                          *exact = shv_outcome_find(reference ? reference : run, reference ? "track" : "exact"),
                          *scene = shv_outcome_find(run, "track.scene"), *bodies = shv_outcome_find(run, "track.masses");
-    *ways = (Ways){.count = 0};
+    *ways = (Ways){.closed = !reference};
+    if (times && run->no_motion[0] && !(track && reference))
+        return shv_fail(error, SHV_BAD_INPUT, "%s", run->no_motion);
     if (!times || times->count == 0 || !track || !exact || !scene || !bodies) return SHV_OK;
     memcpy(&ways->scene, scene->values, sizeof ways->scene);
     ways->body_count = (int32_t)shv_outcome_number(run, "track.bodies");
@@ -161,30 +164,20 @@ static bool impact_after(const ShvTrack *track, int32_t frame, ShvVec3 normal, S
     return true;
 }
 
-int shv_track_impacts(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *times, int most)
-{
-    int count = 0;
-    double place;
-    for (int32_t i = 0; i + 1 < track->count && count < most; i++)
-        if (impact_after(track, i, normal, gravity, &times[count], &place)) count++;
-    return count;
-}
-
-int shv_track_apices(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *heights, int most)
+int shv_track_impacts(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *times, double *heights, int most)
 {
     int count = 0;
     int32_t last = -1;
-    double ground = 0.0, time, place;
+    double ground = 0.0, place;
     for (int32_t i = 0; i + 1 < track->count && count < most; i++) {
-        if (!impact_after(track, i, normal, gravity, &time, &place)) continue;
-        if (last < 0) {
-            ground = place;
-        } else {
-            const ShvBodyState *middle = state_at(track, (last + i + 1) / 2);
-            const double v = shv_dot(middle->velocity, normal);
-            heights[count++] = shv_dot(middle->position, normal) + 0.5 * v * v / -shv_dot(gravity, normal) - ground;
-        }
+        if (!impact_after(track, i, normal, gravity, &times[count], &place)) continue;
+        if (last < 0) ground = place;
+        const ShvBodyState *middle = state_at(track, (last + i + 1) / 2);
+        const double v = shv_dot(middle->velocity, normal);
+        if (last >= 0)
+            heights[count - 1] = shv_dot(middle->position, normal) + 0.5 * v * v / -shv_dot(gravity, normal) - ground;
         last = i;
+        count++;
     }
     return count;
 }
@@ -224,7 +217,7 @@ static double largest_apart(const double *found, int count, const double *exact,
 /* Of the first chosen body, where there is a law that has events. */
 static void find_events(const Ways *ways, double errors[SHV_TRAJECTORY_MEASURES])
 {
-    double found[2][MOST_MOMENTS];
+    double found[2][MOST_MOMENTS + 1], heights[2][MOST_MOMENTS];
     int count[2];
     const bool bounce = ways->scene.law == SHV_REFERENCE_BOUNCE;
     const ShvVec3 up = ways->scene.up, g = ways->scene.gravity;
@@ -233,14 +226,15 @@ static void find_events(const Ways *ways, double errors[SHV_TRAJECTORY_MEASURES]
                                 {ways->times, ways->exact + body, stride, ways->count}};
     if (!bounce && ways->scene.law != SHV_REFERENCE_FLIGHT) return;
     for (int i = 0; i < 2; i++)
-        count[i] = bounce ? shv_track_impacts(&tracks[i], up, g, found[i], MOST_MOMENTS)
+        count[i] = bounce ? shv_track_impacts(&tracks[i], up, g, found[i], heights[i], MOST_MOMENTS + 1)
                           : shv_track_flips(&tracks[i], &ways->bodies[body].inertia, found[i], MOST_MOMENTS);
-    errors[SHV_TRAJECTORY_EVENT_TIME] = largest_apart(found[0], count[0], found[1], count[1], false);
-    if (count[1] > 0) errors[SHV_TRAJECTORY_EVENT_COUNT] = abs(count[0] - count[1]);
-    if (!bounce || count[0] != count[1]) return;
-    for (int i = 0; i < 2; i++) count[i] = shv_track_apices(&tracks[i], up, g, found[i], MOST_MOMENTS);
-    const int least = count[0] < count[1] ? count[0] : count[1];
-    errors[SHV_TRAJECTORY_APEX] = largest_apart(found[0], least, found[1], least, true);
+    const int own = count[0] < MOST_MOMENTS ? count[0] : MOST_MOMENTS;
+    const int exact = count[1] < MOST_MOMENTS ? count[1] : MOST_MOMENTS;
+    errors[SHV_TRAJECTORY_EVENT_TIME] = largest_apart(found[0], own, found[1], exact, false);
+    if (exact > 0) errors[SHV_TRAJECTORY_EVENT_COUNT] = abs(own - exact);
+    const int least = (count[0] < count[1] ? count[0] : count[1]) - 1;
+    if (bounce && own == exact && own > 0)
+        errors[SHV_TRAJECTORY_APEX] = largest_apart(heights[0], least, heights[1], least, true);
 }
 
 /* ---- all ---- */

@@ -17,7 +17,7 @@ typedef struct ShvBody {
     double mass;     /* kg */
     double radius;   /* m: of the ball of this mass with the same sum of moments */
     ShvMat3 inertia; /* kg m², about the centre, body axes */
-    double chosen;   /* 1: errors are taken of it; else 0 */
+    double chosen;   /* 1: the closed form is of it; else 0 */
 } ShvBody;
 
 enum { SHV_STATE_NUMBERS = sizeof(ShvBodyState) / sizeof(double), SHV_BODY_NUMBERS = sizeof(ShvBody) / sizeof(double) };
@@ -70,11 +70,9 @@ typedef struct ShvTrack {
 } ShvTrack;
 /* Times of events that mark a motion (impacts, flips), at most `most`; returns their number. */
 /* Impacts on a plane: where the parabolas through two frames meet, between which the velocity along `normal` turned from in
-   to out by more than thrice what gravity does in between. */
-int shv_track_impacts(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *times, int most);
-/* Height of the apex after each of the first impacts, above where the body is at the first: from speed and place half way to
-   the next one. */
-int shv_track_apices(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *heights, int most);
+   to out by more than thrice what gravity does in between. `heights`, one fewer: of the apex after each, above where the body is at
+   the first: from speed and place half way to the next one. */
+int shv_track_impacts(const ShvTrack *track, ShvVec3 normal, ShvVec3 gravity, double *times, double *heights, int most);
 /* Flips: spin about the middle principal axis (of `inertia`, body axes) passes through zero, by linear interpolation. */
 int shv_track_flips(const ShvTrack *track, const ShvMat3 *inertia, double *times, int most);
 

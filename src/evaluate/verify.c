@@ -7,13 +7,6 @@
 
 enum { MOST_OVERRIDES = 64, LARGEST_CASE = 1 << 20 };
 
-/* A case that is run. */
-typedef struct Verifier {
-    ShvJudge judge;
-    const ShvVerifyOptions *options;
-    char *folder;
-} Verifier;
-
 ShvVerifyOptions shv_verify_default(void)
 {
     return (ShvVerifyOptions){.cookie = SHV_DEFINITION_COOKIE};
@@ -27,11 +20,10 @@ double shv_run_seconds(const ShvOutcome *outcome)
 
 /* ---- runs ---- */
 
-static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
+static ShvStatus load_scene(ShvVerification *made, const ShvCaseRun *run, ShvScene **scene, ShvError *error)
 {
     const char *overrides[MOST_OVERRIDES], *at = run->set;
-    ShvMemory *memory = verifier->options->memory;
-    ShvPool *work = &verifier->judge.work;
+    ShvPool *work = &made->work;
     char *path;
     int32_t count = 0;
     for (char *line = shv_next_line(work, &at); line; line = shv_next_line(work, &at)) {
@@ -40,18 +32,18 @@ static ShvStatus load_scene(Verifier *verifier, const ShvCaseRun *run, ShvScene 
         overrides[count++] = line;
     }
     if (work->failed) return shv_fail_memory(error, "overrides", 0);
-    SHV_TRY(shv_path_join(memory, SHV_PART_SCENE, verifier->folder,
-                          run->scene ? run->scene : verifier->judge.item->scene, &path, error));
-    const ShvStatus status = shv_scene_load(scene, path, overrides, count, memory, NULL, error);
+    SHV_TRY(shv_path_join(made->memory, SHV_PART_SCENE, made->folder, run->scene ? run->scene : made->item->scene,
+                          &path, error));
+    const ShvStatus status = shv_scene_load(scene, path, overrides, count, made->memory, NULL, error);
     shv_release(path);
     return status;
 }
 
 /* A scene that is refused is a finding where something is expected of the run, else a fault of the case. */
-static ShvStatus simulate(Verifier *verifier, const ShvCaseRun *run, ShvOutcome *outcome, ShvError *error)
+static ShvStatus simulate(ShvVerification *made, const ShvCaseRun *run, ShvOutcome *outcome, ShvError *error)
 {
     ShvScene *scene = NULL;
-    const ShvStatus loaded = load_scene(verifier, run, &scene, error);
+    const ShvStatus loaded = load_scene(made, run, &scene, error);
     if (loaded == SHV_BAD_INPUT && run->expect) {
         outcome->status = loaded;
         shv_format(outcome->message, sizeof outcome->message, "%s", error->message);
@@ -61,44 +53,42 @@ static ShvStatus simulate(Verifier *verifier, const ShvCaseRun *run, ShvOutcome 
     SHV_TRY(loaded);
     const ShvRunOrder order = {.scene = shv_scene_definition(scene),
                                .folder = shv_scene_folder(scene),
-                               .memory = verifier->options->memory,
+                               .memory = made->memory,
                                .multiple = (double)NAN,
                                .repeats = 1};
     const ShvStatus status = shv_run_scene(outcome, &order, error);
     shv_scene_destroy(scene);
-    verifier->judge.made->view.seconds += shv_run_seconds(outcome);
+    made->view.seconds += shv_run_seconds(outcome);
     return status;
 }
 
-static ShvStatus make_run(Verifier *verifier, const ShvCaseRun *run, bool last, ShvError *error)
+static ShvStatus make_run(ShvVerification *made, const ShvCaseRun *run, bool last, ShvError *error)
 {
-    ShvJudge *judge = &verifier->judge;
-    ShvKeptRun *now = judge->now = &judge->runs[judge->run_count++];
+    ShvKeptRun *now = made->now = &made->runs[made->run_count++];
     now->named.name = run->head.name;
     now->title = run->title ? run->title : run->head.name;
-    now->outcome = (ShvOutcome){.memory = verifier->options->memory};
+    now->outcome = (ShvOutcome){.memory = made->memory};
     now->named.outcome = &now->outcome;
-    if (judge->run_count > 1) now->named.before = &now[-1].named;
-    SHV_TRY(simulate(verifier, run, &now->outcome, error));
-    return shv_judge_run(judge, run, last, error);
+    if (made->run_count > 1) now->named.before = &now[-1].named;
+    SHV_TRY(simulate(made, run, &now->outcome, error));
+    return shv_judge_run(made, run, last, error);
 }
 
-static ShvStatus make_runs(Verifier *verifier, ShvError *error)
+static ShvStatus make_runs(ShvVerification *made, ShvError *error)
 {
     static const ShvCaseRun as_it_is = {.head = {.name = ""}};
-    ShvJudge *judge = &verifier->judge;
-    const bool any = judge->item->runs.count > 0, full = verifier->options->full;
-    const ShvCaseRun *runs = any ? judge->item->runs.data : &as_it_is;
-    const int32_t count = any ? judge->item->runs.count : 1;
+    const bool any = made->item->runs.count > 0, full = made->options->full;
+    const ShvCaseRun *runs = any ? made->item->runs.data : &as_it_is;
+    const int32_t count = any ? made->item->runs.count : 1;
     int32_t last = -1;
     for (int32_t i = 0; i < count; i++)
         if (full || !runs[i].full) last = i;
-    judge->runs = shv_pool_take(&judge->work, (size_t)count, sizeof *judge->runs);
-    if (!judge->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *judge->runs);
+    made->runs = shv_pool_take(&made->work, (size_t)count, sizeof *made->runs);
+    if (!made->runs) return shv_fail_memory(error, "runs", (size_t)count * sizeof *made->runs);
     if (last < 0) return shv_fail(error, SHV_BAD_INPUT, "all runs of this case belong to the full set; give --full");
     for (int32_t i = 0; i < count; i++)
-        if (full || !runs[i].full) SHV_TRY(make_run(verifier, &runs[i], i == last, error));
-    return shv_judge_orders(judge, judge->run_count == count, error);
+        if (full || !runs[i].full) SHV_TRY(make_run(made, &runs[i], i == last, error));
+    return shv_judge_together(made, made->run_count == count, error);
 }
 
 /* ---- the case ---- */
@@ -112,35 +102,33 @@ static const char *case_name(ShvPool *pool, const char *path)
     return shv_pool_text(pool, name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
 }
 
-static ShvStatus read_case(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
+static ShvStatus read_case(ShvVerification *made, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
     char *text = NULL;
     size_t length = 0;
-    ShvPool *work = &verifier->judge.work, *texts = &verifier->judge.made->texts;
+    ShvPool *work = &made->work, *texts = &made->texts;
     SHV_TRY(shv_read_file(work->memory, SHV_PART_SCENE, path, LARGEST_CASE, &text, &length, error));
     *diagnostics = shv_diagnostics_create(work->memory, path, NULL, 0);
-    if (*diagnostics) verifier->judge.item = shv_case_read(text, length, work, texts, *diagnostics);
+    if (*diagnostics) made->item = shv_case_read(text, length, work, texts, *diagnostics);
     shv_release(text);
     if (!*diagnostics) return shv_fail_memory(error, "a verification case", length);
     return shv_diagnostics_end(*diagnostics, work->failed || texts->failed, "the case", length, error);
 }
 
-static ShvStatus verify(Verifier *verifier, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
+static ShvStatus verify(ShvVerification *made, const char *path, ShvDiagnostics **diagnostics, ShvError *error)
 {
-    ShvVerification *made = verifier->judge.made;
-    ShvVerifyCase *view = &made->view;
-    SHV_TRY(read_case(verifier, path, diagnostics, error));
-    const ShvCaseItem *item = verifier->judge.item;
-    if (verifier->options->short_set && !item->in_short) return SHV_OK;
-    *view = (ShvVerifyCase){.name = case_name(&made->texts, path),
-                            .title = item->title,
-                            .scene = item->scene,
-                            .source = item->source,
-                            .remark = item->remark ? item->remark : ""};
-    if (!view->name) return shv_fail_memory(error, "a name", strlen(path));
-    SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &verifier->folder, error));
-    const ShvStatus status = make_runs(verifier, error);
-    return status == SHV_OK ? SHV_OK : shv_fail_within(error, status, "case %s", view->name);
+    SHV_TRY(read_case(made, path, diagnostics, error));
+    const ShvCaseItem *item = made->item;
+    if (made->options->short_set && !item->in_short) return SHV_OK;
+    made->view = (ShvVerifyCase){.name = case_name(&made->texts, path),
+                                 .title = item->title,
+                                 .scene = item->scene,
+                                 .source = item->source,
+                                 .remark = item->remark ? item->remark : ""};
+    if (!made->view.name) return shv_fail_memory(error, "a name", strlen(path));
+    SHV_TRY(shv_path_folder(made->memory, SHV_PART_SCENE, path, &made->folder, error));
+    const ShvStatus status = make_runs(made, error);
+    return status == SHV_OK ? SHV_OK : shv_fail_within(error, status, "case %s", made->view.name);
 }
 
 ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const ShvVerifyOptions *options,
@@ -156,12 +144,12 @@ ShvStatus shv_verify_run(ShvVerification **verification, const char *path, const
         return shv_fail(error, SHV_BAD_INPUT, "the options did not start from shv_verify_default()");
     ShvVerification *made = shv_allocate(options->memory, SHV_PART_RECORD, 1, sizeof *made);
     if (!made) return shv_fail_memory(error, "a verification", sizeof *made);
-    made->memory = made->texts.memory = options->memory;
-    Verifier verifier = {.judge = {.made = made, .work = {.memory = options->memory}}, .options = options};
-    const ShvStatus status = verify(&verifier, path, diagnostics, error);
-    for (int32_t i = 0; i < verifier.judge.run_count; i++) shv_outcome_release(&verifier.judge.runs[i].outcome);
-    shv_pool_release(&verifier.judge.work);
-    shv_release(verifier.folder);
+    made->memory = made->texts.memory = made->work.memory = options->memory;
+    made->options = options;
+    const ShvStatus status = verify(made, path, diagnostics, error);
+    for (int32_t i = 0; i < made->run_count; i++) shv_outcome_release(&made->runs[i].outcome);
+    shv_pool_release(&made->work);
+    shv_release(made->folder);
     shv_diagnostics_destroy(own);
     if (status == SHV_OK && made->view.name)
         *verification = made;

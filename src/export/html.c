@@ -62,10 +62,3 @@ void shv_html_command(FILE *stream, const char *text)
 {
     put_line(stream, "pre", text);
 }
-
-void shv_html_plot(FILE *stream, const ShvPlot *plot)
-{
-    shv_print(stream, "<figure>\n");
-    shv_plot_write(stream, plot, true);
-    shv_print(stream, "</figure>\n");
-}

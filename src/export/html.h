@@ -3,7 +3,7 @@
      shv_html_begin(stream, "Title");
      shv_html_heading(stream, 2, "Runs");
      shv_html_paragraph(stream, "Errors are the largest over time.");
-     shv_html_plot(stream, &plot);
+     shv_plot_write(stream, &plot, true);
      shv_html_command(stream, "shiver study scene.yaml study.yaml");
      shv_html_end(stream);
 
@@ -26,8 +26,5 @@ void shv_html_paragraph(FILE *stream, const char *text);
 void shv_html_command(FILE *stream, const char *text);
 /* An element of that name around a text; `class` may be NULL. */
 void shv_html_element(FILE *stream, const char *name, const char *class, const char *text);
-
-/* The plot as a figure within the page. */
-void shv_html_plot(FILE *stream, const ShvPlot *plot);
 
 #endif

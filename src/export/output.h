@@ -60,7 +60,7 @@ void shv_member_flag(ShvMembers *members, const char *name, bool flag);
 
 /* A number of a struct by its name. */
 typedef struct ShvNumberField {
-    const char *name, *format; /* format: in a text, if it is put into one */
+    const char *name;
     size_t offset;
 } ShvNumberField;
 double shv_number_of(const void *item, const ShvNumberField *field);

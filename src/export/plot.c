@@ -1,6 +1,8 @@
 #include "export/plot.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
 #include "base/text.h"
 
@@ -26,6 +28,18 @@ void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point)
 {
     draft->points[draft->point_count++] = point;
     draft->lines[draft->line_count - 1].count++;
+}
+
+int32_t shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point)
+{
+    int32_t i = 0;
+    while (i < draft->line_count && strcmp(draft->lines[i].name, name) != 0) i++;
+    if (i == draft->line_count) shv_plot_line(draft, name, SHV_PLOT_MARKED_LINE);
+    const ptrdiff_t at = draft->lines[i].points - draft->points + draft->lines[i].count++;
+    memmove(draft->points + at + 1, draft->points + at, (size_t)(draft->point_count++ - at) * sizeof point);
+    draft->points[at] = point;
+    for (int32_t k = i + 1; k < draft->line_count; k++) draft->lines[k].points++;
+    return i;
 }
 
 /* ---- axes ---- */
@@ -260,7 +274,7 @@ static void put_legend(const Page *page)
 /* Head and title of a drawing; `attributes` (" name=value") of its element. */
 static void begin(FILE *stream, int width, int height, bool within, const char *title, const char *attributes)
 {
-    if (!within) shv_print(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    shv_print(stream, within ? "<figure>\n" : "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     shv_print(stream,
               "<svg %swidth=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
               "font-family=\"Helvetica, Arial, sans-serif\"%s>\n<title>",
@@ -292,7 +306,7 @@ void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within)
     if (plot->front) put_front(&page);
     for (int32_t i = 0; i < plot->line_count; i++) put_line(&page, i);
     put_legend(&page);
-    shv_print(stream, "</svg>\n");
+    shv_print(stream, within ? "</svg>\n</figure>\n" : "</svg>\n");
 }
 
 /* ---- bars ---- */
@@ -356,5 +370,5 @@ void shv_plot_bars(FILE *stream, const ShvPlotBars *bars, bool within)
     shv_print(stream, "</text>\n");
     put_parts(stream, bars);
     for (int32_t i = 0; i < bars->count; i++) put_bar(stream, bars, i, scale);
-    shv_print(stream, "</svg>\n");
+    shv_print(stream, within ? "</svg>\n</figure>\n" : "</svg>\n");
 }

@@ -28,6 +28,9 @@ typedef struct ShvPlotDraft {
 } ShvPlotDraft;
 void shv_plot_line(ShvPlotDraft *draft, const char *name, ShvPlotStyle style);
 void shv_plot_point(ShvPlotDraft *draft, ShvPlotPoint point);
+/* At the end of the line of that name, in whatever order lines get their points; a marked line where there is none yet. Returns the
+   line's index. */
+int32_t shv_plot_add(ShvPlotDraft *draft, const char *name, ShvPlotPoint point);
 
 /* From `low` to `high` at x, in the colour of a line: what lies around a point. */
 typedef struct ShvPlotSpan {
@@ -45,7 +48,7 @@ typedef struct ShvPlot {
     int32_t span_count;
 } ShvPlot;
 
-/* Writes the whole document, or an element `within` a page of HTML. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
+/* Writes the whole document, or a figure `within` a page of HTML. Points that are not finite, or not positive on a logarithmic axis, are left out; the lines skip
    them. Errors of writing are the stream's. */
 void shv_plot_write(FILE *stream, const ShvPlot *plot, bool within);
 

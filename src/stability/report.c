@@ -6,142 +6,107 @@
 #include "base/text.h"
 #include "export/output.h"
 #include "export/plot.h"
+#include "export/table.h"
 #include "stability/stability.h"
 
-/* ---- numbers of rows and points ---- */
+/* ---- tables: the same columns as text, JSON and CSV ---- */
 
+typedef struct Column {
+    const char *name, *unit, *brief, *format; /* brief: the head of a text */
+    size_t offset;                            /* of a number */
+} Column;
 #define ROW(member)   offsetof(ShvStabilityRow, member)
 #define POINT(member) offsetof(ShvStabilityPoint, member)
 #define COUNT(array)  ((int)(sizeof(array) / sizeof *(array)))
-static const ShvNumberField setting_fields[] = {{"youngs_modulus", NULL, ROW(modulus)}, {"k", NULL, ROW(stiffness)}},
-                            limit_fields[] = {{"stable_step", "%.3e", ROW(stable_step)},
-                                              {"limit", "%.2f", ROW(limit)},
-                                              {"failed", "%.2f", ROW(failed)},
-                                              {"over_mesh", "%.2f", ROW(over_mesh)}},
-                            odd_fields[] = {{"unstable_below", NULL, ROW(unstable_below)},
-                                            {"stable_again", NULL, ROW(stable_again)},
-                                            {"refused_above", NULL, ROW(refused_above)}},
-                            point_fields[] = {{"step", "%.2f", POINT(multiple)},
-                                              {"stiffness", "%.4g", POINT(stiffness)},
-                                              {"bars_alone", "%.4g", POINT(closed_form)},
-                                              {"frequency", "%.4f", POINT(frequency)},
-                                              {"displacement", "%.3g", POINT(displacement)},
-                                              {"energy_kept", "%.3g", POINT(energy_kept)}};
+static const Column setting_columns[] = {{"youngs_modulus", "Pa", "E, Pa", "%.3g", ROW(modulus)},
+                                         {"k", "", "k", "%.3g", ROW(stiffness)}},
+                    limit_columns[] = {{"stable_step", "s", "step, s", "%.3e", ROW(stable_step)},
+                                       {"limit", "stable steps", "limit", "%.2f", ROW(limit)},
+                                       {"failed", "stable steps", "fails at", "%.2f", ROW(failed)},
+                                       {"limit over that without bars", "", "of mesh", "%.2f", ROW(over_mesh)},
+                                       {"unstable_below", "stable steps", "unstable at", "%.2f", ROW(unstable_below)},
+                                       {"stable_again", "stable steps", "stable at", "%.2f", ROW(stable_again)}},
+                    refusal_column[] = {{"refused_above", "", "refused above", "%.2f", ROW(refused_above)}},
+                    point_columns[] = {{"step", "stable steps", "step", "%.2f", POINT(multiple)},
+                                       {"stiffness", "", "stiffness", "%.4g", POINT(stiffness)},
+                                       {"stiffness of bars alone", "", "bars alone", "%.4g", POINT(closed_form)},
+                                       {"frequency", "", "frequency", "%.4f", POINT(frequency)},
+                                       {"displacement error", "", "displ.", "%.3g", POINT(displacement)},
+                                       {"energy kept", "", "energy", "%.3g", POINT(energy_kept)}};
 
-static void put_text(FILE *stream, const void *item, const ShvNumberField *fields, int count)
+static void put_columns(ShvTable *table, const void *item, const Column *columns, int count)
 {
+    const bool text = table->form == SHV_TABLE_TEXT;
     for (int i = 0; i < count; i++) {
-        char text[32];
-        const double value = shv_number_of(item, &fields[i]);
-        shv_format(text, sizeof text, isfinite(value) ? fields[i].format : isnan(value) ? "-" : "inf", value);
-        shv_print(stream, " %9s", text);
+        double value;
+        memcpy(&value, (const char *)item + columns[i].offset, sizeof value);
+        shv_table_number(table, text ? columns[i].brief : columns[i].name, text ? NULL : columns[i].unit, "number",
+                         columns[i].format, value);
     }
 }
 
-static void put_csv(FILE *stream, const void *item, const ShvNumberField *fields, int count)
+static void put_setting(ShvTable *table, const ShvStabilityRow *row)
 {
-    for (int i = 0; i < count; i++) shv_output_number(stream, shv_number_of(item, &fields[i]));
+    const bool text = table->form == SHV_TABLE_TEXT;
+    shv_table_text(table, text ? "" : "stabiliser", NULL, row->iterations > 0 ? "bars" : "none");
+    shv_table_number(table, text ? "n" : "iterations", NULL, "number", "%.0f", row->iterations);
+    put_columns(table, row, setting_columns, COUNT(setting_columns));
 }
 
-/* ---- text ---- */
-
-static void put_setting(FILE *stream, const ShvStabilityRow *row)
+static void put_limit(ShvTable *table, const ShvStabilityRow *row)
 {
-    if (row->iterations > 0)
-        shv_print(stream, "%-10.3g %5.3g %4d", row->modulus, row->stiffness, (int)row->iterations);
-    else
-        shv_print(stream, "%-10.3g %5s %4s", row->modulus, "none", "-");
+    put_columns(table, row, limit_columns, COUNT(limit_columns));
+    shv_table_text(table, "class at failed", NULL, shv_stability_class_name(row->beyond));
+    shv_table_text(table, "class at 3 x failed", NULL, shv_stability_class_name(row->far));
 }
 
-static void put_limits(FILE *stream, const ShvStabilityRow *row)
+static void put_row(ShvTable *table, const void *data, int32_t index)
 {
-    put_setting(stream, row);
-    put_text(stream, row, limit_fields, COUNT(limit_fields));
-    shv_print(stream, "  %-9s %-9s ", shv_stability_class_name(row->beyond), shv_stability_class_name(row->far));
-    if (row->monotone) shv_print(stream, "yes");
-    if (!isnan(row->unstable_below)) shv_print(stream, "NO: unstable at %.2f", row->unstable_below);
-    if (!isnan(row->stable_again))
-        shv_print(stream, "%sNO: stable again at %.2f", isnan(row->unstable_below) ? "" : ", ", row->stable_again);
-    if (!isnan(row->refused_above))
-        shv_print(stream, "; the program refuses steps above %.2f without bars", row->refused_above);
-    shv_print(stream, "\n");
+    const ShvStabilityRow *row = &((const ShvStability *)data)->rows[index];
+    put_setting(table, row);
+    put_limit(table, row);
+    put_columns(table, row, refusal_column, 1);
+    shv_table_flag(table, "monotone", row->monotone);
 }
 
-static void put_point(FILE *stream, const ShvStabilityRow *row, const ShvStabilityPoint *point)
+/* Points of all rows, one after the other; in CSV with what is known of the row. */
+static void put_point(ShvTable *table, const void *data, int32_t index)
 {
-    put_setting(stream, row);
-    put_text(stream, point, point_fields, 1);
-    shv_print(stream, "  %-9s", shv_stability_class_name(point->outcome));
-    put_text(stream, point, point_fields + 1, COUNT(point_fields) - 1);
-    shv_print(stream, "\n");
+    const ShvStability *stability = data;
+    const ShvStabilityRow *row = stability->rows;
+    while (index >= row->point_count) index -= (row++)->point_count;
+    put_setting(table, row);
+    if (table->form == SHV_TABLE_CSV) put_limit(table, row);
+    if (table->form == SHV_TABLE_CSV) shv_table_number(table, "steps", NULL, NULL, "", stability->options.steps);
+    shv_table_text(table, "class", NULL, shv_stability_class_name(row->points[index].outcome));
+    put_columns(table, &row->points[index], point_columns, COUNT(point_columns));
+}
+
+static void put_points(FILE *stream, ShvTableForm form, const ShvStability *stability)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < stability->count; i++) count += stability->rows[i].point_count;
+    shv_table_write(stream, form, count, put_point, stability);
 }
 
 void shv_stability_print(const ShvStability *stability, FILE *stream)
 {
     shv_print(stream,
               "load: velocities of up to 0.5e-6 bar speeds, drawn node by node, rigid motion taken out; %d steps\n"
-              "largest stable step, in computed stable steps\n"
-              "%-10s %5s %4s %9s %9s %9s %9s  %-9s %-9s %s\n",
-              (int)stability->options.steps, "E, Pa", "k", "n", "step, s", "limit", "fails at", "of mesh", "there",
-              "at 3x", "monotone");
-    for (int32_t i = 0; i < stability->count; i++) put_limits(stream, &stability->rows[i]);
-    shv_print(stream,
-              "\nhow far off: against no bars at a quarter of the stable step\n"
-              "%-10s %5s %4s %9s  %-9s %9s %9s %9s %9s %9s\n",
-              "E, Pa", "k", "n", "step", "class", "stiffness", "bars alone", "frequency", "displ.", "energy");
-    for (int32_t i = 0; i < stability->count; i++)
-        for (int32_t k = 0; k < stability->rows[i].point_count; k++)
-            put_point(stream, &stability->rows[i], &stability->rows[i].points[k]);
-}
-
-/* ---- JSON ---- */
-
-static void put_row_json(FILE *stream, const ShvStabilityRow *row)
-{
-    ShvMembers members = {.stream = stream};
-    shv_member_flag(&members, "bars", row->iterations > 0);
-    shv_member_fields(&members, row, setting_fields, COUNT(setting_fields));
-    shv_member_number(&members, "iterations", row->iterations);
-    shv_member_fields(&members, row, limit_fields, COUNT(limit_fields));
-    shv_member_fields(&members, row, odd_fields, COUNT(odd_fields));
-    shv_member_text(&members, "beyond", shv_stability_class_name(row->beyond));
-    shv_member_text(&members, "far", shv_stability_class_name(row->far));
-    shv_member_flag(&members, "monotone", row->monotone);
-    shv_member_key(&members, "points");
-    for (int32_t k = 0; k < row->point_count; k++) {
-        ShvMembers point = {.stream = stream};
-        shv_print(stream, k > 0 ? "},\n  {" : "[{");
-        shv_member_text(&point, "class", shv_stability_class_name(row->points[k].outcome));
-        shv_member_fields(&point, &row->points[k], point_fields, COUNT(point_fields));
-    }
-    shv_print(stream, row->point_count > 0 ? "}]" : "[]");
+              "largest stable step, in computed stable steps; the program refuses steps above some without bars\n",
+              (int)stability->options.steps);
+    shv_table_write(stream, SHV_TABLE_TEXT, stability->count, put_row, stability);
+    shv_print(stream, "\nhow far off: against no bars at a quarter of the stable step\n");
+    put_points(stream, SHV_TABLE_TEXT, stability);
 }
 
 void shv_stability_print_json(const ShvStability *stability, FILE *stream)
 {
-    shv_print(stream, "{\"rows\": [");
-    for (int32_t i = 0; i < stability->count; i++) {
-        shv_print(stream, i > 0 ? ",\n {" : "{");
-        put_row_json(stream, &stability->rows[i]);
-        shv_print(stream, "}");
-    }
-    shv_print(stream, "]}\n");
-}
-
-/* ---- CSV: a line a point ---- */
-
-static void put_lines(FILE *stream, const ShvStability *stability, const ShvStabilityRow *row)
-{
-    for (int32_t k = 0; k < row->point_count; k++) {
-        shv_print(stream, "%s,%d", row->iterations > 0 ? "bars" : "none", (int)row->iterations);
-        put_csv(stream, row, setting_fields, COUNT(setting_fields));
-        put_csv(stream, row, limit_fields, COUNT(limit_fields));
-        put_csv(stream, row, odd_fields, 2);
-        shv_print(stream, ",%s,%s,%d,%s", shv_stability_class_name(row->beyond), shv_stability_class_name(row->far),
-                  (int)stability->options.steps, shv_stability_class_name(row->points[k].outcome));
-        put_csv(stream, &row->points[k], point_fields, COUNT(point_fields));
-        shv_print(stream, "\n");
-    }
+    shv_print(stream, "{\"rows\": ");
+    shv_table_write(stream, SHV_TABLE_JSON, stability->count, put_row, stability);
+    shv_print(stream, ", \"points\": ");
+    put_points(stream, SHV_TABLE_JSON, stability);
+    shv_print(stream, "}\n");
 }
 
 /* ---- plots, of the first modulus ---- */
@@ -156,52 +121,45 @@ static const char *const labels[PICTURES] = {"largest stable step, computed stab
 typedef struct Drawing {
     ShvPlotPoint points[MOST_LINES * SHV_MOST_STABILITY_VALUES];
     ShvPlotLine lines[MOST_LINES];
-    char names[MOST_LINES][24];
+    char names[MOST_LINES + 1][24]; /* the last: of a point that joins a line */
     ShvPlotDraft draft;
 } Drawing;
 
-/* The largest steps of one k (without bars of all) against the number of iterations. */
-static void add_limits(Drawing *drawing, const ShvStabilityRow *row, const ShvStabilityValues *iterations)
+static void add(Drawing *drawing, const char *name, double x, double y)
 {
-    char *name = drawing->names[drawing->draft.line_count];
-    shv_format(name, sizeof drawing->names[0], row->iterations > 0 ? "k = %g" : "no bars", row->stiffness);
-    shv_plot_line(&drawing->draft, name, SHV_PLOT_MARKED_LINE);
-    for (int32_t n = 0; n < iterations->count; n++)
-        shv_plot_point(&drawing->draft,
-                       (ShvPlotPoint){.x = iterations->values[n], .y = row[row->iterations > 0 ? n : 0].limit});
+    char *kept = drawing->names[drawing->draft.line_count];
+    shv_format(kept, sizeof drawing->names[0], "%s", name);
+    (void)shv_plot_add(&drawing->draft, kept, (ShvPlotPoint){.x = x, .y = y});
 }
 
-/* What is wrong at each step. */
-static void add_steps(Drawing *drawing, const ShvStabilityRow *row, int picture)
+/* The limit against the number of sweeps, a line a k; else what is wrong at each step, a line a setting. */
+static void add_row(Drawing *drawing, const ShvStabilityRow *row, int picture, const ShvStabilityValues *sweeps)
 {
-    char *name = drawing->names[drawing->draft.line_count];
-    shv_format(name, sizeof drawing->names[0], row->iterations > 0 ? "k %g, n %d" : "no bars", row->stiffness,
-               (int)row->iterations);
-    shv_plot_line(&drawing->draft, name, SHV_PLOT_MARKED_LINE);
-    for (int32_t k = 0; k < row->point_count; k++) {
-        const ShvStabilityPoint *point = &row->points[k];
-        const double value = picture == 1 ? point->stiffness : point->displacement;
-        shv_plot_point(&drawing->draft, (ShvPlotPoint){.x = point->multiple, .y = value});
+    char name[sizeof drawing->names[0]] = "no bars";
+    const bool bars = row->iterations > 0;
+    if (bars) shv_format(name, sizeof name, picture ? "k %g, n %d" : "k = %g", row->stiffness, (int)row->iterations);
+    for (int32_t n = 0; n < sweeps->count && picture == 0; n++)
+        if (!bars || sweeps->values[n] == row->iterations) add(drawing, name, sweeps->values[n], row->limit);
+    for (int32_t i = 0; i < row->point_count && picture > 0; i++) {
+        const ShvStabilityPoint *point = &row->points[i];
+        add(drawing, name, point->multiple, picture == 1 ? point->stiffness : point->displacement);
     }
 }
 
 /* Lines against the step: without bars, each of the first four k with the middle number of iterations, the first with the
    last. More could not be told apart; the table has them all. */
-static void put_picture(FILE *stream, const ShvStability *stability, int picture)
+static void put_picture(const void *data, int picture, FILE *stream)
 {
     enum { MOST_K = 4 };
-    const ShvStabilityValues *iterations = &stability->options.iterations;
-    const int32_t stiffnesses = stability->options.stiffness.count, n = iterations->count, middle = n / 2;
-    const ShvStabilityRow *bars = stability->rows + 1;
+    const ShvStability *stability = data;
+    const ShvStabilityValues *sweeps = &stability->options.iterations;
+    const int32_t n = sweeps->count, bars = stability->options.stiffness.count * n;
     Drawing drawing;
     drawing.draft = (ShvPlotDraft){.points = drawing.points, .lines = drawing.lines};
-    if (picture > 0) add_steps(&drawing, stability->rows, picture);
-    for (int32_t k = 0; k < stiffnesses && n > 0; k++) {
-        if (picture == 0) add_limits(&drawing, bars + k * n, iterations);
-        if (picture > 0 && k < MOST_K) add_steps(&drawing, bars + k * n + middle, picture);
+    for (int32_t i = -1; i < bars; i++) {
+        const bool shown = i < 0 || (i / n < MOST_K && i % n == n / 2) || i == n - 1;
+        if (picture == 0 || shown) add_row(&drawing, &stability->rows[1 + i], picture, sweeps);
     }
-    if (picture == 0) add_limits(&drawing, stability->rows, iterations);
-    if (picture > 0 && stiffnesses > 0 && middle < n - 1) add_steps(&drawing, bars + n - 1, picture);
     const ShvPlot plot = {.title = stability->name,
                           .x_label = picture > 0 ? "step, computed stable steps" : "sweeps of bars a step",
                           .y_label = labels[picture],
@@ -214,21 +172,10 @@ static void put_picture(FILE *stream, const ShvStability *stability, int picture
 
 /* ---- files ---- */
 
-static void put_file(const void *data, int index, FILE *stream)
+static void put_csv(const void *data, int index, FILE *stream)
 {
-    put_picture(stream, data, index);
-}
-
-static void put_table(const void *data, int index, FILE *stream)
-{
-    const ShvStability *stability = data;
     (void)index;
-    shv_print(stream,
-              "stabiliser,iterations,youngs_modulus [Pa],k,stable_step [s],limit [stable steps],"
-              "failed [stable steps],limit over that without bars,unstable_below [stable steps],"
-              "stable_again [stable steps],class at failed,class at 3 x failed,steps,class,"
-              "step [stable steps],stiffness,stiffness of bars alone,frequency,displacement error,energy kept\n");
-    for (int32_t i = 0; i < stability->count; i++) put_lines(stream, stability, &stability->rows[i]);
+    put_points(stream, SHV_TABLE_CSV, data);
 }
 
 ShvStatus shv_stability_check_files(const char *csv, const char *svg, bool force, ShvError *error)
@@ -247,6 +194,6 @@ ShvStatus shv_stability_write(const ShvStability *stability, const char *csv, co
     options.memory = stability->memory;
     static const char *const whole[] = {""};
     SHV_TRY(shv_stability_check_files(csv, svg, force, error));
-    if (csv) SHV_TRY(shv_output_write_all(&options, csv, whole, 1, put_table, stability, error));
-    return svg ? shv_output_write_all(&options, svg, suffixes, PICTURES, put_file, stability, error) : SHV_OK;
+    if (csv) SHV_TRY(shv_output_write_all(&options, csv, whole, 1, put_csv, stability, error));
+    return svg ? shv_output_write_all(&options, svg, suffixes, PICTURES, put_picture, stability, error) : SHV_OK;
 }

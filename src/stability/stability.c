@@ -1,6 +1,7 @@
 #include "stability/stability.h"
 
 #include "base/text.h"
+#include "scene/schema.h"
 
 const char *shv_stability_class_name(ShvStabilityClass outcome)
 {
@@ -21,34 +22,30 @@ ShvStabilityOptions shv_stability_default(void)
 
 /* ---- what cannot be measured ---- */
 
-typedef struct Allowed {
+static const struct {
     const char *what;
     size_t offset; /* of a ShvStabilityValues in the options */
-    double low, high;
-    bool open, whole; /* not `low` itself; whole numbers alone */
-} Allowed;
+    ShvRange range;
+    bool whole;
+} allowed[] = {
+    {"a stiffness k of bars", offsetof(ShvStabilityOptions, stiffness), {0.0, 1.0, false, false}, false},
+    {"a whole number of iterations", offsetof(ShvStabilityOptions, iterations), {1.0, 1e9, false, false}, true},
+    {"a Young's modulus", offsetof(ShvStabilityOptions, moduli), {0.0, 1e300, true, false}, false},
+    {"a multiple of the stable step", offsetof(ShvStabilityOptions, multiples), {0.0, 1e300, true, false}, false}};
 
-static const Allowed all_allowed[] = {
-    {"a stiffness k of bars is at least 0 and at most 1", offsetof(ShvStabilityOptions, stiffness), 0.0, 1.0, false,
-     false},
-    {"a number of iterations is whole, and at least 1", offsetof(ShvStabilityOptions, iterations), 1.0, 1e9, false,
-     true},
-    {"a Young's modulus is above 0", offsetof(ShvStabilityOptions, moduli), 0.0, 1e300, true, false},
-    {"a multiple of the stable step is above 0", offsetof(ShvStabilityOptions, multiples), 0.0, 1e300, true, false}};
-
-static ShvStatus check_values(const ShvStabilityOptions *options, const Allowed *allowed, ShvError *error)
+static ShvStatus check_values(const ShvStabilityOptions *options, size_t kind, ShvError *error)
 {
-    const ShvStabilityValues *list = (const void *)((const char *)options + allowed->offset);
+    const ShvStabilityValues *list = (const void *)((const char *)options + allowed[kind].offset);
     const int32_t most = list == &options->multiples ? SHV_MOST_STABILITY_POINTS - 1 : SHV_MOST_STABILITY_VALUES;
+    char range[80];
     if (list->count < 0 || list->count > most)
         return shv_fail(error, SHV_BAD_INPUT, "at most %d values of each kind and %d multiples can be given",
                         SHV_MOST_STABILITY_VALUES, SHV_MOST_STABILITY_POINTS - 1);
-    for (int32_t i = 0; i < list->count; i++) {
-        const double value = list->values[i];
-        if (!(value >= allowed->low && value <= allowed->high) || (allowed->open && value == allowed->low) ||
-            (allowed->whole && value != floor(value)))
-            return shv_fail(error, SHV_BAD_INPUT, "%s, not %g", allowed->what, value);
-    }
+    shv_range_describe(&allowed[kind].range, range, sizeof range);
+    for (int32_t i = 0; i < list->count; i++)
+        if (!shv_range_holds(&allowed[kind].range, list->values[i]) ||
+            (allowed[kind].whole && list->values[i] != floor(list->values[i])))
+            return shv_fail(error, SHV_BAD_INPUT, "%s is %s, not %g", allowed[kind].what, range, list->values[i]);
     return SHV_OK;
 }
 
@@ -61,8 +58,7 @@ static ShvStatus check_options(const ShvStabilityOptions *options, ShvError *err
     if (!(options->most >= 1.0 && options->most <= 1e6))
         return shv_fail(error, SHV_BAD_INPUT, "the largest multiple is at least 1 and at most 1e6, not %g",
                         options->most);
-    for (size_t i = 0; i < sizeof all_allowed / sizeof *all_allowed; i++)
-        SHV_TRY(check_values(options, &all_allowed[i], error));
+    for (size_t i = 0; i < sizeof allowed / sizeof *allowed; i++) SHV_TRY(check_values(options, i, error));
     return SHV_OK;
 }
 

@@ -53,10 +53,7 @@ static void put_plot(FILE *stream, const ShvPlotDraft *draft, const char *title,
                           .log_x = log_x,
                           .lines = draft->lines,
                           .line_count = draft->line_count};
-    if (within)
-        shv_html_plot(stream, &plot);
-    else
-        shv_plot_write(stream, &plot, false);
+    shv_plot_write(stream, &plot, within);
 }
 
 static void put_curve(const ShvSurviveView *view, const Room *room, FILE *stream, bool within)
@@ -211,7 +208,7 @@ static void put_html(const ShvSurvive *survive, const Room *room, FILE *stream)
 
 #define OF(member)                                                                                                     \
     {                                                                                                                  \
-#member, NULL, offsetof(ShvFragilityView, member)                                                              \
+#member, offsetof(ShvFragilityView, member)                                                                    \
     }
 static const ShvNumberField law_fields[] = {OF(h50),      OF(h50_low),  OF(h50_high), OF(h10),       OF(h10_low),
                                             OF(h10_high), OF(location), OF(scale),    OF(likelihood)};

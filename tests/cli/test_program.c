@@ -559,13 +559,13 @@ static void test_verify(void **state)
     snprintf(missing, sizeof missing, "%s  - {name: wrong, measure: '1', reference: '2', tolerance: 0.1}\n", passing);
     shell_write("miss.case.yaml", missing);
     assert_int_equal(shell("$shiver verify --folder ."), 1);
-    assert_non_null(strstr(output.out, "tolerance 10 %: MISS"));
+    assert_non_null(strstr(output.out, "10 %   miss "));
     assert_non_null(strstr(output.out, "2 cases: 2 pass, 0 miss with an explanation, 1 miss without one"));
     shell_works("$shiver verify ./pass.case.yaml", "1 cases");
     snprintf(missing, sizeof missing,
              "%s  - {name: wrong, measure: '1', reference: '2', tolerance: 0.1, explained: so}\n", passing);
     shell_write("miss.case.yaml", missing);
-    shell_works("$shiver verify --folder . miss", "miss, explained\n    so\n");
+    shell_works("$shiver verify --folder . miss", "\nMiss of wrong: so\n");
     shell_write("miss.case.yaml", "verification: 1\n");
     shell_fails("$shiver verify --folder . miss", 2, "miss.case.yaml:1:1: error: the verification case lacks");
     shell_fails("$shiver verify --folder . other", 2, "other.case.yaml");

@@ -12,7 +12,7 @@ static void test_table_and_files(void **state)
     shell_write("bar.yaml", scene);
     shell_works("$shiver stability bar.yaml --k 1,0.5 --iterations 2 --at 1 --steps 300 --csv t.csv --svg t",
                 "largest stable step");
-    assert_non_null(strstr(output.out, "refuses steps above 1.00"));
+    assert_non_null(strstr(output.out, "refused above"));
     assert_non_null(strstr(output.out, "how far off"));
     shell_works("wc -l <t.csv", "7"); /* head, and two points of each of three settings */
     shell_works("ls t_limit.svg t_stiffness.svg t_error.svg", "t_error.svg");
@@ -44,15 +44,15 @@ static void test_suite_of_a_folder(void **state)
     shell_write("cases/a.yaml", scene);
     snprintf(text, sizeof text, "%s  one: {title: 'one | bar', expect: finishes}\n", head);
     shell_write("cases/a.case.yaml", text);
-    shell_works("$shiver stability --suite cases", "finishes (one | bar): pass");
+    shell_works("$shiver stability --suite cases", "finishes  one | bar");
     shell_works("$shiver stability --suite cases --markdown t.md && cat t.md", "| finishes | one \\| bar |");
     shell_works("$shiver stability --suite cases --json", "\"verdict\": \"pass\"");
     assert_true(json_valid(output.out));
     snprintf(text, sizeof text, "%s  one: {expect: run.steps > 1}\n  two: {full: true, expect: finishes}\n", head);
     shell_write("cases/a.case.yaml", text);
     shell_fails("$shiver stability --suite cases --quick", 1, "");
-    assert_non_null(strstr(output.out, "run.steps > 1 (one)"));
-    assert_null(strstr(output.out, "(two)"));
+    assert_non_null(strstr(output.out, "run.steps > 1  one"));
+    assert_null(strstr(output.out, "two"));
 }
 
 int main(void)

@@ -34,7 +34,7 @@ static void test_table(void **state)
     (void)state;
     shell_works("$shiver study bounce.yaml b.yaml",
                 "errors from closed form (bounce of box on floor); * on the Pareto front\n");
-    assert_non_null(strstr(output.out, "\nrigid.engine=analytic rigid.time_step=1e-2 "));
+    assert_non_null(strstr(output.out, "\nanalytic, 1e-2 "));
     assert_non_null(strstr(output.out, "wrote b/report.html"));
     assert_null(strstr(output.out, "not valid"));
     assert_non_null(strstr(output.err, "running pbd, 1e-3"));

@@ -579,7 +579,7 @@ static void check_table(const ShvStudy *study, const char *wanted)
 {
     FILE *stream = fopen(at("table.md"), "w");
     assert_non_null(stream);
-    shv_study_put_table(study, SHV_STUDY_LINES, stream);
+    shv_study_put_table(study, SHV_STUDY_LINES, SHV_TABLE_MARKDOWN, stream);
     assert_int_equal(fclose(stream), 0);
     assert_string_equal(read_text(at("table.md")), wanted);
 }

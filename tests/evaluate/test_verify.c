@@ -218,12 +218,13 @@ static void test_names(void **state)
         "  - {name: speeds, measure: block.bar_speed / sqrt(stone.youngs_modulus / stone.density), reference: '1', "
         "tolerance: 1e-12}\n"
         "  - {name: object, measure: block.edge + block.position.z + block.velocity.x + block.angular_velocity.y + "
-        "block.stretch_rate.z + block.rotation_degrees, reference: '0.12', tolerance: 1e-12}\n"
+        "block.stretch_rate.z + block.angle, reference: '0.12', tolerance: 1e-12}\n"
         "  - {name: obstacle, measure: floor.friction + floor.restitution + floor.offset + floor.normal.z, reference: "
         "'1.3', tolerance: 1e-12}\n"
-        "  - {name: condition, measure: hold.start + hold.value.x + hold.ramp_time, reference: '0', "
+        "  - {name: condition, measure: hold.start + hold.normal.x, reference: '0', "
         "tolerance_absolute: 0}\n"
-        "  - {name: scene, measure: scene.duration + scene.gravity.z + scene.safety, reference: '-8.909', tolerance: "
+        "  - {name: scene, measure: scene.duration + scene.gravity.z + fracture.safety, reference: '-8.909', "
+        "tolerance: "
         "1e-12}\n";
     write_text(*state, "fall.yaml",
                "shiver: 1\nduration: 1 ms\nthreads: 1\n"
@@ -245,7 +246,24 @@ static void test_names(void **state)
     shv_verify_destroy(made);
 }
 
-/* Errors of 1 + h² against 1: order 2 over the runs; the last run alone is judged. */
+/* A run beside the motion that its scene's `reference` names; without one that is said, of that row alone. */
+static void test_closed_form(void **state)
+{
+    static const char rest[] = "runs: {flies: {set: 'reference={law: flight}'}, without: {}}\n"
+                               "quantities:\n"
+                               "  - {name: place, measure: position(closed_form), reference: '0', compare: below, "
+                               "tolerance_absolute: 1e-9}\n"
+                               "  - {name: pieces, measure: end.fragments, reference: '1', tolerance: 0}\n";
+    ShvVerification *made = run_case(state, rest, false);
+    const ShvVerifyCase *verified = shv_verification_case(made);
+    assert_int_equal(verified->row_count, 4);
+    assert_int_equal(verified->passes, 3);
+    assert_int_equal(verified->rows[2].verdict, SHV_VERDICT_FAILED);
+    assert_non_null(strstr(verified->rows[2].note, "has no 'reference'"));
+    shv_verify_destroy(made);
+}
+
+/* Errors of 1 + h² against 1: order 2 over all runs; of each the last one alone is judged. */
 static const char series[] =
     "let: error = h^2\n"
     "runs:\n"
@@ -253,8 +271,9 @@ static const char series[] =
     "  middle: {let: h = 0.2, set: \"duration=0.02\\ngravity=[0, 0, -1]\"}\n"
     "  fine: {let: \"h = 0.1\\nbefore = runs.coarse.h\", full: true}\n"
     "quantities:\n"
-    "  - {name: x, measure: 1 + error, reference: '1', tolerance: 0.02, judge: last, order: 2, "
-    "order_tolerance: 1e-6, step: h}\n"
+    "  - {name: x, measure: 1 + error, reference: '1', tolerance: 0.02, judge: last}\n"
+    "  - {name: order, measure: log(runs.coarse.error / error) / log(runs.coarse.h / h), reference: '2', "
+    "tolerance_absolute: 1e-6, judge: together}\n"
     "  - {name: duration, measure: scene.duration, compare: shown}\n";
 
 static void test_runs(void **state)
@@ -269,12 +288,12 @@ static void test_runs(void **state)
     check_near(verified->rows[1].value, 0.01, 0.0);
     check_near(verified->rows[3].value, 0.02, 0.0);
     check_near(verified->rows[5].value, 0.1, 0.0);
-    assert_string_equal(verified->rows[6].quantity, "x: observed order");
+    assert_string_equal(verified->rows[6].quantity, "order");
     check_near(verified->rows[6].value, 2.0, 1e-9);
     shv_verify_destroy(made);
 }
 
-/* Without the finest run the one before it is the last, and the order is not judged. */
+/* Without the finest run the one before it is the last, and what is of all runs is not judged. */
 static void test_short_runs(void **state)
 {
     ShvVerification *made = run_case(state, series, false);
@@ -316,7 +335,7 @@ static void test_faults(void **state)
         {"quantities: [{name: x, measure: '1'}]\n", "needs 'reference'"},
         {"quantities: [{name: x, measure: '1', reference: '1'}]\n", "needs 'tolerance' or 'tolerance_absolute'"},
         {"quantities: [{name: x, measure: '1', reference: '1', tolerance: 1, tolerance_absolute: 1}]\n", "give one of"},
-        {"quantities: [{name: x, measure: '1', reference: '1', tolerance: 1, order: 2}]\n", "'order' needs 'step'"},
+        {"quantities: [{name: x, measure: '1', compare: shown, judge: none}]\n", "together"},
         {"quantities: [{name: x, measure: '1', reference: '1', tolerance: -1}]\n", "tolerance is '-1'"},
         {"quantities: [{name: x, measure: '1', compare: shown, mesure: '1'}]\n", "did you mean 'measure'?"},
         {"quantities: [{name: x, measure: '1', compare: shown}]\nruns: {only: {full: true}}\n", "give --full"},
@@ -374,13 +393,13 @@ static void test_pages(void **state)
     check_fails(shv_verify_write(markdown, false, false, cases, 1, &error), SHV_BAD_INPUT, error, "--force");
     check_ok(shv_verify_write(markdown, false, true, cases, 1, &error), error);
     char *text = read_text(html);
-    assert_non_null(strstr(text, "x: observed order"));
+    assert_non_null(strstr(text, "order"));
     assert_non_null(strstr(text, "G. Galilei"));
     free(text);
     text = read_text(markdown);
     assert_non_null(strstr(text, "## a fall"));
     assert_non_null(strstr(text, "| x | fine | 1 | 1.01 |  | +1 % | 2 % | pass |"));
-    assert_non_null(strstr(text, "| x: observed order | all runs | 2 | 2 |  |"));
+    assert_non_null(strstr(text, "| order | all runs | 2 | 2 |  |"));
     assert_non_null(strstr(text, "\nSource: G. Galilei\n"));
     free(text);
     shv_verify_destroy(made);
@@ -418,6 +437,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_expectations, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_circle, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_names, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_closed_form, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_runs, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_short_runs, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_failed_runs, make_folder, remove_folder),

@@ -1,4 +1,4 @@
-/* One table in three forms: heads above their figures, each form's own escapes. Members of JSON. */
+/* One table in all forms: heads above their figures, each form's own escapes. Members of JSON. */
 #include "check.h"
 
 #include "cli/json.h"
@@ -44,6 +44,40 @@ static void test_forms(void **state)
         "<tr><td>c, &quot;d&quot; &lt;e&gt;</td><td class=\"number\">1.50</td></tr>\n</tbody>\n</table></div>\n");
 }
 
+static void put_row(ShvTable *table, const void *data, int32_t index)
+{
+    static const char *const names[] = {"ä", "longer"};
+    shv_table_text(table, "run", NULL, names[index]);
+    shv_table_number(table, "error", "m", index == 0 ? "number best" : "number", "%.3g", ((const double *)data)[index]);
+    shv_table_flag(table, "so", index == 0);
+}
+
+static void check_numbers(ShvTableForm form, int32_t count, const char *wanted)
+{
+    static const double errors[] = {1.0 / 3.0, (double)NAN};
+    FILE *stream = tmpfile();
+    assert_non_null(stream);
+    shv_table_write(stream, form, count, put_row, errors);
+    read_back(stream);
+    assert_string_equal(text, wanted);
+}
+
+/* A terminal's columns are below each other; numbers are full where a program reads them. */
+static void test_numbers(void **state)
+{
+    (void)state;
+    check_numbers(SHV_TABLE_TEXT, 2, "run     error, m  so\nä         0.333*  yes\nlonger        -   \n");
+    check_numbers(SHV_TABLE_JSON, 2,
+                  "[\n {\"run\": \"ä\", \"error\": 0.3333333333333333, \"so\": true},\n "
+                  "{\"run\": \"longer\", \"error\": null, \"so\": false}\n]");
+    assert_true(json_valid(text));
+    check_numbers(SHV_TABLE_JSON, 0, "[\n]");
+    check_numbers(SHV_TABLE_CSV, 2, "run,error [m],so\nä,0.3333333333333333,yes\nlonger,,\n");
+    check_numbers(SHV_TABLE_MARKDOWN, 2,
+                  "| run | error, m | so |\n|---|--:|---|\n| ä | **0.333** | yes |\n| longer | – |  |\n");
+    check_numbers(SHV_TABLE_TEXT, 0, "");
+}
+
 static void test_members(void **state)
 {
     (void)state;
@@ -64,6 +98,7 @@ static void test_members(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forms), cmocka_unit_test(test_members)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forms), cmocka_unit_test(test_numbers),
+                                       cmocka_unit_test(test_members)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
