@@ -291,6 +291,7 @@ static ShvStatus note_strength(ShvHybrid *hybrid, int32_t index, ShvError *error
     SHV_TRY(
         shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index, &residual, error));
     hybrid->fragments.items[index].strength = residual.strength;
+    hybrid->fragments.items[index].cut_energy = residual.energy;
     return SHV_OK;
 }
 
