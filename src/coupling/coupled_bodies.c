@@ -22,6 +22,7 @@ ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
     GROW(touches)
     GROW(masses)
     GROW(wanted)
+    GROW(group)
     GROW(fragments)
     GROW(by_fragment)
 #undef GROW
@@ -43,6 +44,7 @@ void shv_coupled_bodies_release(ShvHybrid *hybrid)
     shv_release(coupled_bodies->touches);
     shv_release(coupled_bodies->masses);
     shv_release(coupled_bodies->wanted);
+    shv_release(coupled_bodies->group);
     shv_release(coupled_bodies->fragments);
     shv_release(coupled_bodies->by_fragment);
     memset(coupled_bodies, 0, sizeof *coupled_bodies);
@@ -80,6 +82,7 @@ ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t index, ShvError *err
     coupled_bodies->by_fragment[index] = &coupled_bodies->items[place];
     coupled_bodies->rotations[place] = shv_free_rotation_make(&fragment->inertia);
     coupled_bodies->impulses[place] = 0.0;
+    coupled_bodies->group[index] = index;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     coupled_bodies->items[place] =
         (ShvCoupledBody){.mass = fragment->mass,
@@ -148,6 +151,29 @@ void shv_coupled_bodies_remove(ShvHybrid *hybrid, int32_t index)
     shv_surface_contact_wake(&hybrid->coupling.surface);
 }
 
+/* ---- what presses on what ---- */
+
+static int32_t group_of(int32_t *group, int32_t fragment)
+{
+    while (group[fragment] != fragment) fragment = group[fragment] = group[group[fragment]];
+    return fragment;
+}
+
+/* Coupled bodies that have pressed on each other since the interval began are of one group. */
+static void join_groups(ShvHybrid *hybrid)
+{
+    const ShvSurfaceContact *surface = &hybrid->coupling.surface;
+    ShvCoupledBody **by_fragment = hybrid->coupling.bodies.by_fragment;
+    int32_t *group = hybrid->coupling.bodies.group;
+    for (int32_t k = 0; k < surface->pair_count; k++) {
+        const ShvFacetPair *pair = &surface->pairs[k];
+        if (pair->element < 0 || !(pair->normal_impulse > 0.0)) continue;
+        if (!by_fragment[pair->fragments[0]] || !by_fragment[pair->fragments[1]]) continue;
+        const int32_t a = group_of(group, pair->fragments[0]), b = group_of(group, pair->fragments[1]);
+        group[a > b ? a : b] = a > b ? b : a;
+    }
+}
+
 /* ---- waking ---- */
 
 /* What a coupled body felt is judged as any contact of a rigid body. */
@@ -170,6 +196,7 @@ ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error)
 {
     ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     if (coupled_bodies->count == 0 || hybrid->coupling.surface.pair_count == 0) return SHV_OK;
+    join_groups(hybrid);
     memset(coupled_bodies->touches, 0, (size_t)hybrid->fragments.count * sizeof *coupled_bodies->touches);
     for (int32_t i = 0; i < hybrid->fragments.count; i++) coupled_bodies->masses[i] = hybrid->fragments.items[i].mass;
     shv_surface_contact_by_fragment(&hybrid->coupling.surface, coupled_bodies->masses, coupled_bodies->touches);
@@ -223,15 +250,37 @@ static bool touches(const ShvFragment *a, const ShvFragment *b)
     return shv_norm(shv_sub(a->position, b->position)) <= (1.0 + margin_of_radius) * (a->radius + b->radius);
 }
 
-/* What presses on a coupled body goes along with it, since flight does not know what holds that; and those that do stay while they
-   are near. Returns whether there are more. */
+/* What presses on a coupled body goes along with it, since flight does not know what holds that: coupled bodies of one group while
+   they press, */
+static void choose_groups(ShvHybrid *hybrid)
+{
+    enum { CHOSEN = 1, GROUP_CHOSEN = 2 };
+    ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
+    int32_t *group = coupled_bodies->group;
+    uint8_t *wanted = coupled_bodies->wanted;
+    for (int32_t place = 0; place < coupled_bodies->count; place++) {
+        const int32_t fragment = coupled_bodies->fragments[place], root = group_of(group, fragment);
+        if (wanted[fragment] & CHOSEN) wanted[root] |= GROUP_CHOSEN;
+    }
+    for (int32_t place = 0; place < coupled_bodies->count; place++) {
+        const int32_t fragment = coupled_bodies->fragments[place], root = group_of(group, fragment);
+        if (wanted[root] & GROUP_CHOSEN) wanted[fragment] |= CHOSEN;
+    }
+    for (int32_t place = 0; place < coupled_bodies->count; place++) {
+        const int32_t fragment = coupled_bodies->fragments[place];
+        wanted[group_of(group, fragment)] &= CHOSEN; /* the root may be no coupled body any more */
+        group[fragment] = fragment;
+    }
+}
+
+/* and what has met one in flight. Returns whether there are more. */
 static bool choose_pressing(const ShvHybrid *hybrid)
 {
     uint8_t *wanted = hybrid->coupling.bodies.wanted;
     const ShvFragment *items = hybrid->fragments.items;
     bool more = false;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
-        if (items[i].mode != SHV_MODE_FLIGHT || wanted[i] || !(items[i].coupled || items[i].touches_coupled)) continue;
+        if (items[i].mode != SHV_MODE_FLIGHT || wanted[i] || !items[i].touches_coupled) continue;
         for (int32_t k = 0; k < hybrid->fragments.count && !wanted[i]; k++)
             wanted[i] = wanted[k] && touches(&items[i], &items[k]);
         more |= wanted[i];
@@ -252,6 +301,7 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
         shv_near_find(hybrid, &hybrid->fragments.items[i], &near);
         choose_beside(hybrid, &near, interval);
     }
+    choose_groups(hybrid);
     while (choose_pressing(hybrid)) continue;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (coupled_bodies->wanted[i] && !hybrid->fragments.items[i].coupled)

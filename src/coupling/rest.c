@@ -34,7 +34,8 @@ static double last_change(const ShvFragment *fragment)
 }
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
-   where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. */
+   where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. Those are of
+   the piece itself, whose vibration moves them; but no piece has less time than a whole body of the size of what woke. */
 static const double longest_transits = 20.0, cracked_window = 5.0;
 
 static double window(const ShvHybrid *hybrid, const ShvFragment *fragment)
@@ -43,7 +44,8 @@ static double window(const ShvHybrid *hybrid, const ShvFragment *fragment)
     if (chosen || !hybrid->fragments.bonds || !(fragment->last_crack > -HUGE_VAL)) return fragment->longest;
     const bool held = shv_cohesive_holds_cracks(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
                                                 fragment->element_count);
-    return held ? cracked_window * fragment->longest : fragment->longest;
+    const double of_piece = fmin(shv_hybrid_longest(hybrid, fragment), fragment->longest);
+    return held ? fmax(cracked_window * of_piece, fragment->longest) : fragment->longest;
 }
 
 /* The energy against which what a body carries is small or not: that with which it woke and, where cracks have moved since,
@@ -289,6 +291,7 @@ static ShvStatus note_strength(ShvHybrid *hybrid, int32_t index, ShvError *error
     SHV_TRY(
         shv_fragment_residual_strength(&hybrid->fragments, &hybrid->cohesive, &hybrid->state, index, &residual, error));
     hybrid->fragments.items[index].strength = residual.strength;
+    hybrid->fragments.items[index].cut_energy = residual.energy;
     return SHV_OK;
 }
 

@@ -216,6 +216,19 @@ static void wake_energies(ShvHybrid *hybrid, ShvFragment *fragment, ShvEventView
     if (fragment->deformed || straightens(hybrid)) event->cohesive_after = shv_audit_cohesive(hybrid, fragment);
 }
 
+/* What the closing of a contact has to spend: ½ v² over the mobilities of both sides at the point, along the normal; of a coupled
+   body no point is known, and it counts as met at its centre. A body at rest that is struck has no other energy to wake with. How
+   much of that it takes is not known yet: of a body that has rested no more counts than opens its minimum cut. */
+static double energy_of_blow(const ShvFragment *fragment, const ShvRigidContact *contact)
+{
+    const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
+    const ShvMat3 inverse = shv_free_rotation_world_inverse(&rotation, fragment->orientation);
+    const ShvVec3 lever = shv_cross(shv_sub(contact->point, fragment->position), contact->normal);
+    const double own = 1.0 / fragment->mass + shv_dot(lever, shv_apply(&inverse, lever));
+    const double blow = 0.5 * contact->closing_speed * contact->closing_speed / (own + 1.0 / contact->other_mass);
+    return fragment->wake_energy > 0.0 ? fmin(blow, fragment->cut_energy) : blow;
+}
+
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
@@ -239,7 +252,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->quiet = 0;
     fragment->strain = 0.0;
     fragment->deformed = false;
-    fragment->wake_energy = event.kinetic_after / fragment->mass;
+    fragment->wake_energy = fmax(event.kinetic_after, energy_of_blow(fragment, contact)) / fragment->mass;
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);
     shv_waking_contact_begin(hybrid, fragment, contact);

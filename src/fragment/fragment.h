@@ -58,9 +58,11 @@ typedef struct ShvFragment {
     double growth_time, growth_sum; /* s, J: what its cohesive facets had dissipated then (rest.c) */
     double
         last_crack; /* s: when a facet was inserted, a bond failed or damage was seen to grow last; −∞: not since it woke */
-    double longest;              /* s: after its last crack it rests at the latest; as it woke, children inherit */
-    double cut_time, cut_energy; /* s, J: work of opening its minimum cut, as it was then (rest.c) */
-    double wake_energy;          /* J/kg: kinetic energy a mass when it (or its ancestor) woke; children inherit */
+    double longest; /* s: after its last crack it rests at the latest; as it woke, children inherit */
+    double cut_time,
+        cut_energy; /* s, J: work of opening its minimum cut, as it was then or, before that, at its last rest (rest.c) */
+    double
+        wake_energy; /* J/kg: kinetic energy a mass when it (or its ancestor) woke, or that of the blow (wake.c); children inherit */
     bool audited;  /* an impact that the wake rule takes for harmless woke it, and nothing has broken in it since */
     bool squeezed; /* between obstacles that leave it no room, and that has been told */
     bool dust;     /* in flight for good, meets obstacles alone */

@@ -35,9 +35,9 @@ static const Size sizes[] = {
     SIZE(ShvTies, "pbd/pbd_archive.c", 24),
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
-    SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 88),
+    SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5160),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5168),
 };
 
 static void test_no_field_is_new(void **state)
