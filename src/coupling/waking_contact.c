@@ -46,6 +46,7 @@ static double time_to_meet(const ShvHybrid *hybrid, double gap, double speed)
     return gap > 0.0 ? 2.0 * gap / (speed + sqrt(speed * speed + 2.0 * gravity * gap)) : 0.0;
 }
 
+/* Waits for nodes to meet no longer than vibration takes to decay: what creeps up on a gap is borne by convex pieces until then. */
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact)
 {
     const double speed = contact->closing_speed;
@@ -56,7 +57,9 @@ void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, co
     fragment->contact_arm =
         shv_rotate(shv_quat_conjugate(fragment->orientation), shv_sub(contact->point, fragment->position));
     fragment->touched = fmax(hybrid->state.time, contact->expected);
-    if (speed > 0.0) fragment->touched += time_to_meet(hybrid, gap_of_nodes(hybrid, fragment, contact), speed);
+    if (speed > 0.0)
+        fragment->touched +=
+            fmin(time_to_meet(hybrid, gap_of_nodes(hybrid, fragment, contact), speed), fragment->longest);
     fragment->last_insertion = fragment->touched;
 }
 
