@@ -417,6 +417,45 @@ static void kept_strain_counts_once(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* Convex pieces touch before nodes do: what wakes waits for these, but no longer than vibration takes to decay (1e-9 s here). */
+static void nodes_are_waited_for_while_vibration_lasts(void **unused)
+{
+    (void)unused;
+    const double speeds[] = {1e-3, 1e9};
+    Stage stage;
+    stage_ball(&stage, SHV_RIGID_ANALYTIC);
+    stage_floor(&stage);
+    stage.scene.gravity[2] = 0.0;
+    ShvHybrid hybrid;
+    ShvError error = {SHV_OK, ""};
+    start(&hybrid, &stage, false);
+    const double gap = lowest_node(&hybrid);
+    for (int k = 0; k < 2; k++) {
+        rest_all(&hybrid);
+        for (int32_t i = 0; i < hybrid.fragments.count; i++) {
+            ShvFragment *fragment = &hybrid.fragments.items[i];
+            if (fragment->mode != SHV_MODE_FLIGHT) continue;
+            const ShvRigidContact contact = {.fragment = i,
+                                             .other = -1,
+                                             .time = hybrid.state.time,
+                                             .closing_speed = speeds[k],
+                                             .normal = {0.0, 0.0, 1.0},
+                                             .point = fragment->position,
+                                             .other_mass = (double)INFINITY};
+            hybrid.backend->functions->remove(hybrid.backend, i);
+            hybrid.state.last_step = 0.0;
+            check_ok(shv_hybrid_wake(&hybrid, &contact, &error), error);
+            const double wait = fragment->touched - hybrid.state.time;
+            if (k == 0)
+                check_near(wait, 1e-9, 1e-15);
+            else
+                assert_true(wait >= 0.999 * gap / speeds[k] && wait < 5e-10);
+        }
+        check_ok(shv_awake_refresh(&hybrid, &error), error);
+    }
+    shv_hybrid_release(&hybrid);
+}
+
 /* Every fragment is dust: put away, they stand still where they are, and sums of mass, P, L and energy stay. */
 static void binned_dust_stays_in_the_sums(void **unused)
 {
@@ -697,6 +736,7 @@ int main(void)
         cmocka_unit_test(an_undeformed_fragment_keeps_its_pose),
         cmocka_unit_test(deformation_goes_on_or_is_dropped),
         cmocka_unit_test(kept_strain_counts_once),
+        cmocka_unit_test(nodes_are_waited_for_while_vibration_lasts),
         cmocka_unit_test(flown_nodes_wake_in_their_shape),
         cmocka_unit_test(flown_nodes_wake_outside_of_obstacles),
         cmocka_unit_test(binned_dust_stays_in_the_sums),
