@@ -48,7 +48,7 @@ static double cost_of(const ShvCostRate *rate, double work)
    was done so far, and to the share of the simulated time that is left for it (docs/decisions.md). */
 static double load_of_waking_again(const ShvTimeToGo *estimate)
 {
-    const double share = 0.4;
+    const double share = 0.8;
     const double left = fmax(0.0, estimate->duration - estimate->last.summary.time);
     return estimate->duration > 0.0 ? share * estimate->load * left / estimate->duration : 0.0;
 }
