@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* Where nothing has cracked yet, this much more is asked for: of many nodes that reach their strength together, one that begins
-   relieves the others first. */
+/* Where nothing has cracked yet, this much more is asked of the force: of many nodes that reach their strength together, one that
+   begins relieves the others first. Where the tension of the surface decides, waiting beside a young crack does that (is_waiting). */
 static const double nucleation_margin = 0.03;
 
 /* Of the threshold: at the fronts of cracks intact facets reach this much before their disks part. */

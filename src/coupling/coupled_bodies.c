@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "base/disjoint_sets.h"
 #include "coupling/near.h"
 
 ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
@@ -22,7 +23,7 @@ ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error)
     GROW(touches)
     GROW(masses)
     GROW(wanted)
-    GROW(group)
+    GROW(island)
     GROW(fragments)
     GROW(by_fragment)
 #undef GROW
@@ -44,7 +45,7 @@ void shv_coupled_bodies_release(ShvHybrid *hybrid)
     shv_release(coupled_bodies->touches);
     shv_release(coupled_bodies->masses);
     shv_release(coupled_bodies->wanted);
-    shv_release(coupled_bodies->group);
+    shv_release(coupled_bodies->island);
     shv_release(coupled_bodies->fragments);
     shv_release(coupled_bodies->by_fragment);
     memset(coupled_bodies, 0, sizeof *coupled_bodies);
@@ -82,7 +83,7 @@ ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t index, ShvError *err
     coupled_bodies->by_fragment[index] = &coupled_bodies->items[place];
     coupled_bodies->rotations[place] = shv_free_rotation_make(&fragment->inertia);
     coupled_bodies->impulses[place] = 0.0;
-    coupled_bodies->group[index] = index;
+    coupled_bodies->island[index] = index;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     coupled_bodies->items[place] =
         (ShvCoupledBody){.mass = fragment->mass,
@@ -153,24 +154,17 @@ void shv_coupled_bodies_remove(ShvHybrid *hybrid, int32_t index)
 
 /* ---- what presses on what ---- */
 
-static int32_t group_of(int32_t *group, int32_t fragment)
-{
-    while (group[fragment] != fragment) fragment = group[fragment] = group[group[fragment]];
-    return fragment;
-}
-
-/* Coupled bodies that have pressed on each other since the interval began are of one group. */
-static void join_groups(ShvHybrid *hybrid)
+/* Coupled bodies that have pressed on each other since the interval began are of one island. */
+static void join_islands(ShvHybrid *hybrid)
 {
     const ShvSurfaceContact *surface = &hybrid->coupling.surface;
     ShvCoupledBody **by_fragment = hybrid->coupling.bodies.by_fragment;
-    int32_t *group = hybrid->coupling.bodies.group;
+    int32_t *island = hybrid->coupling.bodies.island;
     for (int32_t k = 0; k < surface->pair_count; k++) {
         const ShvFacetPair *pair = &surface->pairs[k];
         if (pair->element < 0 || !(pair->normal_impulse > 0.0)) continue;
         if (!by_fragment[pair->fragments[0]] || !by_fragment[pair->fragments[1]]) continue;
-        const int32_t a = group_of(group, pair->fragments[0]), b = group_of(group, pair->fragments[1]);
-        group[a > b ? a : b] = a > b ? b : a;
+        shv_set_join(island, pair->fragments[0], pair->fragments[1]);
     }
 }
 
@@ -196,7 +190,7 @@ ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error)
 {
     ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     if (coupled_bodies->count == 0 || hybrid->coupling.surface.pair_count == 0) return SHV_OK;
-    join_groups(hybrid);
+    join_islands(hybrid);
     memset(coupled_bodies->touches, 0, (size_t)hybrid->fragments.count * sizeof *coupled_bodies->touches);
     for (int32_t i = 0; i < hybrid->fragments.count; i++) coupled_bodies->masses[i] = hybrid->fragments.items[i].mass;
     shv_surface_contact_by_fragment(&hybrid->coupling.surface, coupled_bodies->masses, coupled_bodies->touches);
@@ -250,26 +244,26 @@ static bool touches(const ShvFragment *a, const ShvFragment *b)
     return shv_norm(shv_sub(a->position, b->position)) <= (1.0 + margin_of_radius) * (a->radius + b->radius);
 }
 
-/* What presses on a coupled body goes along with it, since flight does not know what holds that: coupled bodies of one group while
+/* What presses on a coupled body goes along with it, since flight does not know what holds that: coupled bodies of one island while
    they press, */
-static void choose_groups(ShvHybrid *hybrid)
+static void choose_islands(ShvHybrid *hybrid)
 {
-    enum { CHOSEN = 1, GROUP_CHOSEN = 2 };
+    enum { CHOSEN = 1, ISLAND_CHOSEN = 2 };
     ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
-    int32_t *group = coupled_bodies->group;
+    int32_t *island = coupled_bodies->island;
     uint8_t *wanted = coupled_bodies->wanted;
     for (int32_t place = 0; place < coupled_bodies->count; place++) {
-        const int32_t fragment = coupled_bodies->fragments[place], root = group_of(group, fragment);
-        if (wanted[fragment] & CHOSEN) wanted[root] |= GROUP_CHOSEN;
+        const int32_t fragment = coupled_bodies->fragments[place], root = shv_set_root(island, fragment);
+        if (wanted[fragment] & CHOSEN) wanted[root] |= ISLAND_CHOSEN;
     }
     for (int32_t place = 0; place < coupled_bodies->count; place++) {
-        const int32_t fragment = coupled_bodies->fragments[place], root = group_of(group, fragment);
-        if (wanted[root] & GROUP_CHOSEN) wanted[fragment] |= CHOSEN;
+        const int32_t fragment = coupled_bodies->fragments[place], root = shv_set_root(island, fragment);
+        if (wanted[root] & ISLAND_CHOSEN) wanted[fragment] |= CHOSEN;
     }
     for (int32_t place = 0; place < coupled_bodies->count; place++) {
         const int32_t fragment = coupled_bodies->fragments[place];
-        wanted[group_of(group, fragment)] &= CHOSEN; /* the root may be no coupled body any more */
-        group[fragment] = fragment;
+        wanted[shv_set_root(island, fragment)] &= CHOSEN; /* the root may be no coupled body any more */
+        island[fragment] = fragment;
     }
 }
 
@@ -301,7 +295,7 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
         shv_near_find(hybrid, &hybrid->fragments.items[i], &near);
         choose_beside(hybrid, &near, interval);
     }
-    choose_groups(hybrid);
+    choose_islands(hybrid);
     while (choose_pressing(hybrid)) continue;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (coupled_bodies->wanted[i] && !hybrid->fragments.items[i].coupled)

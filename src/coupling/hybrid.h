@@ -111,7 +111,7 @@ typedef struct ShvCoupledBodies {
     ShvFragmentTouch *touches;    /* per fragment, of the step */
     double *masses;               /* per fragment, kg */
     uint8_t *wanted;              /* per fragment: it goes along */
-    int32_t *group;               /* per fragment: parent in the tree of those that press on each other */
+    int32_t *island;              /* per fragment: parent among those that press on each other (base/disjoint_sets.h) */
     int32_t count, room;
     double since; /* s: when the sums of impulses began */
 } ShvCoupledBodies;

@@ -71,7 +71,7 @@ static bool archive_coupled_bodies(ShvCoupledBodies *coupled_bodies, ShvArchive 
         SHV_FIELD_OF(ShvCoupledBodies, touches, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCoupledBodies, masses, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCoupledBodies, wanted, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvCoupledBodies, group, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvCoupledBodies, island, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvCoupledBodies, by_fragment, SHV_FIELD_ROOM),
     };
     if (!SHV_ARCHIVE_STRUCT(archive, coupled_bodies, fields)) return false;

@@ -222,9 +222,10 @@ static void wake_energies(ShvHybrid *hybrid, ShvFragment *fragment, ShvEventView
 static double energy_of_blow(const ShvFragment *fragment, const ShvRigidContact *contact)
 {
     const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
-    const ShvMat3 inverse = shv_free_rotation_world_inverse(&rotation, fragment->orientation);
-    const ShvVec3 lever = shv_cross(shv_sub(contact->point, fragment->position), contact->normal);
-    const double own = 1.0 / fragment->mass + shv_dot(lever, shv_apply(&inverse, lever));
+    const ShvCoupledBody body = {.mass = fragment->mass,
+                                 .position = fragment->position,
+                                 .inverse_inertia = shv_free_rotation_world_inverse(&rotation, fragment->orientation)};
+    const double own = shv_coupled_body_inverse_mass(&body, contact->point, contact->normal);
     const double blow = 0.5 * contact->closing_speed * contact->closing_speed / (own + 1.0 / contact->other_mass);
     return fragment->wake_energy > 0.0 ? fmin(blow, fragment->cut_energy) : blow;
 }

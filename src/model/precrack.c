@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/disjoint_sets.h"
 #include "mesh/adjacency.h"
 #include "model/selection.h"
 
@@ -56,12 +57,6 @@ static ShvStatus choose_facets(Cut *cut, const ShvObjectDefinition *object, ShvE
 
 /* ---- which corners stay together ---- */
 
-static int32_t root_of(int32_t *parent, int32_t corner)
-{
-    while (parent[corner] != corner) corner = parent[corner] = parent[parent[corner]];
-    return corner;
-}
-
 /* The corner of a tet at a node. */
 static int32_t corner_at(const ShvMesh *mesh, int32_t element, int32_t node)
 {
@@ -77,10 +72,7 @@ static void join_across(Cut *cut, int32_t facet)
     const uint8_t *corners = shv_face_corners[cut->adjacency.facet_faces[2 * (int64_t)facet]];
     for (int k = 0; k < 3; k++) {
         const int32_t own = 4 * pair[0] + corners[k];
-        const int32_t a = root_of(cut->parent, own);
-        const int32_t b = root_of(cut->parent, corner_at(cut->mesh, pair[1], cut->mesh->elements[own]));
-        /* The lower one leads, so that the outcome does not depend on the order. */
-        cut->parent[a > b ? a : b] = a > b ? b : a;
+        shv_set_join(cut->parent, own, corner_at(cut->mesh, pair[1], cut->mesh->elements[own]));
     }
 }
 
@@ -113,11 +105,11 @@ static int32_t number_nodes(Cut *cut, int32_t *number)
     const int32_t corners = 4 * cut->mesh->element_count;
     int32_t count = cut->mesh->node_count;
     for (int32_t i = 0; i < corners; i++) {
-        const int32_t node = cut->mesh->elements[i], root = root_of(cut->parent, i);
+        const int32_t node = cut->mesh->elements[i], root = shv_set_root(cut->parent, i);
         if (cut->owner[node] < 0) cut->owner[node] = root;
         if (root == i) number[i] = cut->owner[node] == root ? node : count++;
     }
-    for (int32_t i = 0; i < corners; i++) number[i] = number[root_of(cut->parent, i)];
+    for (int32_t i = 0; i < corners; i++) number[i] = number[shv_set_root(cut->parent, i)];
     return count;
 }
 

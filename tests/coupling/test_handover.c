@@ -33,13 +33,17 @@ static void stage_ball(Stage *stage, ShvRigidEngine engine)
     stage->scene.fracture.energy_bound = 1e30;
 }
 
-static void wake(ShvHybrid *hybrid, int32_t fragment)
+static void wake_by(ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     ShvError error = {SHV_OK, ""};
-    const ShvRigidContact contact = {.fragment = fragment, .obstacle = -1, .other = -1, .time = hybrid->state.time};
-    hybrid->backend->functions->remove(hybrid->backend, fragment);
+    hybrid->backend->functions->remove(hybrid->backend, contact->fragment);
     hybrid->state.last_step = 0.0;
-    check_ok(shv_hybrid_wake(hybrid, &contact, &error), error);
+    check_ok(shv_hybrid_wake(hybrid, contact, &error), error);
+}
+
+static void wake(ShvHybrid *hybrid, int32_t fragment)
+{
+    wake_by(hybrid, &(ShvRigidContact){.fragment = fragment, .obstacle = -1, .other = -1, .time = hybrid->state.time});
 }
 
 static void wake_all(ShvHybrid *hybrid)
@@ -442,9 +446,7 @@ static void nodes_are_waited_for_while_vibration_lasts(void **unused)
                                              .normal = {0.0, 0.0, 1.0},
                                              .point = fragment->position,
                                              .other_mass = (double)INFINITY};
-            hybrid.backend->functions->remove(hybrid.backend, i);
-            hybrid.state.last_step = 0.0;
-            check_ok(shv_hybrid_wake(&hybrid, &contact, &error), error);
+            wake_by(&hybrid, &contact);
             const double wait = fragment->touched - hybrid.state.time;
             if (k == 0)
                 check_near(wait, 1e-9, 1e-15);
