@@ -4,6 +4,8 @@
 
 /* Of the shorter edge: what overlaps by less has just met; what overlaps by more is not for edges to part. */
 static const double just_met = 1e-3, deepest = 0.1;
+/* Of the way of what overlaps and is not for edges to part: normal cones may change before it has gone as far as it overlaps. */
+static const double share_of_overlap = 0.25;
 /* Edges cross as such at least so far from their ends: shares of the edge, and times their depth. Nearer to a node the node meets
    the facets, before the edges are as deep as it is far. What a node of an edge has gone into is its own to leave, too: such an edge
    crosses others next to the node, in directions that have nothing to do with how the node came in. */
@@ -89,6 +91,7 @@ bool shv_edge_pair_detect(const ShvSurfaceBodies *bodies, const ShvEdge *own, co
     *distance = shv_norm(at.between);
     if (*distance > fmax(reach, deepest * size)) return false;
     const bool met = meet(wedges, &at, &gap, &normal) && gap <= reach;
+    if (gap < 0.0) *distance *= share_of_overlap;
     if (met || *distance < just_met * size) *distance = 0.0;
     if (!met || !shv_facet_plane_make(other->places, &plane)) return false;
     *pair = (ShvFacetPair){.nodes = {own->corners[own->edge], own->corners[(own->edge + 1) % 3]},

@@ -69,10 +69,14 @@ static double side_distance(ShvVec3 x, const Place *place)
     return least;
 }
 
-/* Of how far a point above the facet's plane has to come. */
+/* Of the way of a point below the facet's plane: the facet tilts and the tet's apex moves, which moves what is below the facet farther than
+   its corners go. */
+static const double share_below = 0.5;
+
+/* How far both have to go at least until the point is over the facet, m. */
 static double distance_from(double gap, double squared_side)
 {
-    return sqrt(squared_side + (gap > 0.0 ? gap * gap : 0.0));
+    return gap > 0.0 ? sqrt(squared_side + gap * gap) : share_below * sqrt(squared_side);
 }
 
 double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x)
@@ -91,17 +95,17 @@ static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32
     return bodies->cohesive && bodies->cohesive->facet_cohesive[facet] >= 0;
 }
 
-/* Whether a point below the facet is in the nearer half of its tet: in the other half it may touch the surface at the tet's
-   apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose corners
-   next to the facet the point may be. */
-static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet, ShvVec3 x,
-                       const Place *place)
+/* How far both have to go until a point below the facet is in the nearer half of its tet, m: in the other half it may touch the
+   surface at the tet's apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose
+   corners next to the facet the point may be. */
+static double way_into_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet,
+                           ShvVec3 x, const Place *place)
 {
     const ShvVec3 *corners = place->plane.corners;
     const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
     const ShvVec3 top = shv_bodies_position(bodies, apex, facet->fragment);
     const double altitude = -shv_dot(place->plane.normal, shv_sub(top, corners[0]));
-    if (-place->gap > 0.5 * altitude) return false;
+    if (-place->gap > 0.5 * altitude) return share_below * (-place->gap - 0.5 * altitude);
     const uint8_t *own = shv_face_corners[facet->face];
     for (int k = 0; k < 3; k++) {
         if (!is_free(bodies, model, facet->element, own[k])) continue;
@@ -109,9 +113,9 @@ static bool within_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, co
         const ShvVec3 a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
         const ShvVec3 out = shv_cross(shv_sub(top, a), shv_sub(b, a));
         const double side = shv_dot(out, shv_sub(x, a)), inner = shv_dot(out, shv_sub(corners[k], a));
-        if (side * inner < -edge_margin * inner * inner) return false;
+        if (side * inner < -edge_margin * inner * inner) return share_below * fabs(side) / shv_norm(out);
     }
-    return true;
+    return 0.0;
 }
 
 /* ---- detection ---- */
@@ -222,17 +226,8 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
     const ShvSurfaceNode *node = &list->nodes[candidate->slot];
     const ShvSurfaceFacet *facet = &list->facets[candidate->facet];
     const ShvVec3 x = shv_bodies_position(bodies, node->node, node->fragment);
-    *pair = (ShvFacetPair){.nodes = {node->node},
-                           .node_count = 1,
-                           .shares = {1.0},
-                           .element = facet->element,
-                           .face = facet->face,
-                           .fragments = {node->fragment, facet->fragment},
-                           .step = step,
-                           .point = x};
     for (int k = 0; k < 3; k++) {
-        pair->corners[k] = list->nodes[facet->slots[k]].node;
-        corners[k] = shv_bodies_position(bodies, pair->corners[k], facet->fragment);
+        corners[k] = shv_bodies_position(bodies, candidate->corners[k], facet->fragment);
     }
     *distance = 0.0;
     if (!shv_facet_plane_make(corners, &place.plane)) return false;
@@ -242,12 +237,24 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
     if (*distance > reach) return false;
     *distance = 0.0;
     const ShvVec3 v = node_velocity(bodies, node->node, node->fragment, x);
-    for (int k = 0; k < 3; k++) velocities[k] = node_velocity(bodies, pair->corners[k], facet->fragment, corners[k]);
+    for (int k = 0; k < 3; k++)
+        velocities[k] = node_velocity(bodies, candidate->corners[k], facet->fragment, corners[k]);
     if (place.gap > 0.0) {
         if (side > 0.0 && !will_be_over(x, v, corners, velocities, step)) return false;
     } else {
-        if (side > 0.0 || !within_tet(bodies, list->model, facet, x, &place)) return false;
+        if (side > 0.0) return false;
+        *distance = way_into_tet(bodies, list->model, facet, x, &place);
+        if (*distance > 0.0) return false;
     }
+    *pair = (ShvFacetPair){.nodes = {node->node},
+                           .node_count = 1,
+                           .shares = {1.0},
+                           .element = facet->element,
+                           .face = facet->face,
+                           .fragments = {node->fragment, facet->fragment},
+                           .corners = {candidate->corners[0], candidate->corners[1], candidate->corners[2]},
+                           .step = step,
+                           .point = x};
     shv_facet_pair_stand(pair, &place.plane);
     pair->gap = pair->height;
     pair->normal = pair->facet_normal;

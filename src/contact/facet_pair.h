@@ -57,13 +57,18 @@ enum { SHV_SLOT_RIGID = -1, SHV_SLOT_NONE = -2 };
 /* A pair worth looking at: a node and a facet or an obstacle; or an edge and an edge of a facet, or a facet and a feature of an
    obstacle. Places are those in ShvSurfaceList. */
 typedef struct ShvSurfaceCandidate {
-    int32_t slot;             /* of the node, the edge's start or a corner of the facet */
-    int32_t facet;            /* −1 − obstacle where it is one */
-    int32_t own_facet;        /* whose edge it is, or which meets the feature; −1: a node alone */
-    int32_t feature;          /* of the obstacle (shape/feature.h) */
-    int32_t rebuild_number;   /* in which it was found: a later one of a side of it makes it void */
-    int8_t own_edge, edge;    /* of own_facet and of the facet */
-    int16_t duplicate_corner; /* of the facet's tet: a copy of the same node of the mesh; −1: none */
+    int32_t node;           /* alone, the edge's start or a corner of the facet: of the state, */
+    int32_t slot;           /* and its place */
+    int32_t facet;          /* −1 − obstacle where it is one; */
+    int32_t element;        /* its tet, */
+    int32_t corners[3];     /* and its nodes, of the state */
+    int32_t own_facet;      /* whose edge it is, or which meets the feature; −1: a node alone */
+    int32_t feature;        /* of the obstacle (shape/feature.h) */
+    int32_t rebuild_number; /* in which it was found: a later one of a side of it makes it void */
+    int8_t own_edge, edge;  /* of own_facet and of the facet */
+    uint8_t copies;         /* bits: ends of both edges, own + 2 × other, that are copies of one node of the mesh */
+    int8_t
+        duplicate_corner; /* of the facet's tet: a copy of the node's origin; −1: none, or they meet across the facet */
 } ShvSurfaceCandidate;
 
 /* False for a facet without area. */

@@ -13,52 +13,57 @@ typedef struct Horizon {
 /* ---- neighbours ---- */
 
 /* How far copies of one node of the mesh may still separate until they are out of place, m; 0: they are. */
-static double separation_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                              const ShvSurfaceNode *node, int32_t copy, int32_t fragment)
+static double separation_left(const ShvSurfaceContact *contact, ShvVec3 own, ShvVec3 copy)
 {
-    const ShvVec3 own = shv_bodies_position(bodies, node->node, node->fragment);
-    const double separation = shv_norm(shv_sub(own, shv_bodies_position(bodies, copy, fragment)));
-    return fmax(0.5 * contact->skin[0] - separation, 0.0);
+    return fmax(0.5 * contact->skin[0] - shv_norm(shv_sub(own, copy)), 0.0);
+}
+
+/* A body's point, by the side of a candidate that it belongs to. */
+static ShvVec3 position(const ShvSurfaceBodies *bodies, const ShvSurfaceDue *due, int side, int32_t node)
+{
+    return due->kinds[side] == SHV_SIDE_BODY ? shv_bodies_position(bodies, node, due->places[side])
+                                             : shv_state_position(bodies->state, node);
 }
 
 static double separation_of_edges_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                                       const ShvSurfaceCandidate *candidate)
+                                       const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due)
 {
     const ShvSurfaceList *list = &contact->list;
-    const int32_t *own = list->facets[candidate->own_facet].slots, *other = list->facets[candidate->facet].slots;
-    const int32_t *origin = bodies->state->origin;
     double largest = 0.0;
     for (int k = 0; k < 4; k++) {
-        const ShvSurfaceNode *a = &list->nodes[own[(candidate->own_edge + (k & 1)) % 3]];
-        const ShvSurfaceNode *b = &list->nodes[other[(candidate->edge + (k >> 1)) % 3]];
-        if (origin[a->node] == origin[b->node])
-            largest = fmax(largest, separation_left(contact, bodies, a, b->node, b->fragment));
+        if (!(candidate->copies >> k & 1)) continue;
+        const int32_t *slots = list->facets[candidate->own_facet].slots;
+        const int32_t own = list->nodes[slots[(candidate->own_edge + (k & 1)) % 3]].node;
+        const int32_t other = candidate->corners[(candidate->edge + (k >> 1)) % 3];
+        largest =
+            fmax(largest, separation_left(contact, position(bodies, due, 0, own), position(bodies, due, 1, other)));
     }
     return largest;
 }
 
-/* Whether a node belongs to the tet on the other side of the facet: these two meet across it from the start. */
-static bool is_across(const ShvModel *model, const ShvState *state, const ShvSurfaceFacet *facet, int32_t node)
-{
-    const ShvAdjacency *adjacency = &model->adjacency;
-    const int64_t between = adjacency->element_facets[4 * (int64_t)facet->element + facet->face];
-    if (between >= adjacency->interior_count) return false;
-    const int32_t *elements = adjacency->facet_elements + 2 * between;
-    return shv_state_has_node(state, elements[elements[0] == facet->element], node);
-}
-
 /* Neighbours have nothing to do with each other until they are out of place: how far that is off, m. */
 static double neighbours_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                              const ShvSurfaceCandidate *candidate)
+                              const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due)
 {
-    if (candidate->facet < 0) return 0.0;
-    if (candidate->own_facet >= 0) return separation_of_edges_left(contact, bodies, candidate);
+    if (candidate->copies) return separation_of_edges_left(contact, bodies, candidate, due);
     if (candidate->duplicate_corner < 0) return 0.0;
-    const ShvSurfaceNode *node = &contact->list.nodes[candidate->slot];
-    const ShvSurfaceFacet *facet = &contact->list.facets[candidate->facet];
-    if (is_across(contact->model, bodies->state, facet, node->node)) return 0.0;
-    const int32_t copy = shv_state_node(bodies->state, facet->element, candidate->duplicate_corner);
-    return separation_left(contact, bodies, node, copy, facet->fragment);
+    const int32_t copy = shv_state_node(bodies->state, candidate->element, candidate->duplicate_corner);
+    return separation_left(contact, position(bodies, due, 0, candidate->node), position(bodies, due, 1, copy));
+}
+
+/* How far both have to go at least until they may meet within `reach`, m, from what the candidate holds; 0: they may. */
+static double distance_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
+                            const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due, double reach)
+{
+    const double left = neighbours_left(contact, bodies, candidate, due);
+    ShvFacetPlane plane;
+    ShvVec3 corners[3];
+    if (left > 0.0) return left + reach; /* whatever is ahead */
+    if (candidate->facet < 0 || candidate->own_facet >= 0) return 0.0;
+    for (int k = 0; k < 3; k++) corners[k] = position(bodies, due, 1, candidate->corners[k]);
+    if (!shv_facet_plane_make(corners, &plane)) return 0.0;
+    const double distance = shv_facet_plane_distance(&plane, position(bodies, due, 0, candidate->node));
+    return distance > reach ? distance : 0.0;
 }
 
 /* Cosine of the angle between the normals of a node and a facet above which both look the same way; barycentric weight at which a
@@ -150,6 +155,16 @@ static ShvStatus look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     return SHV_OK;
 }
 
+/* Whether the two have not gone so far yet that they may meet, the movers apart; then they are due when the movers have gone what is
+   left. */
+static bool is_early(const ShvSurfaceContact *contact, ShvSurfaceCandidates *list, int32_t k, double path, double reach)
+{
+    const double left = list->own_due[k].path - shv_surface_candidate_path(contact, &list->own_due[k]);
+    if (!(left > reach)) return false;
+    list->due[k] = fmax(list->due[k], path + left);
+    return true;
+}
+
 /* The distance that they have now is when they are due again. */
 static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
                             ShvError *error)
@@ -159,12 +174,15 @@ static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     find_horizon(contact, step, &horizon);
     for (int32_t k = 0; k < list->count; k++) {
         const double path = horizon.path[list->movers[k]], reach = horizon.reach[list->movers[k]];
-        if (list->due[k] > path + reach) continue;
+        if (list->due[k] > path + reach || is_early(contact, list, k, path, reach)) continue;
         const ShvSurfaceCandidate *candidate = &list->items[k];
-        const bool is_void = shv_surface_candidate_is_void(contact, candidate);
-        double distance = is_void ? (double)INFINITY : neighbours_left(contact, bodies, candidate);
+        ShvSurfaceDue *due = &list->own_due[k];
+        double distance = distance_left(contact, bodies, candidate, due, reach);
+        if (!(distance > 0.0) && shv_surface_candidate_is_void(contact, candidate)) distance = (double)INFINITY;
         if (!(distance > 0.0)) SHV_TRY(look(contact, bodies, candidate, step, reach, &distance, error));
         list->due[k] = fmax(list->due[k], path + distance);
+        if (due->path > -(double)INFINITY)
+            due->path = fmax(due->path, shv_surface_candidate_path(contact, due) + distance);
     }
     return SHV_OK;
 }

@@ -14,38 +14,104 @@ static ShvStatus watch(ShvSurfaceContact *contact, int32_t slot, ShvError *error
     return SHV_OK;
 }
 
+static ShvStatus watch_facet(ShvSurfaceContact *contact, int32_t place, ShvError *error)
+{
+    ShvSurfaceFacet *facet = &contact->list.facets[place];
+    ShvSurfacePlaces *watched = &contact->watched_facets;
+    for (int k = 0; k < 3; k++) SHV_TRY(watch(contact, facet->slots[k], error));
+    if (facet->watched) return SHV_OK;
+    facet->watched = true;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, watched->items, watched->capacity, watched->count, "contact", error);
+    watched->items[watched->count++] = place;
+    return SHV_OK;
+}
+
+static double side_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side)
+{
+    const int32_t place = due->places[side];
+    switch ((ShvSideKind)due->kinds[side]) {
+    case SHV_SIDE_NODE:
+        return contact->list.node_path[place];
+    case SHV_SIDE_FACET:
+        return contact->list.facet_path[place];
+    case SHV_SIDE_BODY:
+        return contact->fragments[place].path;
+    case SHV_SIDE_OBSTACLES:
+        break;
+    }
+    return contact->path[SHV_SURFACE_OBSTACLES];
+}
+
+double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due)
+{
+    return side_path(contact, due, 0) + side_path(contact, due, 1);
+}
+
+void shv_surface_candidate_name(const ShvSurfaceList *list, ShvSurfaceCandidate *candidate)
+{
+    candidate->node = list->nodes[candidate->slot].node;
+    if (candidate->facet < 0) return;
+    const ShvSurfaceFacet *facet = &list->facets[candidate->facet];
+    candidate->element = facet->element;
+    for (int k = 0; k < 3; k++) candidate->corners[k] = list->nodes[facet->slots[k]].node;
+}
+
 static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, const ShvSurfaceCandidate *candidate,
-                        double due, uint8_t movers, ShvError *error)
+                        ShvError *error)
 {
     int32_t room = list->capacity;
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->due, room, list->count, "contact", error);
     room = list->capacity;
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->own_due, room, list->count, "contact", error);
+    room = list->capacity;
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->movers, room, list->count, "contact", error);
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->items, list->capacity, list->count, "contact", error);
-    list->items[list->count] = *candidate;
-    list->items[list->count].rebuild_number = contact->rebuild_number;
-    list->due[list->count] = due;
-    list->movers[list->count++] = movers;
+    ShvSurfaceCandidate *added = &list->items[list->count++];
+    *added = *candidate;
+    added->rebuild_number = contact->rebuild_number;
+    shv_surface_candidate_name(&contact->list, added);
     return SHV_OK;
+}
+
+static void set_side(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot, int32_t place,
+                     ShvSurfaceDue *due, int side)
+{
+    const int32_t fragment = place >= 0  ? contact->list.facets[place].fragment
+                             : slot >= 0 ? contact->list.nodes[slot].fragment
+                                         : -1;
+    const bool rigid = fragment >= 0 && shv_bodies_coupled_body(bodies, fragment);
+    due->places[side] = rigid ? fragment : place >= 0 ? place : slot;
+    due->kinds[side] = (uint8_t)(rigid        ? SHV_SIDE_BODY
+                                 : place >= 0 ? SHV_SIDE_FACET
+                                 : slot >= 0  ? SHV_SIDE_NODE
+                                              : SHV_SIDE_OBSTACLES);
+}
+
+static ShvStatus watch_side(ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side, ShvError *error)
+{
+    if (due->kinds[side] == SHV_SIDE_NODE) return watch(contact, due->places[side], error);
+    return due->kinds[side] == SHV_SIDE_FACET ? watch_facet(contact, due->places[side], error) : SHV_OK;
 }
 
 ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                     const ShvSurfaceCandidate *candidate, double distance, ShvError *error)
 {
-    const ShvSurfaceNode *node = &contact->list.nodes[candidate->slot];
-    const ShvSurfaceFacet *facet = candidate->facet >= 0 ? &contact->list.facets[candidate->facet] : NULL;
-    const ShvSurfaceFacet *own = candidate->own_facet >= 0 ? &contact->list.facets[candidate->own_facet] : NULL;
-    const int first = own ? own->speed_class : node->speed_class;
-    const int second = facet ? facet->speed_class : SHV_SURFACE_OBSTACLES;
-    const bool rigid = shv_bodies_coupled_body(bodies, node->fragment);
-    const bool other_rigid = facet && shv_bodies_coupled_body(bodies, facet->fragment);
-    SHV_TRY(append(contact, &contact->candidates[rigid && other_rigid], candidate,
-                   contact->path[first] + contact->path[second] + distance,
-                   (uint8_t)(first * SHV_SURFACE_MOVERS + second), error));
-    if (!rigid) SHV_TRY(watch(contact, candidate->slot, error));
-    for (int k = 0; own && !rigid && k < 3; k++) SHV_TRY(watch(contact, own->slots[k], error));
-    for (int k = 0; facet && !other_rigid && k < 3; k++) SHV_TRY(watch(contact, facet->slots[k], error));
-    return SHV_OK;
+    const int32_t own = candidate->own_facet, other = candidate->facet;
+    const bool feature = own >= 0 && other < 0; /* where the two overlap there is no bound */
+    const int first =
+        own >= 0 ? contact->list.facets[own].speed_class : contact->list.nodes[candidate->slot].speed_class;
+    const int second = other >= 0 ? contact->list.facets[other].speed_class : SHV_SURFACE_OBSTACLES;
+    ShvSurfaceDue due;
+    set_side(contact, bodies, candidate->slot, own, &due, 0);
+    set_side(contact, bodies, -1, other, &due, 1);
+    due.path = feature ? -(double)INFINITY : shv_surface_candidate_path(contact, &due) + distance;
+    ShvSurfaceCandidates *list = &contact->candidates[due.kinds[0] == SHV_SIDE_BODY && due.kinds[1] == SHV_SIDE_BODY];
+    SHV_TRY(append(contact, list, candidate, error));
+    list->own_due[list->count - 1] = due;
+    list->due[list->count - 1] = contact->path[first] + contact->path[second] + distance;
+    list->movers[list->count - 1] = (uint8_t)(first * SHV_SURFACE_MOVERS + second);
+    SHV_TRY(watch_side(contact, &due, 0, error));
+    return watch_side(contact, &due, 1, error);
 }
 
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate)
@@ -106,6 +172,7 @@ static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     contact->size = mean_size(contact);
     SHV_TRY(shv_surface_list_inner(list, bodies, SHV_SURFACE_INNER * contact->size, error));
     list->outdated.count = 0;
+    for (int32_t k = 0; k < list->facet_count; k++) list->facets[k].watched = false;
     for (int32_t k = 0; k < list->node_count; k++) {
         list->nodes[k].watch = -1;
         list->nodes[k].outdated = false;
@@ -126,7 +193,7 @@ static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bod
     const double last = bodies->state->last_step;
     SHV_TRY(update_list(contact, bodies, lost, error));
     for (int kind = 0; kind < 2; kind++) contact->candidates[kind].count = contact->candidates[kind].held = 0;
-    contact->watched_count = contact->rebuilt_nodes = 0;
+    contact->watched_count = contact->watched_facets.count = contact->rebuilt_nodes = 0;
     contact->facets_with_neighbours = list->facet_count;
     shv_surface_speed_choose(contact, bodies, last > 0.0 ? last : step);
     SHV_TRY(shv_surface_fill_grids(contact, bodies, error));

@@ -18,6 +18,10 @@ void shv_surface_measure_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodi
 /* One more candidate; the nodes of both sides that deform are watched. `distance`: how far both have to go at least, m. */
 ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                     const ShvSurfaceCandidate *candidate, double distance, ShvError *error);
+/* Names the node, and the facet's tet and nodes, of the places in a candidate. */
+void shv_surface_candidate_name(const ShvSurfaceList *list, ShvSurfaceCandidate *candidate);
+/* Sum of the paths of both sides of what deforms, and obstacles, m: their distance has changed by no more. */
+double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due);
 /* Whether a side of it has looked for its candidates anew since. */
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate);
 
@@ -27,12 +31,15 @@ ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
 
 /* ---- parts of it ---- */
 
-/* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes that leave their skin
-   aside: contact->steps_to_check is 0). */
+/* surface_speed.c: counts the step that led here, once, and returns whether candidates no longer hold (nodes and coupled bodies that
+   leave their skin aside: contact->steps_to_check is 0). */
 bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 /* Steps, up to a number, that a node may be left to itself for; 0: it may leave its skin in the next. */
 int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                 const ShvSurfaceNode *node, double step, int32_t most);
+/* Whether a coupled body may leave its skin before it is looked at next. */
+bool shv_surface_speed_leaves(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t fragment,
+                              double step);
 /* The frame, skins and speed classes of all that is listed; of a node or facet that is where it is now. */
 void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step);
 void shv_surface_speed_node(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceNode *node,

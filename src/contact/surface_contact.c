@@ -30,12 +30,14 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
+        shv_release(contact->candidates[k].own_due);
         shv_release(contact->candidates[k].movers);
     }
     shv_release(contact->fragments);
     shv_release(contact->found);
     shv_release(contact->keys);
     shv_release(contact->watched);
+    shv_release(contact->watched_facets.items);
     shv_release(contact->before);
     shv_release(contact->coupled_body_before);
     shv_release(contact->pairs);

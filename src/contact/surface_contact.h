@@ -56,10 +56,21 @@ typedef struct ShvFragmentTouch {
     double severity;      /* m/s: that product */
 } ShvFragmentTouch;
 
+/* What a side of a candidate goes with: by itself, a node or facet that deforms; a rigid body; all obstacles. */
+typedef enum ShvSideKind { SHV_SIDE_NODE, SHV_SIDE_FACET, SHV_SIDE_BODY, SHV_SIDE_OBSTACLES } ShvSideKind;
+
+/* Below which sum of the paths of both sides a candidate cannot meet. */
+typedef struct ShvSurfaceDue {
+    double path;       /* m; −∞: movers alone decide */
+    int32_t places[2]; /* of the node or facet in the list; the fragment; −1 */
+    uint8_t kinds[2];  /* ShvSideKind */
+} ShvSurfaceDue;
+
 typedef struct ShvSurfaceCandidates {
     ShvSurfaceCandidate *items;
-    double *due;     /* per candidate, m: sum of the paths of both sides at which they may meet */
-    uint8_t *movers; /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
+    double *due;            /* per candidate, m: the same of the paths of its movers, which costs least to ask */
+    ShvSurfaceDue *own_due; /* per candidate */
+    uint8_t *movers;        /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
     int32_t count, capacity;
     int32_t held; /* when void ones were last dropped */
 } ShvSurfaceCandidates;
@@ -71,6 +82,7 @@ typedef struct ShvSurfaceFragment {
     bool rigid;          /* it was a coupled body */
     bool cracked;        /* a crack runs in it: its own surfaces are candidates of one another */
     bool opened;         /* its nodes are to look for what they may meet anew */
+    bool leaving;        /* a coupled body that may leave its skin */
 } ShvSurfaceFragment;
 
 /* Most steps from one time that the speeds of all nodes are read to the next. */
@@ -117,7 +129,8 @@ typedef struct ShvSurfaceContact {
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */
     int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */
     int32_t watched_count, watched_capacity;
-    double *before; /* 3 per watched node: velocity before the kick, m/s */
+    ShvSurfacePlaces watched_facets; /* likewise, of facets */
+    double *before;                  /* 3 per watched node: velocity before the kick, m/s */
     int32_t before_capacity;
     ShvCoupledBodyBefore *coupled_body_before; /* per fragment */
     int32_t coupled_body_capacity;

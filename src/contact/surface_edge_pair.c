@@ -18,8 +18,13 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                              ? node->from
                              : shv_bodies_position(bodies, node->node, node->fragment);
         }
-    for (int k = 0; k < 4; k++)
-        if (slots[0][k / 2] == slots[1][k % 2]) return SHV_OK;
+    const int32_t *origin = bodies->state->origin;
+    uint8_t copies = 0;
+    for (int k = 0; k < 4; k++) {
+        const int32_t a = slots[0][k & 1], b = slots[1][k >> 1];
+        if (a == b) return SHV_OK;
+        if (origin[contact->list.nodes[a].node] == origin[contact->list.nodes[b].node]) copies |= (uint8_t)(1 << k);
+    }
     const ShvSegmentPoints at =
         shv_segments_closest(x[0][0], shv_sub(x[0][1], x[0][0]), x[1][0], shv_sub(x[1][1], x[1][0]));
     if (shv_norm(at.between) > reach) return SHV_OK;
@@ -28,6 +33,7 @@ static ShvStatus pair_edge(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                            .own_facet = places[0],
                                            .own_edge = (int8_t)edges[0],
                                            .edge = (int8_t)edges[1],
+                                           .copies = copies,
                                            .duplicate_corner = -1};
     return shv_surface_candidate_add(contact, bodies, &candidate, 0.0, error);
 }

@@ -7,7 +7,10 @@ void shv_surface_list_release(ShvSurfaceList *list)
 {
     shv_release(list->boundary);
     shv_release(list->facets);
+    shv_release(list->facet_path);
     shv_release(list->nodes);
+    shv_release(list->node_path);
+    shv_release(list->node_speed);
     shv_release(list->slot);
     shv_release(list->cracks);
     shv_release(list->place);
@@ -62,11 +65,23 @@ ShvStatus shv_surface_list_mark_outdated(ShvSurfaceList *list, int32_t slot, Shv
     return SHV_OK;
 }
 
+static ShvStatus grow_nodes(ShvSurfaceList *list, ShvError *error)
+{
+    const int32_t count = list->node_count;
+    int32_t room = list->node_capacity;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->node_path, room, count, "contact", error);
+    room = list->node_capacity;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->node_speed, room, count, "contact", error);
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->nodes, list->node_capacity, count, "contact", error);
+    return SHV_OK;
+}
+
 static ShvStatus add_node(ShvSurfaceList *list, int32_t node, int32_t fragment, bool inner, ShvError *error)
 {
     if (list->slot[node] < 0) {
-        SHV_GROW(list->memory, SHV_PART_CONTACT, list->nodes, list->node_capacity, list->node_count, "contact", error);
+        SHV_TRY(grow_nodes(list, error));
         list->slot[node] = list->node_count;
+        list->node_path[list->node_count] = list->node_speed[list->node_count] = 0.0;
         list->nodes[list->node_count++] =
             (ShvSurfaceNode){.node = node, .fragment = fragment, .watch = -1, .inner = inner};
     } else if (inner || !list->nodes[list->slot[node]].inner) {
@@ -123,7 +138,10 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     if (!shv_bodies_active(bodies, fragment)) return SHV_OK;
     SHV_TRY(add_nodes(list, bodies->state, element, face, error));
     if (shv_bodies_alone(bodies, fragment)) return SHV_OK;
+    int32_t room = list->facet_capacity;
+    SHV_GROW(list->memory, SHV_PART_CONTACT, list->facet_path, room, list->facet_count, "contact", error);
     SHV_GROW(list->memory, SHV_PART_CONTACT, list->facets, list->facet_capacity, list->facet_count, "contact", error);
+    list->facet_path[list->facet_count] = 0.0;
     if (list->place) list->place[4 * (int64_t)element + face] = list->facet_count;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
     *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .across = {-1, -1, -1}};
@@ -146,12 +164,12 @@ ShvStatus shv_surface_list_inner(ShvSurfaceList *list, const ShvSurfaceBodies *b
 {
     const ShvState *state = bodies->state;
     if (!bodies->obstacles || bodies->barred) return SHV_OK;
-    for (int32_t e = 0; e < state->element_count; e++)
-        for (int k = 0; bodies->awake[state->element_fragment[e]] && k < 4; k++) {
-            const int32_t node = shv_state_node(state, e, k);
-            if (list->slot[node] < 0 && is_near_obstacle(bodies->obstacles, shv_state_position(state, node), distance))
-                SHV_TRY(add_node(list, node, state->element_fragment[e], true, error));
-        }
+    for (int32_t i = 0; i < state->node_count; i++) {
+        if (list->slot[i] >= 0 || state->corner_count[i] == 0) continue;
+        const int32_t fragment = state->element_fragment[state->corners[state->corner_start[i]] / 4];
+        if (bodies->awake[fragment] && is_near_obstacle(bodies->obstacles, shv_state_position(state, i), distance))
+            SHV_TRY(add_node(list, i, fragment, true, error));
+    }
     return SHV_OK;
 }
 

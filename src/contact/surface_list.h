@@ -33,6 +33,7 @@ typedef struct ShvSurfaceFacet {
     int32_t element, face, fragment;
     int32_t slots[3];       /* of its nodes */
     int32_t rebuild_number; /* of the last in which its neighbour list was made */
+    bool watched;           /* its path is counted: it has candidates and deforms */
     uint8_t speed_class;    /* the largest of its nodes */
     uint8_t sharp;          /* bits: the sharp edges that it names (surface_edge.h) */
     int32_t across[3];      /* half-edge on the other side of each edge, −1: none */
@@ -69,8 +70,10 @@ typedef struct ShvSurfaceList {
     int32_t *boundary; /* element × 4 + face; only where the model has no adjacency */
     int32_t boundary_count;
     ShvSurfaceFacet *facets;
+    double *facet_path; /* m, per facet: so far its fastest corner has gone while it is watched */
     int32_t facet_count, facet_capacity;
     ShvSurfaceNode *nodes;
+    double *node_path, *node_speed; /* per node: m, as of a facet; m/s, when last measured */
     int32_t node_count, node_capacity;
     int32_t *slot; /* per node of the state: its place in `nodes`, −1: none */
     int32_t slot_capacity;

@@ -31,6 +31,16 @@ static int corner_of_duplicate(const ShvState *state, int32_t element, int32_t n
     return -1;
 }
 
+/* Whether a node belongs to the tet on the other side of the facet: these two meet across it from the start. */
+static bool is_across(const ShvModel *model, const ShvState *state, const ShvSurfaceFacet *facet, int32_t node)
+{
+    const ShvAdjacency *adjacency = &model->adjacency;
+    const int64_t between = adjacency->element_facets[4 * (int64_t)facet->element + facet->face];
+    if (between >= adjacency->interior_count) return false;
+    const int32_t *elements = adjacency->facet_elements + 2 * between;
+    return shv_state_has_node(state, elements[elements[0] == facet->element], node);
+}
+
 /* Neighbours between which a crack sees to them have nothing to do with each other. */
 static bool are_held(const ShvSurfaceContact *contact, const ShvState *state, const ShvSurfaceNode *node,
                      const ShvSurfaceFacet *facet, int corner)
@@ -55,8 +65,9 @@ static ShvStatus pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     const ShvVec3 x = fresh ? node->from : shv_bodies_position(bodies, node->node, node->fragment);
     const double distance = shv_facet_plane_distance(&target->plane, x);
     if (distance > (fresh ? 1.0 : 2.0) * shv_surface_reach(contact, facet, node->speed_class)) return SHV_OK;
+    const bool across = corner >= 0 && is_across(contact->model, bodies->state, facet, node->node);
     const ShvSurfaceCandidate candidate = {
-        .slot = slot, .facet = target->place, .own_facet = -1, .duplicate_corner = (int16_t)corner};
+        .slot = slot, .facet = target->place, .own_facet = -1, .duplicate_corner = (int8_t)(across ? -1 : corner)};
     return shv_surface_candidate_add(contact, bodies, &candidate, distance, error);
 }
 

@@ -8,15 +8,27 @@ static const double most_at_once = 0.15, most_in_all = 1.0;
 /* Of those that held when void ones were last dropped: so many more are borne before they are dropped again. */
 static const double most_void = 0.5;
 
+/* A coupled body leaves its skin as a whole, and looks for all its candidates from where it is. */
+static void find_leaving_bodies(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step)
+{
+    for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
+        ShvSurfaceFragment *fragment = &contact->fragments[i];
+        fragment->leaving = bodies->coupled_bodies[i] && shv_surface_speed_leaves(contact, bodies, i, step);
+        if (fragment->leaving) fragment->path = 0.0;
+    }
+}
+
 /* Adds the nodes that may leave their skin in the next step, and sets how many steps the others may be left for. */
 static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     contact->steps_to_check = SHV_SURFACE_STEPS_BETWEEN_CHECKS;
+    find_leaving_bodies(contact, bodies, step);
     for (int32_t k = 0; k < list->node_count; k++) {
         const ShvSurfaceNode *node = &list->nodes[k];
-        if (node->outdated || shv_bodies_coupled_body(bodies, node->fragment)) continue;
-        const int32_t steps = shv_surface_speed_steps(contact, bodies, node, step, contact->steps_to_check);
+        const bool rigid = shv_bodies_coupled_body(bodies, node->fragment);
+        if (node->outdated || (rigid && !contact->fragments[node->fragment].leaving)) continue;
+        const int32_t steps = rigid ? 0 : shv_surface_speed_steps(contact, bodies, node, step, contact->steps_to_check);
         if (steps == 0)
             SHV_TRY(shv_surface_list_mark_outdated(list, k, error));
         else
@@ -89,6 +101,7 @@ static void drop_void(ShvSurfaceContact *contact, ShvSurfaceCandidates *list)
         if (shv_surface_candidate_is_void(contact, &list->items[k])) continue;
         list->items[list->held] = list->items[k];
         list->due[list->held] = list->due[k];
+        list->own_due[list->held] = list->own_due[k];
         list->movers[list->held++] = list->movers[k];
     }
     list->count = list->held;

@@ -44,11 +44,12 @@ void shv_surface_measure_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodi
     for (int32_t k = 0; k < contact->watched_count; k++) {
         const ShvSurfaceNode *node = &contact->list.nodes[contact->watched[k]];
         const ShvVec3 v = against_frame(contact, shv_load3(bodies->state->velocity + 3 * (int64_t)node->node));
-        const double squared = shv_dot(v, v);
-        largest[node->speed_class] = squared > largest[node->speed_class] ? squared : largest[node->speed_class];
+        const double speed = sqrt(shv_dot(v, v));
+        contact->list.node_speed[contact->watched[k]] = speed;
+        largest[node->speed_class] = speed > largest[node->speed_class] ? speed : largest[node->speed_class];
     }
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
-        contact->speed[speed_class] = sqrt(largest[speed_class]);
+        contact->speed[speed_class] = largest[speed_class];
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
         if (!bodies->coupled_bodies[i]) continue;
         double *speed = &contact->speed[contact->fragments[i].speed_class];
@@ -58,16 +59,13 @@ void shv_surface_measure_speeds(ShvSurfaceContact *contact, const ShvSurfaceBodi
     contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
 }
 
-/* Whether something may leave its skin before speeds are read next; twice the speeds are allowed for. */
-static bool coupled_bodies_outrun(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double ahead)
+bool shv_surface_speed_leaves(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t fragment,
+                              double step)
 {
-    for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
-        if (!bodies->coupled_bodies[i]) continue;
-        const ShvSurfaceFragment *motion = &contact->fragments[i];
-        const double speed = coupled_body_speed(contact, bodies->coupled_bodies[i]) + ahead * contact->gravity;
-        if (!(motion->path + ahead * speed <= contact->skin[motion->speed_class])) return true;
-    }
-    return false;
+    const double ahead = 2.0 * contact->detection_interval * step; /* twice the way until it is looked at next */
+    const ShvSurfaceFragment *motion = &contact->fragments[fragment];
+    const double speed = coupled_body_speed(contact, bodies->coupled_bodies[fragment]) + ahead * contact->gravity;
+    return !(motion->path + ahead * speed <= contact->skin[motion->speed_class]);
 }
 
 int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
@@ -103,6 +101,22 @@ static int32_t detection_interval_for(const ShvSurfaceContact *contact, double s
     return steps >= SHV_SURFACE_DETECTION_INTERVAL ? SHV_SURFACE_DETECTION_INTERVAL : steps >= 1.0 ? (int32_t)steps : 1;
 }
 
+/* The step that led here, of each node and facet that is watched. */
+static void count_paths(ShvSurfaceContact *contact, double step)
+{
+    ShvSurfaceList *list = &contact->list;
+    for (int32_t k = 0; k < contact->watched_count; k++) {
+        const int32_t slot = contact->watched[k];
+        list->node_path[slot] += step * list->node_speed[slot];
+    }
+    for (int32_t k = 0; k < contact->watched_facets.count; k++) {
+        const int32_t place = contact->watched_facets.items[k], *slots = list->facets[place].slots;
+        const double a = list->node_speed[slots[0]], b = list->node_speed[slots[1]], c = list->node_speed[slots[2]];
+        const double larger = a > b ? a : b;
+        list->facet_path[place] += step * (larger > c ? larger : c);
+    }
+}
+
 bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     const ShvState *state = bodies->state;
@@ -110,6 +124,7 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     contact->seen_time = state->time;
     shv_surface_measure_speeds(contact, bodies);
     for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
+    count_paths(contact, state->last_step);
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
         if (bodies->coupled_bodies[i])
             contact->fragments[i].path += state->last_step * coupled_body_speed(contact, bodies->coupled_bodies[i]);
@@ -117,8 +132,7 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
         contact->steps_since_detection = 0;
         contact->detection_interval = detection_interval_for(contact, state->last_step);
     }
-    if (--contact->steps_to_check > 0) return false;
-    return coupled_bodies_outrun(contact, bodies, 2.0 * contact->detection_interval * state->last_step) ||
+    return --contact->steps_to_check <= 0 &&
            obstacles_outrun(contact, 2.0 * SHV_SURFACE_STEPS_BETWEEN_CHECKS * state->last_step);
 }
 

@@ -1,6 +1,7 @@
 #include "surfaces.h"
 
 #include "base/random.h"
+#include "contact/surface_candidates.h"
 #include "contact/surface_edge.h"
 
 /* ---- free flight into each other ---- */
@@ -506,7 +507,8 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
         for (int32_t i = 0; i < list->node_count; i++) {
             const ShvSurfaceFacet *facet = &list->facets[f];
             const ShvSurfaceNode *node = &list->nodes[i];
-            const ShvSurfaceCandidate candidate = {.slot = i, .facet = f, .own_facet = -1};
+            ShvSurfaceCandidate candidate = {.slot = i, .facet = f, .own_facet = -1};
+            shv_surface_candidate_name(list, &candidate);
             ShvFacetPair pair;
             double distance;
             if (facet->fragment == node->fragment ||
