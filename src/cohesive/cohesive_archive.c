@@ -45,6 +45,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, search.mark, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, search.value, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, search.held, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, search.left, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, search.facet_along, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, asked, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, stress_known, SHV_FIELD_BLOCK),

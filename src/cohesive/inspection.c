@@ -38,8 +38,9 @@ static const double unloading_crossings = 3.0;
 
 /* ---- nodes ---- */
 
-/* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. */
-static const double grown = 1.005, fallen = 0.98;
+/* A node that held is looked at again when its largest facet has grown or fallen by these shares: forces round it follow. Where all its
+   facets are far from what would part it, by so much of what is left to each more. */
+static const double grown = 0.005, fallen = 0.02, of_what_is_left = 0.2;
 
 static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *count)
 {
@@ -49,8 +50,8 @@ static void suspect(ShvStarSearch *search, int32_t node, double value, int32_t *
 
 static bool needs_evaluation(const ShvStarSearch *search, int32_t node)
 {
-    const double value = search->value[node], held = search->held[node];
-    return value > grown * held || value < fallen * held;
+    const double value = search->value[node], held = search->held[node], more = of_what_is_left * search->left[node];
+    return value > (1.0 + grown + more) * held || value < (1.0 - fallen - more) * held;
 }
 
 static void want_star(ShvInspection *inspection, int32_t node)
@@ -198,6 +199,7 @@ void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, d
     shv_inspection_get(inspection);
     for (int32_t i = 0; i < suspects; i++) {
         find_disk(inspection, search->nodes[i]);
+        search->left[search->nodes[i]] = shv_larger(1.0 - search->star.nearest, 0.0);
         if (search->star.disk_count == 0) continue;
         search->held[search->nodes[i]] = 0.0;
         search->nodes[parting] = search->nodes[i];

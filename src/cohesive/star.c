@@ -170,10 +170,10 @@ static double capacity(const ShvStarFacet *facet, double size, double along, boo
     return cohesion + facet->rubbing * sqrt(shv_larger(1.0 - along * along, 0.0));
 }
 
-/* Returns whether some facet passes on more than it could hold: if none does, no group is pulled too hard. */
-static bool load(ShvStar *star, ShvVec3 direction, double least, bool goes_on)
+/* Returns the most that a facet passes on of what it could hold: no group is pulled harder against what holds it. */
+static double load(ShvStar *star, ShvVec3 direction, bool goes_on)
 {
-    bool exceeded = false;
+    double most = 0.0;
     for (int32_t i = 0; i < star->cut.member_count; i++) star->cut.members[i].pull = 0.0;
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const ShvStarFacet *facet = &star->facets[k];
@@ -185,9 +185,10 @@ static bool load(ShvStar *star, ShvVec3 direction, double least, bool goes_on)
         joint->capacity[1] = capacity(facet, size, -along, goes_on);
         star->cut.members[joint->member[0]].pull -= force;
         star->cut.members[joint->member[1]].pull += force;
-        exceeded = exceeded || -force >= least * joint->capacity[0] || force >= least * joint->capacity[1];
+        const double held = joint->capacity[force > 0.0];
+        if (fabs(force) > most * held) most = fabs(force) / held;
     }
-    return exceeded;
+    return most;
 }
 
 /* Whether the group just found leaves across a joint: 1 outward from its first member, -1 from its second, 0 not at all. */
@@ -237,7 +238,9 @@ static double covered_share(const ShvStar *star, ShvVec3 direction)
 static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 direction, double least, bool goes_on)
 {
     const double wanted = shv_larger(least, star->ratio), searched = goes_on ? least_covered * wanted : wanted;
-    if (!load(star, direction, searched, goes_on)) return;
+    const double most = load(star, direction, goes_on);
+    star->nearest = shv_larger(star->nearest, most / searched);
+    if (most < searched) return;
     const double found = shv_cut_weakest(&star->cut, searched);
     const double covered = goes_on ? covered_share(star, direction) : 1.0, ratio = found / covered;
     if (ratio < wanted || !(ratio > star->ratio) || (goes_on && !follows_crack(star, direction))) return;
@@ -287,7 +290,7 @@ void shv_star_evaluate(ShvStar *star, const ShvCohesive *cohesive, const ShvStat
 {
     double values[3];
     ShvMat3 axes;
-    star->ratio = 0.0;
+    star->ratio = star->nearest = 0.0;
     star->disk_count = 0;
     star->node = node;
     gather(star, cohesive, state, stress, node);

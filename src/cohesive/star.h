@@ -43,6 +43,8 @@ typedef struct ShvStar {
     bool goes_on; /* from a crack whose front is there, or begins below its strength: facets hold what their tips do */
     double covered; /* where it goes on, of the disk's area: what it covers of the plane across `direction` */
     double ratio;   /* force / capacity of the disk found; 0: none */
+    double
+        nearest; /* of the facets, in the directions tried: the most that one passes on of what would do; below 1 none parts */
     int32_t disk_count;
     int32_t *disk; /* its facets, as numbers of joints, that are still intact */
 } ShvStar;

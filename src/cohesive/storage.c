@@ -64,9 +64,10 @@ static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->mark, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->value, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->held, count, "nodes that may part", bytes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->left, count, "nodes that may part", bytes, error);
     for (int32_t i = cohesive->node_capacity; i < nodes; i++) {
         search->mark[i] = 0;
-        search->value[i] = search->held[i] = 0.0;
+        search->value[i] = search->held[i] = search->left[i] = 0.0;
     }
     return SHV_OK;
 }
@@ -234,6 +235,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->search.mark);
     shv_release(cohesive->search.value);
     shv_release(cohesive->search.held);
+    shv_release(cohesive->search.left);
     shv_release(cohesive->search.facet_along);
     shv_front_release(&cohesive->front);
     shv_initiation_release(&cohesive->initiation);
