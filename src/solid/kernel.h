@@ -21,17 +21,17 @@ typedef struct ShvElasticity {
     ShvWideMask green; /* only set for SHV_BATCH_BOTH */
 } ShvElasticity;
 
-static inline ShvElasticity shv_material_elasticity(const ShvMaterial *material)
+/* Set where it is: as a value it is copied by registers wider than its first member, which the processor has to wait for. */
+static inline void shv_material_elasticity(const ShvMaterial *material, ShvElasticity *elasticity)
 {
-    ShvElasticity elasticity = {.kind = material->kinematics == SHV_GREEN_STRAIN ? SHV_BATCH_GREEN
-                                                                                 : SHV_BATCH_COROTATIONAL};
-    elasticity.lambda = shv_wide_set1(material->lambda);
-    elasticity.mu = shv_wide_set1(material->mu);
-    return elasticity;
+    elasticity->kind = material->kinematics == SHV_GREEN_STRAIN ? SHV_BATCH_GREEN : SHV_BATCH_COROTATIONAL;
+    elasticity->lambda = shv_wide_set1(material->lambda);
+    elasticity->mu = shv_wide_set1(material->mu);
+    elasticity->green = shv_wide_less(shv_wide_zero(), shv_wide_zero());
 }
 
 /* A material for every lane. */
-static inline ShvElasticity shv_mixed_elasticity(const ShvMaterial *const materials[SHV_LANES])
+static inline void shv_mixed_elasticity(const ShvMaterial *const materials[SHV_LANES], ShvElasticity *elasticity)
 {
     _Alignas(64) double lambda[SHV_LANES], mu[SHV_LANES], green[SHV_LANES];
     int greens = 0;
@@ -42,28 +42,29 @@ static inline ShvElasticity shv_mixed_elasticity(const ShvMaterial *const materi
         green[lane] = is_green ? 1.0 : 0.0;
         greens += is_green;
     }
-    const ShvBatchKind kind = greens == SHV_LANES ? SHV_BATCH_GREEN
-                              : greens == 0       ? SHV_BATCH_COROTATIONAL
-                                                  : SHV_BATCH_BOTH;
-    return (ShvElasticity){kind, shv_wide_load(lambda), shv_wide_load(mu),
-                           shv_wide_less(shv_wide_zero(), shv_wide_load(green))};
+    elasticity->kind = greens == SHV_LANES ? SHV_BATCH_GREEN : greens == 0 ? SHV_BATCH_COROTATIONAL : SHV_BATCH_BOTH;
+    elasticity->lambda = shv_wide_load(lambda);
+    elasticity->mu = shv_wide_load(mu);
+    elasticity->green = shv_wide_less(shv_wide_zero(), shv_wide_load(green));
 }
 
-static inline ShvElasticity shv_batch_mixed_elasticity(const ShvModel *model, int32_t batch)
+static inline void shv_batch_mixed_elasticity(const ShvModel *model, int32_t batch, ShvElasticity *elasticity)
 {
     const ShvMaterial *materials[SHV_LANES];
     for (int lane = 0; lane < SHV_LANES; lane++) {
         const int32_t element = batch * SHV_LANES + lane, last = model->mesh.element_count - 1;
         materials[lane] = shv_model_material(model, element < last ? element : last);
     }
-    return shv_mixed_elasticity(materials);
+    shv_mixed_elasticity(materials, elasticity);
 }
 
-static inline ShvElasticity shv_batch_elasticity(const ShvSolid *solid, int32_t batch)
+static inline void shv_batch_elasticity(const ShvSolid *solid, int32_t batch, ShvElasticity *elasticity)
 {
     const int16_t index = solid->batch_material[batch];
-    if (index < 0) return shv_batch_mixed_elasticity(solid->model, batch);
-    return shv_material_elasticity(&solid->model->materials[index]);
+    if (index < 0)
+        shv_batch_mixed_elasticity(solid->model, batch, elasticity);
+    else
+        shv_material_elasticity(&solid->model->materials[index], elasticity);
 }
 
 /* Gradient of N_(b+1), component j. */
@@ -261,7 +262,8 @@ static inline ShvWide shv_batch_energy(const ShvSolid *solid, const ShvState *st
     const int32_t block = shv_batch_block(solid, batch);
     if (block >= 0) return shv_wide_mul(volume, shv_block_mean_energy(&solid->smoothing, block));
     ShvWide h[3][3];
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    ShvElasticity elasticity;
+    shv_batch_elasticity(solid, batch, &elasticity);
     shv_batch_displacement_gradient(solid, state, batch, h);
     return shv_wide_mul(volume, shv_wide_energy_density(&elasticity, h));
 }
@@ -280,7 +282,8 @@ static inline void shv_batch_stress(const ShvSolid *solid, int32_t batch, ShvWid
         shv_block_stress(&solid->smoothing, block, p);
         return;
     }
-    const ShvElasticity elasticity = shv_batch_elasticity(solid, batch);
+    ShvElasticity elasticity;
+    shv_batch_elasticity(solid, batch, &elasticity);
     shv_batch_piola(&elasticity, h, p);
 }
 

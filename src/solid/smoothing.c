@@ -54,12 +54,17 @@ static void read_offsets(const ShvSmoothedEdges *smoothing, int32_t group, ShvWi
         offset[c / 3][c % 3] = shv_wide_load(smoothing->offset + (9 * (int64_t)group + c) * SHV_LANES);
 }
 
-static ShvElasticity mixed_elasticity(const ShvSolid *solid, int32_t group)
+static void find_elasticity(const ShvSolid *solid, int32_t group, ShvElasticity *elasticity)
 {
+    const int16_t same = solid->smoothing.group_material[group];
+    if (same >= 0) {
+        shv_material_elasticity(&solid->model->materials[same], elasticity);
+        return;
+    }
     const ShvMaterial *materials[SHV_LANES];
     for (int lane = 0; lane < SHV_LANES; lane++)
         materials[lane] = &solid->model->materials[solid->smoothing.material[SHV_LANES * (int64_t)group + lane]];
-    return shv_mixed_elasticity(materials);
+    shv_mixed_elasticity(materials, elasticity);
 }
 
 /* (I + H) (I + G) − I */
@@ -88,11 +93,10 @@ static void find_stress(const ShvSolid *solid, int32_t group, bool with_energy)
 {
     const ShvSmoothedEdges *smoothing = &solid->smoothing;
     const int64_t first = SHV_LANES * (int64_t)group;
-    const int16_t same = smoothing->group_material[group];
-    const ShvElasticity elasticity =
-        same >= 0 ? shv_material_elasticity(&solid->model->materials[same]) : mixed_elasticity(solid, group);
     const bool has_offset = smoothing->group_offset[group];
+    ShvElasticity elasticity;
     ShvWide h[3][3], p[3][3], offset[3][3];
+    find_elasticity(solid, group, &elasticity);
     read_gradients(smoothing, group, h);
     if (has_offset) {
         read_offsets(smoothing, group, offset);
