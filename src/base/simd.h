@@ -303,4 +303,15 @@ static inline void shv_wide_store_quads(double *base, const int32_t *index, cons
 }
 
 #endif
+
+/* Asks for what will be read soon; changes nothing else. */
+static inline void shv_prefetch(const void *where)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(where);
+#else
+    (void)where;
+#endif
+}
+
 #endif

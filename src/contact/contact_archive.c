@@ -35,6 +35,8 @@ bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive
         SHV_FIELD_OF(ShvSurfaceContact, coupled_body_before, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, pairs, SHV_FIELD_BLOCK),
         /* made anew by every look */
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].now, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].now, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, found, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, keys, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, visits, SHV_FIELD_BLOCK),

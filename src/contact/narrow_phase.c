@@ -2,6 +2,7 @@
    their numbers. */
 #include <stdlib.h>
 
+#include "base/simd.h"
 #include "contact/surface_candidates.h"
 #include "contact/surface_edge.h"
 
@@ -165,24 +166,54 @@ static bool is_early(const ShvSurfaceContact *contact, ShvSurfaceCandidates *lis
     return true;
 }
 
+/* Those that are due by their movers; returns how many. Memory is the bound: each costs a byte and a number. */
+static ShvStatus find_due(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, const Horizon *horizon,
+                          int32_t *count, ShvError *error)
+{
+    double until[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
+    for (int k = 0; k < SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS; k++) until[k] = horizon->path[k] + horizon->reach[k];
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, list->now, list->now_capacity, list->count, "contact", error);
+    *count = 0;
+    for (int32_t k = 0; k < list->count; k++) {
+        list->now[*count] = k;
+        *count += list->due[k] <= until[list->movers[k]];
+    }
+    return SHV_OK;
+}
+
+/* So many candidates ahead of the one in hand are asked for from memory. */
+enum { PREFETCHED = 8 };
+
 /* The distance that they have now is when they are due again. */
+static ShvStatus find_pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceCandidates *list,
+                           int32_t k, const Horizon *horizon, double step, ShvError *error)
+{
+    const double path = horizon->path[list->movers[k]], reach = horizon->reach[list->movers[k]];
+    const ShvSurfaceCandidate *candidate = &list->items[k];
+    ShvSurfaceDue *due = &list->own_due[k];
+    if (is_early(contact, list, k, path, reach)) return SHV_OK;
+    double distance = distance_left(contact, bodies, candidate, due, reach);
+    if (!(distance > 0.0) && shv_surface_candidate_is_void(contact, candidate)) distance = (double)INFINITY;
+    if (!(distance > 0.0)) SHV_TRY(look(contact, bodies, candidate, step, reach, &distance, error));
+    list->due[k] = fmax(list->due[k], path + distance);
+    if (due->path > -(double)INFINITY) due->path = fmax(due->path, shv_surface_candidate_path(contact, due) + distance);
+    return SHV_OK;
+}
+
 static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
                             ShvError *error)
 {
     ShvSurfaceCandidates *list = &contact->candidates[kind];
     Horizon horizon;
+    int32_t count;
     find_horizon(contact, step, &horizon);
-    for (int32_t k = 0; k < list->count; k++) {
-        const double path = horizon.path[list->movers[k]], reach = horizon.reach[list->movers[k]];
-        if (list->due[k] > path + reach || is_early(contact, list, k, path, reach)) continue;
-        const ShvSurfaceCandidate *candidate = &list->items[k];
-        ShvSurfaceDue *due = &list->own_due[k];
-        double distance = distance_left(contact, bodies, candidate, due, reach);
-        if (!(distance > 0.0) && shv_surface_candidate_is_void(contact, candidate)) distance = (double)INFINITY;
-        if (!(distance > 0.0)) SHV_TRY(look(contact, bodies, candidate, step, reach, &distance, error));
-        list->due[k] = fmax(list->due[k], path + distance);
-        if (due->path > -(double)INFINITY)
-            due->path = fmax(due->path, shv_surface_candidate_path(contact, due) + distance);
+    SHV_TRY(find_due(contact, list, &horizon, &count, error));
+    for (int32_t i = 0; i < count; i++) {
+        if (i + PREFETCHED < count) {
+            shv_prefetch(&list->own_due[list->now[i + PREFETCHED]]);
+            shv_prefetch(&list->items[list->now[i + PREFETCHED]]);
+        }
+        SHV_TRY(find_pair(contact, bodies, list, list->now[i], &horizon, step, error));
     }
     return SHV_OK;
 }

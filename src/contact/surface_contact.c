@@ -32,6 +32,7 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].due);
         shv_release(contact->candidates[k].own_due);
         shv_release(contact->candidates[k].movers);
+        shv_release(contact->candidates[k].now);
     }
     shv_release(contact->fragments);
     shv_release(contact->found);

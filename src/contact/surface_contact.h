@@ -73,6 +73,8 @@ typedef struct ShvSurfaceCandidates {
     uint8_t *movers;        /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
     int32_t count, capacity;
     int32_t held; /* when void ones were last dropped */
+    int32_t *now; /* those that are due in the step by their movers */
+    int32_t now_capacity;
 } ShvSurfaceCandidates;
 
 /* A fragment since candidates were chosen. */
