@@ -135,7 +135,8 @@ typedef struct ShvStarSearch {
     uint8_t *mark;  /* node_capacity; 0 between checks */
     double *value;  /* node_capacity: largest of a node's facets in the present check; 0 between checks */
     double *held; /* node_capacity: the same in the last check of the node, which found that the node holds; 0: none */
-    double *left; /* node_capacity: then, the share of what would part it that its facets still lacked */
+    double
+        *left; /* node_capacity: then, of half of what would part it, the share that its facets still lacked; 0: none */
     double *facet_along; /* interior_count: of facets that were chosen, |cosine| between normal and opening */
 } ShvStarSearch;
 
