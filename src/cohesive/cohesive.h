@@ -194,6 +194,8 @@ typedef struct ShvCohesive {
     double pull_kick, pull_step;                 /* what `pairs` were made for; 0: nothing yet */
     double *pulled_velocity;                     /* 3 × node_capacity: as the last pull left it */
     uint8_t *node_news;                          /* node_capacity: it has another velocity since */
+    int32_t *corner_nodes;                       /* node_capacity: nodes of `corners`, each once, */
+    int32_t corner_node_count;                   /* so many */
     int32_t *struck;      /* node_capacity: number of its last strike by closing faces; 0: none in the step */
     int32_t *origin_fill; /* mesh.node_count; zero between steps */
     double *overdrawn;    /* mesh.node_count: given by closing faces at its copies beyond what they held, J */

@@ -35,6 +35,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, budget, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, pulled_velocity, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, node_news, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, corner_nodes, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, origin_fill, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, facet_value, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, facet_watch, SHV_FIELD_BLOCK),

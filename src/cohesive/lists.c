@@ -178,12 +178,30 @@ static void list_points(ShvCohesive *cohesive)
     cohesive->cluster[cohesive->cluster_count] = cohesive->point_count;
 }
 
+static void list_node(ShvCohesive *cohesive, int32_t node)
+{
+    if (cohesive->node_news[node]) return;
+    cohesive->node_news[node] = 1;
+    cohesive->corner_nodes[cohesive->corner_node_count++] = node;
+}
+
+static void list_corner_nodes(ShvCohesive *cohesive, const ShvState *state)
+{
+    memset(cohesive->node_news, 0, (size_t)state->node_count);
+    cohesive->corner_node_count = 0;
+    for (int32_t i = 0; i < cohesive->cluster_corner[cohesive->cluster_count]; i++) {
+        list_node(cohesive, cohesive->corners[i].first);
+        list_node(cohesive, cohesive->corners[i].second);
+    }
+}
+
 void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     shv_cohesive_drop_separated(cohesive);
     list_rotations(cohesive, state, awake);
     list_corners(cohesive, state);
     list_points(cohesive);
+    list_corner_nodes(cohesive, state);
     for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
     for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[k] = -(double)INFINITY;
     cohesive->list_awake = awake;

@@ -1,5 +1,4 @@
 #include <math.h>
-#include <string.h>
 
 #include "cohesive/facet_rotation.h"
 #include "cohesive/solve.h"
@@ -490,13 +489,13 @@ static bool compare_node(const ShvCohesive *cohesive, const ShvState *state, int
 static bool find_changed_velocities(const Pull *pull)
 {
     ShvCohesive *cohesive = pull->cohesive;
-    const int32_t nodes = pull->state->node_count, rotations = cohesive->rotation_count,
+    const int32_t nodes = cohesive->corner_node_count, rotations = cohesive->rotation_count,
                   threads = cohesive->model->threads;
     bool any = false;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, nodes))          \
     reduction(||                                                                                                       \
               : any)
-    for (int32_t i = 0; i < nodes; i++) any = compare_node(cohesive, pull->state, i) || any;
+    for (int32_t i = 0; i < nodes; i++) any = compare_node(cohesive, pull->state, cohesive->corner_nodes[i]) || any;
     if (!any) return false;
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, rotations))
     for (int32_t k = 0; k < rotations; k++) {
@@ -531,7 +530,10 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
         sweeps += pull_cluster(&pull, c);
     }
     answer_within_limits(&pull);
-    memcpy(cohesive->pulled_velocity, state->velocity, 3 * (size_t)state->node_count * sizeof *state->velocity);
+    for (int32_t i = 0; i < cohesive->corner_node_count; i++) {
+        const int64_t node = 3 * (int64_t)cohesive->corner_nodes[i];
+        shv_store3(cohesive->pulled_velocity + node, shv_load3(state->velocity + node));
+    }
     cohesive->pull_kick = kick;
     cohesive->pull_step = step;
     cohesive->sweeps = sweeps;

@@ -58,7 +58,7 @@ ShvStatus shv_cohesive_reserve_facets(ShvCohesive *cohesive, int32_t more, ShvEr
 static ShvStatus reserve_search(ShvCohesive *cohesive, int32_t nodes, ShvError *error)
 {
     ShvStarSearch *search = &cohesive->search;
-    const size_t count = (size_t)nodes, bytes = count * (sizeof *search->nodes + 3 * sizeof *search->ratio + 1);
+    const size_t count = (size_t)nodes, bytes = count * (sizeof *search->nodes + 4 * sizeof *search->ratio + 1);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->nodes, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->ratio, count, "nodes that may part", bytes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, search->mark, count, "nodes that may part", bytes, error);
@@ -76,11 +76,13 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
 {
     if (nodes <= cohesive->node_capacity) return SHV_OK;
     SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->pulled_velocity, 3 * (size_t)nodes, "velocities of nodes",
-               29 * (size_t)nodes, error);
+               33 * (size_t)nodes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->node_news, (size_t)nodes, "velocities of nodes",
-               29 * (size_t)nodes, error);
+               33 * (size_t)nodes, error);
+    SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->corner_nodes, (size_t)nodes, "nodes of corners",
+               33 * (size_t)nodes, error);
     SHV_RESIZE(cohesive->memory, SHV_PART_COHESIVE, cohesive->struck, (size_t)nodes, "velocities of nodes",
-               29 * (size_t)nodes, error);
+               33 * (size_t)nodes, error);
     if (cohesive->settings->criterion == SHV_CRITERION_PRINCIPAL) {
         const size_t values = 2 * (size_t)nodes;
         SHV_RESIZE(cohesive->memory, SHV_PART_STRESS, cohesive->node_value, values, "principal stresses of nodes",
@@ -219,6 +221,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->rotated_clusters);
     shv_release(cohesive->pulled_velocity);
     shv_release(cohesive->node_news);
+    shv_release(cohesive->corner_nodes);
     shv_release(cohesive->struck);
     shv_release(cohesive->facet_value);
     shv_release(cohesive->facet_watch);
