@@ -81,10 +81,10 @@ static void set_side(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                          : -1;
     const bool rigid = fragment >= 0 && shv_bodies_coupled_body(bodies, fragment);
     due->places[side] = rigid ? fragment : place >= 0 ? place : slot;
-    due->kinds[side] = (uint8_t)(rigid        ? SHV_SIDE_BODY
-                                 : place >= 0 ? SHV_SIDE_FACET
-                                 : slot >= 0  ? SHV_SIDE_NODE
-                                              : SHV_SIDE_OBSTACLES);
+    due->kinds[side] = rigid        ? SHV_SIDE_BODY
+                       : place >= 0 ? SHV_SIDE_FACET
+                       : slot >= 0  ? SHV_SIDE_NODE
+                                    : SHV_SIDE_OBSTACLES;
 }
 
 static ShvStatus watch_side(ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side, ShvError *error)
