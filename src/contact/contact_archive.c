@@ -1,6 +1,7 @@
 #include "contact/contact_archive.h"
 
-_Static_assert(sizeof(ShvSurfaceDue) == sizeof(double) + 4 * sizeof(int32_t), "written as it lies: has no gaps");
+_Static_assert(sizeof(ShvSurfaceDue) == sizeof(double) + 2 * sizeof(int32_t) + 2 * sizeof(ShvSideKind),
+               "written as it lies: has no gaps");
 
 bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive)
 {

@@ -29,7 +29,7 @@ static ShvStatus watch_facet(ShvSurfaceContact *contact, int32_t place, ShvError
 static double side_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side)
 {
     const int32_t place = due->places[side];
-    switch ((ShvSideKind)due->kinds[side]) {
+    switch (due->kinds[side]) {
     case SHV_SIDE_NODE:
         return contact->list.node_path[place];
     case SHV_SIDE_FACET:

@@ -63,7 +63,7 @@ typedef enum ShvSideKind { SHV_SIDE_NODE, SHV_SIDE_FACET, SHV_SIDE_BODY, SHV_SID
 typedef struct ShvSurfaceDue {
     double path;       /* m; −∞: movers alone decide */
     int32_t places[2]; /* of the node or facet in the list; the fragment; −1 */
-    int32_t kinds[2];  /* ShvSideKind */
+    ShvSideKind kinds[2];
 } ShvSurfaceDue;
 
 typedef struct ShvSurfaceCandidates {
