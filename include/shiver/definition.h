@@ -57,6 +57,7 @@ typedef struct ShvMaterialDefinition {
     double weibull_modulus;         /* spread of strength from facet to facet; 0: none */
     double weibull_volume;   /* m³ to which cohesive_strength belongs; 0: the same scatter for facets of any size */
     double weibull_area;     /* the same in m², of a material whose flaws lie on its surface; 0; one of both at most */
+    double loss_factor;      /* η, 0 to 1: a vibration loses the share 2π η of its energy a period; 0 */
     double face_restitution; /* of crack faces that have opened and close again, 0 to 1; 0 */
     double friction_angle_degrees; /* φ: faces under pressure p resist p tan φ in shear besides cohesion; 0 to 90; 0 */
     ShvUnresolved unresolved;      /* where the cohesive zone is shorter than zone_edges mean edges of the mesh */

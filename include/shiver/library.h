@@ -16,7 +16,7 @@ typedef struct ShvLibraryNumber {
     bool unchecked; /* the source has not been read */
 } ShvLibraryNumber;
 
-enum { SHV_LIBRARY_NUMBERS = 10 };
+enum { SHV_LIBRARY_NUMBERS = 12 };
 
 typedef struct ShvLibraryMaterial {
     const char *name, *title;

@@ -64,7 +64,7 @@ typedef struct ShvObstacleView {
     WORK(constraint, CONSTRAINT)         /* by supports and imposed velocities */                                      \
     WORK(traction, TRACTION)             /* by imposed tractions */                                                    \
     WORK(bars, BARS)                     /* by position based projections */                                           \
-    WORK(damping, DAMPING)               /* by damping towards rigid motion */                                         \
+    WORK(damping, DAMPING)               /* by damping towards rigid motion (pbd, loss factors) */                     \
     WORK(handover, HANDOVER)       /* vibration and strain dropped or given at mode switches, each one in /events */   \
     WORK(event, EVENT)             /* by events of the time line */                                                    \
     NUMBER(cohesive, "J")          /* by cohesive tractions on the nodes */                                            \

@@ -20,6 +20,7 @@ ShvMaterialDefinition shv_material_default(void)
                                    .cohesive_strength_shear = unset,
                                    .ppr_shape = 2.0,
                                    .ppr_shape_shear = unset,
+                                   .loss_factor = 0.0,
                                    .face_restitution = 0.0,
                                    .friction_angle_degrees = 0.0,
                                    .zone_edges = 5.0};

@@ -41,9 +41,15 @@
 #define EC_SCATTER                                                                                                     \
     "Eurocode 2, table 3.1, as buildinghow.com quotes it: the 5 % fractile of the tensile strength is 0.7 of the "     \
     "mean, which m follows from"
-#define GRANITE  "MakeItFrom.com, granite"
-#define ROCKS    "jipmagazine.nl on rocks: granite 7 to 25 MPa in tension, 100 to 250 MPa in compression"
-#define SELES    "K. Seles et al., Procedia Structural Integrity 42 (2022) 1721-1727, Table 1"
+#define GRANITE "MakeItFrom.com, granite"
+#define ROCKS   "jipmagazine.nl on rocks: granite 7 to 25 MPa in tension, 100 to 250 MPa in compression"
+#define SELES   "K. Seles et al., Procedia Structural Integrity 42 (2022) 1721-1727, Table 1"
+#define NORTON                                                                                                         \
+    "M. P. Norton, D. G. Karczub, Fundamentals of Noise and Vibration Analysis for Engineers, Table 6.1, as "          \
+    "github.com/jmrplens/phonometry copies it"
+#define HOPKINS  "C. Hopkins, Sound Insulation (2007), Table A2, as github.com/jmrplens/phonometry copies it"
+#define VIGRAN   "T. E. Vigran, Building Acoustics (2008), Table 3.1, as github.com/jmrplens/phonometry copies it"
+#define QUALIA   "measured by qualia.webs.com (damping factors)"
 #define EUROCODE "EN 1993-1-1, 3.2.6, as quoted by eurocodeapplied.com"
 
 static const ShvLibraryMaterial materials[] = {
@@ -54,6 +60,7 @@ static const ShvLibraryMaterial materials[] = {
          {{"density", 2500.0, FLOAT_GLASS, false},
           {"youngs_modulus", 70e9, FLOAT_GLASS, false},
           {"poissons_ratio", 0.2, FLOAT_GLASS, false},
+          {"loss_factor", 0.001, NORTON "; 0.0006 to 0.002 in Vigran, 2008", false},
           {"fracture_energy", 8.0,
            "twice the surface energy of 3.91 ± 0.12 J/m² of S. M. Wiederhorn, J. Am. Ceram. Soc. 52 (1969) 99-105, as "
            "tabulated by S. Reich et al., Procedia Structural Integrity 13 (2018) 28-33, rounded",
@@ -78,6 +85,7 @@ static const ShvLibraryMaterial materials[] = {
      .numbers = {{"density", 2500.0, FLOAT_GLASS, false},
                  {"youngs_modulus", 70e9, FLOAT_GLASS, false},
                  {"poissons_ratio", 0.2, FLOAT_GLASS, false},
+                 {"loss_factor", 0.001, "as soda_lime_glass", false},
                  {"fracture_energy", 8.0, "as soda_lime_glass", false},
                  {"cohesive_strength", 120e6, "in bending, tempered; " FLOAT_GLASS, false},
                  {"fracture_energy_shear", 11.5, SLIDES, false},
@@ -107,6 +115,7 @@ static const ShvLibraryMaterial materials[] = {
      .numbers = {{"density", 2400.0, JOHN_SHAH, false},
                  {"youngs_modulus", 31.37e9, JOHN_SHAH, false},
                  {"poissons_ratio", 0.2, JOHN_SHAH, false},
+                 {"loss_factor", 0.006, "0.004 to 0.008 of concrete, " VIGRAN, false},
                  {"fracture_energy", 31.1, RUIZ "; the Abaqus manual has 19.6 J/m² for the same beam", true},
                  {"cohesive_strength", 10.45e6, JOHN_SHAH, false},
                  {"fracture_energy_shear", 49.2, SLIDES, false},
@@ -120,6 +129,7 @@ static const ShvLibraryMaterial materials[] = {
                  {"youngs_modulus", 5e9,
                   "handbook value; about 10 GPa in cast gypsum of more than 30 MPa in compression: " CAST_GYPSUM, true},
                  {"poissons_ratio", 0.2, "handbook value", true},
+                 {"loss_factor", 0.005, NORTON, false},
                  {"fracture_energy", 10.0, "handbook value; it goes with porosity: " VEKINIS, true},
                  {"cohesive_strength", 2.5e6, "of 1 to 3 MPa, 3 to 10 % of 30 MPa in compression; " CAST_GYPSUM, false},
                  {"fracture_energy_shear", 50.0, "assumption: five times that in tension", false},
@@ -134,6 +144,7 @@ static const ShvLibraryMaterial materials[] = {
          {{"density", 1200.0, "MakeItFrom.com, PMMA", false},
           {"youngs_modulus", 3.2043e9, SELES, false},
           {"poissons_ratio", 0.374, SELES, false},
+          {"loss_factor", 0.07, "perspex, " QUALIA, false},
           {"fracture_energy", 391.0, "K²(1−ν²)/E with a toughness K of 1.207 MPa √m; " SELES, false},
           {"cohesive_strength", 59.76e6, SELES, false},
           {"fracture_energy_shear", 347.0, SLIDES, false},
@@ -166,6 +177,7 @@ static const ShvLibraryMaterial materials[] = {
          {{"density", 2200.0, "handbook value", true},
           {"youngs_modulus", 45e9, "handbook value", true},
           {"poissons_ratio", 0.2, "handbook value", true},
+          {"loss_factor", 0.012, "fired clay, " QUALIA "; brick of the building trade has as much", false},
           {"fracture_energy", 21.3, "K²(1−ν²)/E with a toughness K of 1.0 MPa √m, handbook value", true},
           {"cohesive_strength", 35e6,
            "bending strength required of stoneware tiles with little porosity, EN 14411 group BIa, as a maker's "
@@ -186,6 +198,7 @@ static const ShvLibraryMaterial materials[] = {
                   false},
                  {"youngs_modulus", 12e9, "400 times the compressive strength, here 30 MPa; " VERMELTFOORT, false},
                  {"poissons_ratio", 0.15, "handbook value", true},
+                 {"loss_factor", 0.01, HOPKINS ", where it is an estimate; 0.015 in Norton and Karczub", false},
                  {"fracture_energy", 67.5, LOURENCO, true},
                  {"cohesive_strength", 2.33e6,
                   "strength in bending a tenth of 30 MPa (" NOOR "), that in tension less by 1.29 (" GOOCH ")", false},
@@ -199,6 +212,7 @@ static const ShvLibraryMaterial materials[] = {
      .numbers = {{"density", 2400.0, "24 kN/m³, concrete of normal weight; " EC_DENSITY, false},
                  {"youngs_modulus", 33.55e9, "21.5 GPa (fcm/10 MPa)^(1/3), fcm = 38 MPa; " MODEL_CODE, false},
                  {"poissons_ratio", 0.2, EC_POISSON, false},
+                 {"loss_factor", 0.006, "0.004 to 0.008, " VIGRAN, false},
                  {"fracture_energy", 76.4, MC_ENERGY, false},
                  {"cohesive_strength", 2.91e6, "1.4 MPa (fck/10 MPa)^(2/3); " MODEL_CODE, false},
                  {"fracture_energy_shear", 249.4, SLIDES, false},
@@ -213,6 +227,7 @@ static const ShvLibraryMaterial materials[] = {
      .numbers = {{"density", 2400.0, "24 kN/m³, concrete of normal weight; " EC_DENSITY, false},
                  {"youngs_modulus", 38.6e9, "21.5 GPa (fcm/10 MPa)^(1/3), fcm = 58 MPa; " MODEL_CODE, false},
                  {"poissons_ratio", 0.2, EC_POISSON, false},
+                 {"loss_factor", 0.006, "0.004 to 0.008, " VIGRAN, false},
                  {"fracture_energy", 102.7, MC_ENERGY, false},
                  {"cohesive_strength", 4.09e6, "1.4 MPa (fck/10 MPa)^(2/3); " MODEL_CODE, false},
                  {"fracture_energy_shear", 364.1, SLIDES, false},
@@ -227,6 +242,7 @@ static const ShvLibraryMaterial materials[] = {
      .numbers = {{"density", 1900.0, "of 18 to 20 kN/m³, lime-cement mortar; " EC_DENSITY, false},
                  {"youngs_modulus", 10e9, "1000 times the compressive strength of 10 MPa, rule of thumb", true},
                  {"poissons_ratio", 0.2, "handbook value", true},
+                 {"loss_factor", 0.013, HOPKINS, false},
                  {"fracture_energy", 43.5, LOURENCO, true},
                  {"cohesive_strength", 1.5e6, "half of a strength in bending of 3 MPa, handbook value", true},
                  {"fracture_energy_shear", 56.3, SLIDES, false},
@@ -300,6 +316,7 @@ ShvMaterialDefinition shv_library_definition(const ShvLibraryMaterial *material)
     } targets[] = {{"density", &definition.density},
                    {"youngs_modulus", &definition.youngs_modulus},
                    {"poissons_ratio", &definition.poissons_ratio},
+                   {"loss_factor", &definition.loss_factor},
                    {"fracture_energy", &definition.fracture_energy},
                    {"cohesive_strength", &definition.cohesive_strength},
                    {"fracture_energy_shear", &definition.fracture_energy_shear},

@@ -12,6 +12,7 @@ static const struct {
 } columns[] = {{"density", "kg/m³", 1.0},
                {"youngs_modulus", "E, GPa", 1e-9},
                {"poissons_ratio", "ν", 1.0},
+               {"loss_factor", "η", 1.0},
                {"fracture_energy", "G, J/m²", 1.0},
                {"cohesive_strength", "σ, MPa", 1e-6},
                {"cohesive_strength_shear", "τ, MPa", 1e-6},

@@ -98,6 +98,8 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
 {
     const ShvSceneDefinition *scene = hybrid->scene;
     SHV_TRY(shv_model_build(&hybrid->model, hybrid->memory, scene, folder, error));
+    for (int32_t i = 0; i < hybrid->model.material_count; i++)
+        hybrid->damping.active = hybrid->damping.active || hybrid->model.materials[i].loss_factor > 0.0;
     SHV_TRY(shv_state_create(&hybrid->state, &hybrid->model, scene, error));
     SHV_TRY(shv_solid_create(&hybrid->solid, &hybrid->model, &hybrid->state, error));
     SHV_TRY(require_stable(hybrid, error));
@@ -154,6 +156,7 @@ void shv_hybrid_release(ShvHybrid *hybrid)
     shv_release(hybrid->check.candidates);
     shv_release(hybrid->check.overstress);
     shv_release(hybrid->stabiliser.fixed);
+    shv_release(hybrid->damping.force);
     shv_release(hybrid->observer.ghost.before);
     shv_release(hybrid->observer.ghost.displacement);
     shv_release(hybrid->observer.ghost.obstacles);

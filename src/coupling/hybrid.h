@@ -81,6 +81,14 @@ typedef struct ShvInsertionCheck {
     int32_t since_rest; /* checks since fragments were last asked whether they may rest */
 } ShvInsertionCheck;
 
+/* Internal friction of the materials (vibration_damping.c). */
+typedef struct ShvVibrationDamping {
+    bool active;    /* some material has a loss factor; without one the rest is not there */
+    ShvVec3 *force; /* per node, N: of the present step, at awake ones */
+    int32_t capacity;
+    double first_half; /* J: of its work in the present step */
+} ShvVibrationDamping;
+
 /* By obstacles on nodes so far. */
 typedef struct ShvObstacleContact {
     ShvVec3 impulse;          /* N s */
@@ -170,6 +178,7 @@ typedef struct ShvHybrid {
     ShvCohesive cohesive; /* only with model.can_break */
     ShvInsertionCheck check;
     ShvBarStabiliser stabiliser;
+    ShvVibrationDamping damping;
     ShvImposed imposed;
     ShvSteps steps;
 
@@ -223,10 +232,9 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error);
-/* wake.c; and the sides of the solid box with a fragment's inertia, longest first. */
+/* wake.c */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
-void shv_hybrid_extents(const ShvFragment *fragment, double sides[3]);
 /* audit.c: an event with the fragment's mass and hulls; hulls as they are now; momenta of the rigid motion and of nodes, with
    the sums of magnitudes into `scales` (may be NULL); strain, recoverable energy. `close` finds what was dropped, books and
    logs it, and fails with SHV_DIVERGED above the scene's bounds. */
@@ -243,9 +251,11 @@ ShvStatus shv_audit_close(ShvHybrid *hybrid, ShvEventView *event, ShvError *erro
 void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvRigidContact *contact);
 void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
-/* rest.c: what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
+/* rest.c: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate of the shortest extent
+   (half the period of the free fundamental, never less than the former), s; what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
    start, in its pose, and its motion; how long after its last crack a body that wakes now goes to rest at the latest, s; those that
    may rest do; between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold it). */
+void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending);
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
@@ -267,6 +277,10 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error);
 /* Parts that both kicks share: cohesive tractions and closing faces; works of cohesion, contact and conditions. */
 void shv_hybrid_pull_and_close(ShvHybrid *hybrid, double kick, double after);
 void shv_hybrid_book_forces(ShvHybrid *hybrid, double after);
+/* vibration_damping.c: forces of internal friction, where they are due, on to state.force, for the kick between the steps `before` and
+   `after`; and their work, once velocities are those of n + 1/2. */
+ShvStatus shv_vibration_damping_add_force(ShvHybrid *hybrid, double before, double after, ShvError *error);
+void shv_vibration_damping_book(ShvHybrid *hybrid, double after);
 /* coupled_bodies.c: room for the present fragments; who goes along in the interval to come, s; one more, one less (it wakes); the parts of a step; copies for a ghost
    step, and back, with the kinetic energy of the time. */
 ShvStatus shv_coupled_bodies_reserve(ShvHybrid *hybrid, ShvError *error);

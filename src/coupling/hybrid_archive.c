@@ -90,6 +90,7 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, check.stress, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, check.nodal, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, stabiliser.fixed, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvHybrid, damping.force, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvHybrid, waiting, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, log.items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvHybrid, observer.ghost.before, SHV_FIELD_BLOCK),

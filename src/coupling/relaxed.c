@@ -81,6 +81,7 @@ ShvStatus shv_hybrid_kick_relaxed(ShvHybrid *hybrid, double before, double after
     SHV_TRY(shv_relax_begin(&hybrid->stabiliser.relax, state, awake->nodes, awake->node_count, error));
     const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
     SHV_TRY(shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error));
+    SHV_TRY(shv_vibration_damping_add_force(hybrid, before, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
     shv_hybrid_pull_and_close(hybrid, kick, after);

@@ -17,12 +17,10 @@ static const double widest_closed = 0.01;
 
 /* How long vibration needs: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate
    of the shortest extent (half the period of its free fundamental, f = 1.03 c₀ h/L²). */
-static void transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
+void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending)
 {
     const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
-    double sides[3];
-    shv_hybrid_extents(fragment, sides);
-    const double longest = sides[0], shortest = sides[2];
+    const double longest = fragment->sides[0], shortest = fragment->sides[2];
     *bar = longest / material->bar_speed;
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
@@ -102,7 +100,7 @@ static void track_damage(ShvHybrid *hybrid)
         ShvFragment *fragment = &hybrid->fragments.items[i];
         double bar, bending;
         if (fragment->mode != SHV_MODE_FRACTURE || !fragment->cracked || fragment->last_insertion > now) continue;
-        transit_times(hybrid, fragment, &bar, &bending);
+        shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
         const bool inserted = fragment->last_insertion > fragment->growth_time;
         const bool grown = now - fragment->growth_time >= 2.0 * bar && !damage_rests(hybrid, fragment, bar);
         if (!inserted && !grown) continue;
@@ -118,7 +116,7 @@ static void track_damage(ShvHybrid *hybrid)
 static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment *fragment, double carried)
 {
     double bar, bending;
-    transit_times(hybrid, fragment, &bar, &bending);
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     const double age = hybrid->state.time - last_change(fragment);
     if (age >= fragment->longest && age >= window(hybrid, fragment)) return SHV_REASON_LONGEST;
@@ -133,7 +131,7 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     double bar, bending;
-    transit_times(hybrid, fragment, &bar, &bending);
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : longest_transits * bending;
 }
 
@@ -150,7 +148,7 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     *soonest = *latest = HUGE_VAL;
     if (is_held(hybrid, fragment)) return;
-    transit_times(hybrid, fragment, &bar, &bending);
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     const int32_t checks = fracture->quiet_checks - fragment->quiet;
     const double counted = now + (checks > 0 ? checks : 0) * hybrid->check.clock.due * hybrid->steps.last;
     const bool by_checks = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
@@ -246,7 +244,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
     if (taker != TAKER_KEPT) shv_audit_nodes(hybrid, fragment, event->momentum_after, event->angular_after, NULL);
     fragment->mode = SHV_MODE_FLIGHT;
     double bar, bending;
-    transit_times(hybrid, fragment, &bar, &bending);
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     if (shv_waking_contact_is_over(hybrid, fragment, bar)) {
         fragment->borne = fmax(fragment->borne, fragment->load);
         fragment->borne_impact = fmax(fragment->borne_impact, fragment->impact);

@@ -28,6 +28,7 @@ void shv_hybrid_book_forces(ShvHybrid *hybrid, double after)
     const ShvImposed *imposed = &hybrid->imposed;
     ShvLedger *ledger = &hybrid->observer.ledger;
     if (hybrid->model.can_break) shv_cohesive_book(&hybrid->cohesive, &hybrid->state, after, ledger);
+    shv_vibration_damping_book(hybrid, after);
     const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
     shv_surface_contact_book(&hybrid->coupling.surface, &bodies);
     shv_surface_contact_book_ledger(&hybrid->coupling.surface, ledger);
@@ -53,6 +54,7 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
     const ShvSurfaceBodies bodies = shv_hybrid_bodies(hybrid);
     SHV_TRY(shv_surface_contact_begin(&hybrid->coupling.surface, &bodies, after, error));
     start = shv_costs_add(&hybrid->costs, SHV_COST_CONTACT, start);
+    SHV_TRY(shv_vibration_damping_add_force(hybrid, before, after, error));
     shv_motion_kick(state, awake->nodes, awake->node_count, kick, hybrid->gravity, hybrid->model.threads);
     shv_coupled_bodies_kick(hybrid, kick);
     start = shv_costs_add(&hybrid->costs, SHV_COST_MOTION, start);

@@ -34,20 +34,10 @@ static bool wakes_by_impact(const ShvHybrid *hybrid, const ShvRigidContact *cont
     return stress >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
-/* a² = 6 (I₂ + I₃ − I₁)/m. */
-void shv_hybrid_extents(const ShvFragment *fragment, double sides[3])
-{
-    double values[3];
-    shv_symmetric_eigen(&fragment->inertia, values, NULL);
-    const double trace = values[0] + values[1] + values[2];
-    for (int i = 0; i < 3; i++) sides[i] = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[i]) / fragment->mass));
-}
-
 /* F/A + F L/(4 W) of a simply supported beam: smallest section A = b h, W = b h²/6 of the box. */
 double shv_hybrid_load_stress(const ShvFragment *fragment, double load)
 {
-    double sides[3];
-    shv_hybrid_extents(fragment, sides);
+    const double *sides = fragment->sides;
     const double area = sides[1] * sides[2], bending = area * sides[2] / 6.0;
     return load / area + load * sides[0] / (4.0 * bending);
 }

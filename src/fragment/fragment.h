@@ -26,10 +26,12 @@ typedef struct ShvFragment {
     int32_t node_begin;       /* into ShvFragments.nodes */
     double mass;              /* Σ ρV of its elements in element order, kg */
     double volume;            /* m³, reference */
+    double loss_factor;       /* mean over its mass */
     ShvVec3 reference_centre; /* of the lumped masses at reference positions, m */
     /* of the lumped masses at reference positions, about the centre, kg m²: the one inertia used on both sides of a
        hand-over, so that L is continuous */
     ShvMat3 inertia;
+    double sides[3];                    /* of the solid box with that inertia, longest first, m */
     double radius;                      /* farthest node from the reference centre, m */
     ShvVec3 low, high;                  /* box of the nodes about the reference centre, reference axes, m */
     ShvVec3 position;                   /* centre of mass, m */

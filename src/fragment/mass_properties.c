@@ -2,13 +2,16 @@
 
 static void sum_elements(ShvFragment *fragment, const int32_t *elements, const ShvModel *model, const ShvState *state)
 {
-    double mass = 0.0, volume = 0.0;
+    double mass = 0.0, volume = 0.0, loss = 0.0;
     for (int32_t i = 0; i < fragment->element_count; i++) {
+        const ShvMaterial *material = shv_model_material(model, elements[i]);
         mass += state->element_mass[elements[i]];
-        volume += state->element_mass[elements[i]] / shv_model_material(model, elements[i])->density;
+        volume += state->element_mass[elements[i]] / material->density;
+        loss += state->element_mass[elements[i]] * material->loss_factor;
     }
     fragment->mass = mass;
     fragment->volume = volume;
+    fragment->loss_factor = loss / mass;
 }
 
 /* Centre of the lumped masses, summed from the first node so that a body far from the origin loses no digits. */
@@ -24,6 +27,15 @@ static ShvVec3 lumped_centre(const int32_t *nodes, int32_t count, const ShvState
         mass += m;
     }
     return mass > 0.0 ? shv_madd(start, 1.0 / mass, moment) : start;
+}
+
+/* a² = 6 (I₂ + I₃ − I₁)/m. */
+static void find_sides(ShvFragment *fragment)
+{
+    double values[3];
+    shv_symmetric_eigen(&fragment->inertia, values, NULL);
+    const double trace = values[0] + values[1] + values[2];
+    for (int i = 0; i < 3; i++) fragment->sides[i] = sqrt(fmax(0.0, 6.0 * (trace - 2.0 * values[i]) / fragment->mass));
 }
 
 static ShvVec3 lower(ShvVec3 a, ShvVec3 b)
@@ -59,6 +71,7 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
         high = upper(high, r);
     }
     fragment->inertia = (ShvMat3){{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
+    find_sides(fragment);
     fragment->radius = sqrt(farthest);
     fragment->low = low;
     fragment->high = high;

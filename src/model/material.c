@@ -25,6 +25,9 @@ static ShvStatus check_elasticity(const ShvMaterialDefinition *definition, ShvEr
         return bad_value(error, name, "youngs_modulus", definition->youngs_modulus, "a finite number above 0, in Pa");
     if (!(definition->poissons_ratio > -1.0 && definition->poissons_ratio < 0.5))
         return bad_value(error, name, "poissons_ratio", definition->poissons_ratio, "a number above -1 and below 0.5");
+    if (!(definition->loss_factor >= 0.0 && definition->loss_factor <= 1.0))
+        return bad_value(error, name, "loss_factor", definition->loss_factor,
+                         "a number from 0 (no friction inside) to 1");
     if (definition->kinematics != SHV_GREEN_STRAIN && definition->kinematics != SHV_COROTATIONAL)
         return bad_value(error, name, "kinematics", (double)definition->kinematics,
                          "SHV_GREEN_STRAIN or SHV_COROTATIONAL");
@@ -157,6 +160,7 @@ ShvStatus shv_material_make(ShvMaterial *material, const ShvMaterialDefinition *
                               .weibull_volume = definition->weibull_volume,
                               .weibull_area = definition->weibull_area,
                               .face_restitution = definition->face_restitution,
+                              .loss_factor = definition->loss_factor,
                               .unresolved = definition->unresolved,
                               .zone_edges = definition->zone_edges};
     derive_elasticity(material);

@@ -29,6 +29,7 @@ typedef struct ShvMaterial {
     double shape[2];   /* PPR α, β */
     double weibull_modulus, weibull_volume, weibull_area;
     double face_restitution;
+    double loss_factor;
     double friction; /* tan φ */
     double riding
         [2]; /* cos and sin of the angle between the least compression and the way in which faces slide (star.h) */

@@ -127,6 +127,11 @@ static const ShvKey material_keys[] = {
      .offset = MATERIAL(youngs_modulus), .sentence = "Young's modulus."},
     {"poissons_ratio", SHV_KEY_NUMBER, .flags = SHV_KEY_REQUIRED, .range = &poisson, .offset = MATERIAL(poissons_ratio),
      .sentence = "Poisson's ratio."},
+    {"loss_factor", SHV_KEY_NUMBER, .range = &share, .offset = MATERIAL(loss_factor),
+     .sentence =
+         "Internal friction η: a vibration loses the share 2π η of its energy in a period. The slowest mode of each "
+         "fragment in fracture mode does; faster ones lose as much in the same time, less than they should. Flight "
+         "and turning are not damped."},
     {"kinematics", SHV_KEY_CHOICE, .choices = kinematics_choices, .offset = MATERIAL(kinematics),
      .sentence = "Strain measure: Green strain with the St. Venant-Kirchhoff law, or linear elasticity in the rotated "
                  "frame of each element."},

@@ -576,7 +576,7 @@ static void test_materials(void **state)
 {
     (void)state;
     shell_works("$shiver materials | sed -n 2p",
-                "soda_lime_glass     2500       70      0.2        8"); /* in columns */
+                "soda_lime_glass     2500       70      0.2    0.001        8"); /* in columns */
     if (shell("$shiver materials --markdown | diff - $scenes/../docs/materials.md") != 0)
         fail_msg("docs/materials.md differs: shiver materials --markdown > docs/materials.md\n%s", output.out);
     shell_works("$shiver materials --json", "\"plaster\"");

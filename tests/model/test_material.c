@@ -139,6 +139,9 @@ static void impossible_values_are_refused_by_name(void **state)
     REFUSES(d.weibull_volume = nan, "weibull_volume");
     REFUSES(d.weibull_area = -1.0, "weibull_area");
     REFUSES((d.weibull_area = 1.0, d.weibull_volume = 1.0), "flaws are inside or on the surface");
+    REFUSES(d.loss_factor = -0.1, "loss_factor");
+    REFUSES(d.loss_factor = 1.1, "loss_factor");
+    REFUSES(d.loss_factor = nan, "loss_factor");
     REFUSES(d.face_restitution = -0.1, "face_restitution");
     REFUSES(d.face_restitution = 1.1, "face_restitution");
     REFUSES(d.face_restitution = nan, "face_restitution");

@@ -93,6 +93,7 @@ static void check_materials(const ShvSceneDefinition *scene)
     same(steel->weibull_area, 3e-4);
     assert_int_equal(glass->unresolved, SHV_UNRESOLVED_SCALE_ENERGY);
     same(glass->zone_edges, 7.0);
+    same(glass->loss_factor, 0.25);
     same(glass->face_restitution, 0.5);
     same(glass->friction_angle_degrees, 35.0);
     assert_string_equal(steel->name, "steel");

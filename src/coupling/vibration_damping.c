@@ -1,0 +1,100 @@
+/* Internal friction of the material. A loss factor η takes the share 2π η of a vibration's energy in each of its periods. Every
+   fragment's velocities beside its rigid motion are damped at the rate η ω of its slowest mode, which so loses what it should;
+   faster modes lose less than they should, by the ratio of the frequencies. It is damping proportional to mass (the α of Rayleigh's
+   two terms), but flight and turning of the fragment are left alone, momentum and angular momentum with them, and it does not
+   limit the step, which damping by stiffness would. */
+#include "coupling/hybrid.h"
+
+#include "base/deterministic.h"
+#include "pbd/damping.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* A fragment is damped every so many steps, a power of two, for all of them: its rigid motion costs some 50 ns a node. More often than
+   eight times in half a period of its slowest mode, so that shards of a few tets are damped in every step. */
+enum { LONGEST_INTERVAL = 16 };
+static const double per_transit = 8.0;
+
+/* Half a period of the slowest mode, s. */
+static double slowest_transit(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double bar, bending;
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
+    return bending;
+}
+
+/* `step`: the one to come. */
+static int interval_of(const ShvHybrid *hybrid, const ShvFragment *fragment, double step)
+{
+    const double transit = slowest_transit(hybrid, fragment);
+    int interval = LONGEST_INTERVAL;
+    while (interval > 1 && interval * step * per_transit > transit) interval /= 2;
+    return interval;
+}
+
+static bool is_due(const ShvHybrid *hybrid, int32_t index, double step)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[index];
+    return hybrid->awake.flags[index] && fragment->loss_factor > 0.0 &&
+           hybrid->state.step % interval_of(hybrid, fragment, step) == 0;
+}
+
+static ShvStatus reserve(ShvHybrid *hybrid, ShvError *error)
+{
+    ShvVibrationDamping *damping = &hybrid->damping;
+    if (damping->capacity >= hybrid->state.node_capacity) return SHV_OK;
+    const size_t count = (size_t)hybrid->state.node_capacity;
+    SHV_RESIZE(hybrid->memory, SHV_PART_STATE, damping->force, count, "damping forces", count * sizeof(ShvVec3), error);
+    damping->capacity = hybrid->state.node_capacity;
+    return SHV_OK;
+}
+
+/* Velocities are those of n − 1/2. */
+static void add_force(ShvHybrid *hybrid, const ShvFragment *fragment, double before, double after)
+{
+    ShvState *state = &hybrid->state;
+    const int32_t *nodes = hybrid->fragments.nodes + fragment->node_begin;
+    const double kick = 0.5 * (before + after), rate = fragment->loss_factor * PI / slowest_transit(hybrid, fragment);
+    const double share = 1.0 - shv_exp(-rate * interval_of(hybrid, fragment, after) * kick);
+    const ShvRigidField rigid = shv_rigid_field(state, nodes, fragment->node_count);
+    for (int32_t i = 0; i < fragment->node_count; i++) {
+        const int64_t node = nodes[i];
+        const ShvVec3 arm = shv_sub(shv_state_position(state, nodes[i]), rigid.centre);
+        const ShvVec3 whole = shv_add(rigid.velocity, shv_cross(rigid.angular_velocity, arm));
+        const ShvVec3 beside = shv_sub(shv_load3(state->velocity + 3 * node), whole);
+        hybrid->damping.force[node] = shv_scale(beside, -share * state->mass[node] / kick);
+        shv_add_to3(state->force + 3 * node, hybrid->damping.force[node]);
+    }
+}
+
+/* Σ F·v × `step`/2: half of the work, before or after the kick. */
+static double half_work(const ShvHybrid *hybrid, const ShvFragment *fragment, double step)
+{
+    const int32_t *nodes = hybrid->fragments.nodes + fragment->node_begin;
+    double power = 0.0;
+    for (int32_t i = 0; i < fragment->node_count; i++)
+        power += shv_dot(hybrid->damping.force[nodes[i]], shv_load3(hybrid->state.velocity + 3 * (int64_t)nodes[i]));
+    return 0.5 * power * step;
+}
+
+ShvStatus shv_vibration_damping_add_force(ShvHybrid *hybrid, double before, double after, ShvError *error)
+{
+    if (!hybrid->damping.active) return SHV_OK;
+    SHV_TRY(reserve(hybrid, error));
+    hybrid->damping.first_half = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        if (!is_due(hybrid, i, after)) continue;
+        add_force(hybrid, &hybrid->fragments.items[i], before, after);
+        hybrid->damping.first_half += half_work(hybrid, &hybrid->fragments.items[i], before);
+    }
+    return SHV_OK;
+}
+
+void shv_vibration_damping_book(ShvHybrid *hybrid, double after)
+{
+    if (!hybrid->damping.active) return;
+    double second_half = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (is_due(hybrid, i, after)) second_half += half_work(hybrid, &hybrid->fragments.items[i], after);
+    shv_ledger_book(&hybrid->observer.ledger, SHV_WORK_DAMPING, hybrid->damping.first_half, second_half);
+}
