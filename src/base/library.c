@@ -177,7 +177,7 @@ static const ShvLibraryMaterial materials[] = {
          {{"density", 2200.0, "handbook value", true},
           {"youngs_modulus", 45e9, "handbook value", true},
           {"poissons_ratio", 0.2, "handbook value", true},
-          {"loss_factor", 0.012, "fired clay, " QUALIA "; brick of the building trade has as much", false},
+          {"loss_factor", 0.012, "fired clay, " QUALIA "; brick has 0.01 in Hopkins", false},
           {"fracture_energy", 21.3, "K²(1−ν²)/E with a toughness K of 1.0 MPa √m, handbook value", true},
           {"cohesive_strength", 35e6,
            "bending strength required of stoneware tiles with little porosity, EN 14411 group BIa, as a maker's "

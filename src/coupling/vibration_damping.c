@@ -1,7 +1,7 @@
 /* Internal friction of the material. A loss factor η takes the share 2π η of a vibration's energy in each of its periods. Every
-   fragment's velocities beside its rigid motion are damped at the rate η ω of its slowest mode, which so loses what it should;
-   faster modes lose less than they should, by the ratio of the frequencies. It is damping proportional to mass (the α of Rayleigh's
-   two terms), but flight and turning of the fragment are left alone, momentum and angular momentum with them, and it does not
+   fragment's velocities beside its rigid motion are damped at the rate η ω of its slowest mode, reckoned as that of a plate or bar,
+   which so loses what it should; faster modes lose less than they should, by the ratio of the frequencies, and slow ones of hollow
+   bodies more (docs/decisions.md). It is damping proportional to mass (the α of Rayleigh's two terms), but flight and turning of the fragment are left alone, momentum and angular momentum with them, and it does not
    limit the step, which damping by stiffness would. */
 #include "coupling/hybrid.h"
 
@@ -10,7 +10,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* A fragment is damped every so many steps, a power of two, for all of them: its rigid motion costs some 50 ns a node. More often than
+/* A fragment is damped every so many steps, a power of two, for all of them: its rigid motion costs some 58 ns a node. More often than
    eight times in half a period of its slowest mode, so that shards of a few tets are damped in every step. */
 enum { LONGEST_INTERVAL = 16 };
 static const double per_transit = 8.0;
@@ -24,9 +24,8 @@ static double slowest_transit(const ShvHybrid *hybrid, const ShvFragment *fragme
 }
 
 /* `step`: the one to come. */
-static int interval_of(const ShvHybrid *hybrid, const ShvFragment *fragment, double step)
+static int interval_of(double transit, double step)
 {
-    const double transit = slowest_transit(hybrid, fragment);
     int interval = LONGEST_INTERVAL;
     while (interval > 1 && interval * step * per_transit > transit) interval /= 2;
     return interval;
@@ -36,7 +35,7 @@ static bool is_due(const ShvHybrid *hybrid, int32_t index, double step)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[index];
     return hybrid->awake.flags[index] && fragment->loss_factor > 0.0 &&
-           hybrid->state.step % interval_of(hybrid, fragment, step) == 0;
+           hybrid->state.step % interval_of(slowest_transit(hybrid, fragment), step) == 0;
 }
 
 static ShvStatus reserve(ShvHybrid *hybrid, ShvError *error)
@@ -54,8 +53,9 @@ static void add_force(ShvHybrid *hybrid, const ShvFragment *fragment, double bef
 {
     ShvState *state = &hybrid->state;
     const int32_t *nodes = hybrid->fragments.nodes + fragment->node_begin;
-    const double kick = 0.5 * (before + after), rate = fragment->loss_factor * PI / slowest_transit(hybrid, fragment);
-    const double share = 1.0 - shv_exp(-rate * interval_of(hybrid, fragment, after) * kick);
+    const double kick = 0.5 * (before + after), transit = slowest_transit(hybrid, fragment);
+    const double rate = fragment->loss_factor * PI / transit;
+    const double share = 1.0 - shv_exp(-rate * interval_of(transit, after) * kick);
     const ShvRigidField rigid = shv_rigid_field(state, nodes, fragment->node_count);
     for (int32_t i = 0; i < fragment->node_count; i++) {
         const int64_t node = nodes[i];
