@@ -1,6 +1,7 @@
 /* A file is read while another process writes it. */
 #include "check.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -24,7 +25,7 @@ static int stop(const Operation *operation, size_t *size)
     return 0;
 }
 
-static pid_t start_writer(const char *path, const FakeSetup *setup, int frames)
+static pid_t start_writer(const char *path, const FakeSetup *setup, int frames, OperationHook hook)
 {
     assert_int_equal(pipe(to_parent) | pipe(to_child), 0);
     crash_expect(0);
@@ -35,7 +36,7 @@ static pid_t start_writer(const char *path, const FakeSetup *setup, int frames)
         ShvError error;
         close(to_parent[0]);
         close(to_child[1]); /* so that it ends when this test does */
-        operations_hook(stop);
+        operations_hook(hook);
         _exit(crash_frames(path, setup, frames, &error));
     }
     close(to_parent[1]);
@@ -93,7 +94,7 @@ static void read_beside(const char *path, const FakeSetup *setup, int64_t operat
     Look kept[KEPT] = {{NULL, 0}};
     int live = 0, looks = 0;
     stride = operations;
-    const pid_t child = start_writer(path, setup, CRASH_FRAMES);
+    const pid_t child = start_writer(path, setup, CRASH_FRAMES, stop);
     for (int i = 0; writer_stops(); i++) {
         Look *oldest = &kept[i % KEPT];
         if (oldest->file) check(oldest, setup);
@@ -120,27 +121,45 @@ static void test_long_journal(void **state)
     read_beside(file_in(*state, "run.h5"), &CRASH_LAZY, all / 100 | 1); /* most are those of the end */
 }
 
-/* The writer does not stop: readers begin anew where it has changed the file under them. */
+/* Goes on at once at every operation but the first after half of the frames: however slow the reader is, it finds the file
+   being written once. */
+static int stop_halfway(const Operation *operation, size_t *size)
+{
+    (void)operation, (void)size;
+    static bool stopped;
+    char byte = 0;
+    if (stopped || crash_counters()->frames < CRASH_FRAMES / 2) return 0;
+    stopped = true;
+    if (write(to_parent[1], "x", 1) != 1 || read(to_child[0], &byte, 1) != 1) _exit(1);
+    return 0;
+}
+
+static int count_live(const char *path, const FakeSetup *setup)
+{
+    const Look beside = look(path);
+    if (!beside.file) return 0;
+    const bool live = shv_run_file_info(beside.file)->live;
+    const char *wrong = crash_check_open(beside.file, setup, beside.frames);
+    if (wrong) fail_msg("%s", wrong);
+    shv_run_file_close(beside.file);
+    return live;
+}
+
+/* The writer does not wait but once: readers begin anew where it has changed the file under them. */
 static void test_writer_that_does_not_wait(void **state)
 {
     static const FakeSetup often = {
         .bricks = 64, .split_every = 3, .most = 127, .splits = 2, .probes = 2, .sync_interval = 0.02};
     const char *path = file_in(*state, "run.h5");
-    int looks = 0, partial = 0;
-    stride = INT64_MAX; /* it stops at its first operation */
-    const pid_t child = start_writer(path, &often, CRASH_FRAMES);
+    const pid_t child = start_writer(path, &often, CRASH_FRAMES, stop_halfway);
+    struct pollfd halfway = {.fd = to_parent[0], .events = POLLIN};
+    while (poll(&halfway, 1, 0) == 0) count_live(path, &often);
     assert_true(writer_stops());
+    assert_int_equal(count_live(path, &often), 1);
     go_on();
-    while (waitpid(child, NULL, WNOHANG) == 0) {
-        Look beside = look(path);
-        if (!beside.file) continue;
-        looks++;
-        partial += shv_run_file_info(beside.file)->live;
-        const char *wrong = crash_check_open(beside.file, &often, beside.frames);
-        if (wrong) fail_msg("%s", wrong);
-        shv_run_file_close(beside.file);
-    }
-    assert_true(partial > 0 && looks >= partial);
+    int status = -1;
+    while (waitpid(child, &status, WNOHANG) == 0) count_live(path, &often);
+    assert_int_equal(status, 0);
     close(to_parent[0]);
     assert_int_equal(close(to_child[0]) | close(to_child[1]), 0);
 }
@@ -151,7 +170,7 @@ static void test_status(void **state)
     const char *path = file_in(*state, "run.h5");
     const int64_t all = crash_operations(*state, &CRASH_SETUP, CRASH_FRAMES);
     stride = all / 2;
-    const pid_t child = start_writer(path, &CRASH_SETUP, CRASH_FRAMES);
+    const pid_t child = start_writer(path, &CRASH_SETUP, CRASH_FRAMES, stop);
     assert_true(writer_stops());
     go_on();
     assert_true(writer_stops());
