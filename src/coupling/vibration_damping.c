@@ -1,8 +1,8 @@
 /* Internal friction of the material. A loss factor η takes the share 2π η of a vibration's energy in each of its periods. Every
-   fragment's velocities beside its rigid motion are damped at the rate η ω of its slowest mode, reckoned as that of a plate or bar,
-   which so loses what it should; faster modes lose less than they should, by the ratio of the frequencies, and slow ones of hollow
-   bodies more (docs/decisions.md). It is damping proportional to mass (the α of Rayleigh's two terms), but flight and turning of the fragment are left alone, momentum and angular momentum with them, and it does not
-   limit the step, which damping by stiffness would. */
+   fragment's velocities beside its rigid motion are damped at the rate η ω of its slowest mode, which so loses what it should; faster
+   modes lose less than they should, by the ratio of the frequencies (docs/decisions.md). It is damping proportional to mass (the α of
+   Rayleigh's two terms), but flight and turning of the fragment are left alone, momentum and angular momentum with them, and it does
+   not limit the step, which damping by stiffness would. */
 #include "coupling/hybrid.h"
 
 #include "base/deterministic.h"
@@ -15,12 +15,16 @@ static const double PI = 3.14159265358979323846;
 enum { LONGEST_INTERVAL = 16 };
 static const double per_transit = 8.0;
 
-/* Half a period of the slowest mode, s. */
+/* Half a period of the slowest mode, s: that of a bar or beam of the fragment's inertia, or that in which a square plate as wide as
+   it is, and as thick as its walls, twists (f = √(G/E) c₀ t/b²), which is near that of tubes and vessels too. 2V/S is the thickness of
+   a wall. */
 static double slowest_transit(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     double bar, bending;
     shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
-    return bending;
+    const ShvMaterial *material = &hybrid->model.materials[hybrid->model.objects[fragment->object].material];
+    const double width = fragment->sides[1], thickness = 2.0 * fragment->volume / fragment->surface;
+    return fmax(bending, 0.5 * width * width / (material->shear_speed * thickness));
 }
 
 /* `step`: the one to come. */

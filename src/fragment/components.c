@@ -1,6 +1,7 @@
 #include "fragment/disjoint_sets.h"
 #include "fragment/fragment.h"
 #include "fragment/severed.h"
+#include "mesh/facets.h"
 
 #include <string.h>
 
@@ -351,16 +352,17 @@ static int32_t object_of(const ShvModel *model, int32_t element)
     return object;
 }
 
-/* Surface nodes of the whole mesh: where nothing breaks, they never change. */
+/* The surface of the whole mesh: where nothing breaks, it never changes. */
 static ShvStatus mark_boundary(ShvFragments *fragments, const ShvModel *model, ShvError *error)
 {
-    int32_t *triangles = NULL, count = 0;
-    SHV_TRY(shv_mesh_boundary(&model->mesh, SHV_PART_RIGID, &triangles, &count, error));
-    fragments->boundary = shv_allocate(fragments->memory, SHV_PART_RIGID, (size_t)model->mesh.node_count, 1);
-    if (fragments->boundary)
-        for (int64_t i = 0; i < 3 * (int64_t)count; i++) fragments->boundary[triangles[i]] = 1;
-    shv_release(triangles);
-    return fragments->boundary ? SHV_OK : shv_fail_memory(error, "the surface nodes", (size_t)model->mesh.node_count);
+    int32_t *faces = NULL, count = 0;
+    const size_t elements = (size_t)model->mesh.element_count;
+    SHV_TRY(shv_boundary_faces(&model->mesh, fragments->memory, SHV_PART_RIGID, &faces, &count, error));
+    fragments->boundary = shv_allocate(fragments->memory, SHV_PART_RIGID, elements, 1);
+    for (int32_t i = 0; fragments->boundary && i < count; i++)
+        fragments->boundary[faces[i] / 4] |= (uint8_t)(1u << (faces[i] % 4));
+    shv_release(faces);
+    return fragments->boundary ? SHV_OK : shv_fail_memory(error, "the surface of the mesh", elements);
 }
 
 static ShvStatus fill(ShvFragments *fragments, const ShvModel *model, ShvState *state, Parts *parts, ShvError *error)

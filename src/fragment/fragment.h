@@ -25,7 +25,7 @@ typedef struct ShvFragment {
     int32_t element_begin;    /* into ShvFragments.elements */
     int32_t node_begin;       /* into ShvFragments.nodes */
     double mass;              /* Σ ρV of its elements in element order, kg */
-    double volume;            /* m³, reference */
+    double volume, surface;   /* m³, m² to other fragments and to the outside, cracks in it left out; reference */
     double loss_factor;       /* mean over its mass */
     ShvVec3 reference_centre; /* of the lumped masses at reference positions, m */
     /* of the lumped masses at reference positions, about the centre, kg m²: the one inertia used on both sides of a
@@ -89,7 +89,7 @@ typedef struct ShvFragments {
     int32_t *nodes;    /* node lists of the living fragments, increasing; rebuilt with the components */
     int32_t node_capacity;
     int32_t node_end;  /* lists are appended here; those of the dead are dropped when the capacity is reached */
-    uint8_t *boundary; /* per reference node: on the surface; NULL where the model has an adjacency */
+    uint8_t *boundary; /* per element: bit k where face k is on the surface; NULL where the model has an adjacency */
     /* scratch, per node: only entries of the fragment at work are ever touched */
     int32_t *root, *label;
     int32_t *found; /* 0 between searches (severed.c) */
@@ -126,9 +126,12 @@ ShvStatus shv_fragments_count_at(ShvFragments *fragments, const ShvCohesive *coh
 /* The tet that a bonded facet joins to an element across one of its faces, −1: none. */
 int32_t shv_fragments_bonded_neighbour(const ShvFragments *fragments, int32_t element, int32_t face);
 
-/* Mass, volume, centre, inertia and radius from the fragment's element and node lists. */
+/* Mass, volume, surface, centre, inertia and radius from the fragment's element and node lists. */
 void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
                           const ShvState *state);
+/* m²: of the faces to other fragments and to the outside. */
+double shv_fragment_surface_area(const ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
+                                 const ShvState *state);
 /* Nodes on the fragment's surface, faces of cracks without bond included, increasing; the caller releases *nodes (SHV_PART_RIGID). The
    lists must be those of the present connectivity (shv_fragments_split after the last duplication). */
 ShvStatus shv_fragment_surface(const ShvFragments *fragments, const ShvModel *model, const ShvState *state,

@@ -14,16 +14,53 @@ static bool shares_face(const ShvState *state, int32_t element, int32_t face, in
     return true;
 }
 
+static bool is_on_boundary(const ShvFragments *fragments, const ShvModel *model, int32_t element, int32_t face)
+{
+    if (fragments->boundary) return fragments->boundary[element] >> face & 1;
+    return model->adjacency.element_facets[4 * (int64_t)element + face] >= model->adjacency.interior_count;
+}
+
+static int32_t across(const ShvAdjacency *adjacency, int32_t element, int32_t face)
+{
+    const int32_t *sides =
+        adjacency->facet_elements + 2 * (int64_t)adjacency->element_facets[4 * (int64_t)element + face];
+    return sides[0] == element ? sides[1] : sides[0];
+}
+
 static bool is_open(const ShvFragments *fragments, const ShvModel *model, const ShvState *state, int32_t element,
                     int32_t face)
 {
+    if (is_on_boundary(fragments, model, element, face)) return true;
+    if (fragments->boundary) return false;
     const ShvAdjacency *adjacency = &model->adjacency;
     const int32_t facet = adjacency->element_facets[4 * (int64_t)element + face];
-    if (facet >= adjacency->interior_count) return true;
     if (shv_fragments_bonded_neighbour(fragments, element, face) >= 0) return false;
     const int side = adjacency->facet_elements[2 * (int64_t)facet] == element;
     return !shares_face(state, element, face, adjacency->facet_elements[2 * (int64_t)facet + side],
                         adjacency->facet_faces[2 * (int64_t)facet + side]);
+}
+
+static double face_area(const ShvState *state, int32_t element, int32_t face)
+{
+    ShvVec3 x[3];
+    for (int a = 0; a < 3; a++)
+        x[a] = shv_load3(state->reference + 3 * (int64_t)shv_state_node(state, element, shv_face_corners[face][a]));
+    return 0.5 * shv_norm(shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
+}
+
+double shv_fragment_surface_area(const ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
+                                 const ShvState *state)
+{
+    const int32_t *elements = fragments->elements + fragment->element_begin;
+    double area = 0.0;
+    for (int32_t i = 0; i < fragment->element_count; i++)
+        for (int32_t face = 0; face < 4; face++) {
+            const bool outside = is_on_boundary(fragments, model, elements[i], face);
+            if (outside || (!fragments->boundary &&
+                            state->element_fragment[across(&model->adjacency, elements[i], face)] != fragment->id))
+                area += face_area(state, elements[i], face);
+        }
+    return area;
 }
 
 enum { INSIDE = 0, ON_SURFACE = 1 };
@@ -32,10 +69,7 @@ static void mark_surface(const ShvFragments *fragments, const ShvModel *model, c
                          const ShvFragment *fragment)
 {
     const int32_t *nodes = fragments->nodes + fragment->node_begin;
-    for (int32_t i = 0; i < fragment->node_count; i++)
-        fragments->label[nodes[i]] =
-            fragments->boundary && fragments->boundary[state->origin[nodes[i]]] ? ON_SURFACE : INSIDE;
-    if (fragments->boundary) return;
+    for (int32_t i = 0; i < fragment->node_count; i++) fragments->label[nodes[i]] = INSIDE;
     const int32_t *elements = fragments->elements + fragment->element_begin;
     for (int32_t i = 0; i < fragment->element_count; i++)
         for (int32_t face = 0; face < 4; face++)

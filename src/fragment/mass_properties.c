@@ -53,6 +53,7 @@ void shv_fragment_measure(ShvFragment *fragment, const ShvFragments *fragments, 
 {
     const int32_t *nodes = fragments->nodes + fragment->node_begin;
     sum_elements(fragment, fragments->elements + fragment->element_begin, model, state);
+    fragment->surface = shv_fragment_surface_area(fragment, fragments, model, state);
     fragment->reference_centre = lumped_centre(nodes, fragment->node_count, state);
     ShvVec3 low = {0.0, 0.0, 0.0}, high = {0.0, 0.0, 0.0};
     double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0, farthest = 0.0;
