@@ -39,6 +39,37 @@ static double mass_of_elements(const ShvFragments *fragments, const ShvState *st
     return mass;
 }
 
+static const int face_nodes[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
+
+static bool same_face(const World *world, int32_t e, int k, int32_t f, int m)
+{
+    int found = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            found += world->model.mesh.elements[4 * e + face_nodes[k][a]] ==
+                     world->model.mesh.elements[4 * f + face_nodes[m][b]];
+    return found == 3;
+}
+
+/* m²: of the faces that no other tet of the fragment has, by asking all of them. */
+static double surface_of_elements(const World *world, const ShvFragment *fragment)
+{
+    const int32_t *own = world->fragments.elements + fragment->element_begin;
+    double area = 0.0;
+    for (int32_t i = 0; i < fragment->element_count; i++)
+        for (int k = 0; k < 4; k++) {
+            bool shared = false;
+            for (int32_t j = 0; j < fragment->element_count && !shared; j++)
+                for (int m = 0; m < 4 && i != j; m++) shared |= same_face(world, own[i], k, own[j], m);
+            ShvVec3 x[3];
+            for (int a = 0; a < 3; a++)
+                x[a] = shv_load3(world->model.mesh.positions +
+                                 3 * world->model.mesh.elements[4 * own[i] + face_nodes[k][a]]);
+            if (!shared) area += 0.5 * shv_norm(shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
+        }
+    return area;
+}
+
 /* Everything that must hold of the lists at any time. */
 static void check_lists(const World *world)
 {
@@ -73,6 +104,7 @@ static void check_lists(const World *world)
         }
         free(used);
         assert_true(fragment->mass == mass_of_elements(fragments, state, fragment));
+        check_near(fragment->surface, surface_of_elements(world, fragment), 1e-12);
     }
     assert_int_equal(elements, state->element_count);
     assert_int_equal(alive, fragments->alive);
@@ -91,6 +123,7 @@ static void test_two_boxes_are_two_fragments(void **unused)
     const ShvFragment *fragment = world.fragments.items;
     check_near(fragment[0].mass, 5.0, 1e-12);
     check_near(fragment[0].volume, 0.002, 1e-15);
+    check_near(fragment[0].surface, 0.1, 1e-14);
     assert_int_equal(fragment[1].object, 1);
     check_near(fragment[1].position.z, 1.0, 1e-14);
     check_near(fragment[0].velocity.x, 2.0, 1e-14);
