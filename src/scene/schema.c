@@ -130,9 +130,9 @@ static const ShvKey material_keys[] = {
     {"loss_factor", SHV_KEY_NUMBER, .range = &share, .offset = MATERIAL(loss_factor),
      .sentence =
          "Internal friction η: a vibration loses the share 2π η of its energy in a period. The slowest mode of each "
-         "fragment in fracture mode does, reckoned as that of a solid plate or bar; faster ones lose as much in the "
-         "same "
-         "time, less than they should, and slow ones of hollow bodies lose more. Flight and turning are not damped."},
+         "fragment in fracture mode does, reckoned from its size and the thickness of its walls; faster ones lose as "
+         "much "
+         "in the same time, less than they should. Flight and turning are not damped."},
     {"kinematics", SHV_KEY_CHOICE, .choices = kinematics_choices, .offset = MATERIAL(kinematics),
      .sentence = "Strain measure: Green strain with the St. Venant-Kirchhoff law, or linear elasticity in the rotated "
                  "frame of each element."},
