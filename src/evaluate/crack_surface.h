@@ -34,4 +34,8 @@ typedef struct ShvCrackDistance {
    surface's facets. Both zero where neither has cracked, NaN where one of them has not. */
 ShvCrackDistance shv_crack_distance(const ShvCrackSurface *a, const ShvCrackSurface *b);
 
+/* Arms of a star of cracks about the z axis: directions, seen along it, in which the edges of `count` facets (three corners each) cross
+   the circle of a radius, those that are no more than `gap` apart along it counted as one; m. 0 where they close a ring. */
+int32_t shv_crack_arms(const ShvVec3 *corners, int64_t count, double radius, double gap);
+
 #endif

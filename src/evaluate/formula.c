@@ -131,7 +131,9 @@ static ShvStatus measure(Parser *parser, const ShvReduction *found, const ShvFor
                          ShvFormulaValue *value)
 {
     double numbers[SHV_MOST_ARGUMENTS];
-    if (!arguments[0].series) return fail(parser, "this function needs a series as its first argument");
+    if (found->of_list ? arguments[0].series || !arguments[0].values : !arguments[0].series)
+        return fail(parser, found->of_list ? "this function needs a list as its first argument, such as crack.opened"
+                                           : "this function needs a series as its first argument");
     if (count < found->least || count > found->most || (found->most == 3 && count == 2))
         return fail(parser, "the number of arguments is wrong");
     for (int i = 1; i < count; i++) {

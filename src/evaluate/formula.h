@@ -11,7 +11,8 @@
      first last (s)  at(s, time)
      arrival departure duration (s, level)   first and last time on the other side of `level` than the first value or, where that
                                              is the level itself, off it; duration: departure − arrival; linear in between
-     frequency(s [, level])         1/s: mean of the periods between upward crossings of `level` (unless given, the mean) */
+     frequency(s [, level])         1/s: mean of the periods between upward crossings of `level` (unless given, the mean)
+     arms(crack.opened, radius, gap) directions in which a star of cracks about the z axis crosses a circle (crack_surface.h) */
 #ifndef SHV_EVALUATE_FORMULA_H
 #define SHV_EVALUATE_FORMULA_H
 
@@ -21,7 +22,7 @@ typedef struct ShvFormulaValue {
     bool series;
     double number;        /* not of a series */
     const double *times;  /* s, not decreasing; the same block: the same clock */
-    const double *values; /* per time */
+    const double *values; /* per time; also of a list that is no series */
     int64_t count;
 } ShvFormulaValue;
 
@@ -39,7 +40,7 @@ ShvStatus shv_formula_evaluate(const char *text, const ShvFormulaNames *names, S
 /* The same where a number is needed. */
 ShvStatus shv_formula_number(const char *text, const ShvFormulaNames *names, double *number, ShvError *error);
 
-/* reduction.c: numbers from series. */
+/* reduction.c: numbers from series and lists. */
 enum { SHV_MOST_ARGUMENTS = 3 };
 
 typedef struct ShvReduction {
@@ -47,6 +48,7 @@ typedef struct ShvReduction {
     int least, most; /* arguments, the series counted */
     size_t part;     /* of what sums up a window, unless `take` is given */
     double (*take)(const ShvFormulaValue *series, const double *arguments, int count);
+    bool of_list; /* and not of a series */
 } ShvReduction;
 
 /* NULL when there is none of that name. */

@@ -114,11 +114,12 @@ static bool find_list(const ShvOutcome *outcome, const char *name, ShvFormulaVal
 {
     const ShvOutcomeList *list = shv_outcome_find(outcome, name);
     if (!list) return false;
+    static const double nothing = 0.0; /* an empty list is a list */
     const double *times = shv_outcome_times(outcome, list);
     *value = (ShvFormulaValue){.series = list->clock != SHV_CLOCK_NONE,
                                .number = list->count > 0 ? list->values[0] : (double)NAN,
                                .times = times,
-                               .values = list->values,
+                               .values = list->count > 0 ? list->values : &nothing,
                                .count = list->count};
     return true;
 }

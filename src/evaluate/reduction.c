@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/line.h"
+#include "evaluate/crack_surface.h"
 
 /* ---- windows ---- */
 
@@ -156,7 +157,13 @@ static double frequency(const ShvFormulaValue *s, const double *arguments, int c
     return crossings > 1 ? (double)(crossings - 1) / (end - begin) : (double)NAN;
 }
 
-#define PART(member) offsetof(Summary, member), NULL
+static double arms(const ShvFormulaValue *facets, const double *arguments, int count)
+{
+    (void)count;
+    return shv_crack_arms((const void *)facets->values, facets->count / 9, arguments[0], arguments[1]);
+}
+
+#define PART(member) offsetof(Summary, member), NULL, false
 static const ShvReduction reductions[] = {{"min", 1, 3, PART(least)},
                                           {"max", 1, 3, PART(largest)},
                                           {"mean", 1, 3, PART(mean)},
@@ -168,11 +175,12 @@ static const ShvReduction reductions[] = {{"min", 1, 3, PART(least)},
                                           {"fall", 1, 3, PART(fall)},
                                           {"first", 1, 1, PART(first)},
                                           {"last", 1, 1, PART(last)},
-                                          {"at", 2, 2, 0, value_at},
-                                          {"arrival", 2, 2, 0, arrival},
-                                          {"departure", 2, 2, 0, departure},
-                                          {"duration", 2, 2, 0, duration},
-                                          {"frequency", 1, 2, 0, frequency}};
+                                          {"at", 2, 2, 0, value_at, false},
+                                          {"arrival", 2, 2, 0, arrival, false},
+                                          {"departure", 2, 2, 0, departure, false},
+                                          {"duration", 2, 2, 0, duration, false},
+                                          {"frequency", 1, 2, 0, frequency, false},
+                                          {"arms", 3, 3, 0, arms, true}};
 
 const ShvReduction *shv_reduction_find(const char *name)
 {

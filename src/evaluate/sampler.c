@@ -319,6 +319,18 @@ static ShvStatus add_crack(ShvSampler *sampler, const ShvSimulation *simulation,
     return outcome->failed || sampler->pool.failed ? shv_fail_memory(error, "failed facets", 0) : SHV_OK;
 }
 
+/* Corners of the facets that are half opened, in the reference mesh; where both of its tets see it, a facet is there twice. */
+static void add_opened(ShvSampler *sampler, const ShvSimulation *simulation)
+{
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    shv_outcome_add_all(sampler->outcome, "crack.opened", SHV_CLOCK_NONE, NULL, 0);
+    for (int64_t i = 0; i < 4 * (int64_t)mesh.element_count; i++)
+        for (int k = 0; k < 4 && sampler->damage[i] >= opened; k++)
+            if (k != i % 4)
+                shv_outcome_add_all(sampler->outcome, "crack.opened", SHV_CLOCK_NONE,
+                                    mesh.positions + 3 * (int64_t)mesh.elements[4 * (i / 4) + k], 3);
+}
+
 /* A double holds 53 bits of the hash: equal for equal runs. */
 static double hash_number(uint64_t hash)
 {
@@ -357,5 +369,6 @@ ShvStatus shv_sample_end(ShvSampler *sampler, const ShvSimulation *simulation, S
     shv_outcome_add_vector(outcome, "end.crack_normal", SHV_CLOCK_NONE, crack.normal);
     shv_outcome_set(outcome, "end.hash", hash_number(shv_simulation_hash(simulation)));
     add_end(outcome, frame);
+    add_opened(sampler, simulation);
     return add_crack(sampler, simulation, error);
 }

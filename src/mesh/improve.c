@@ -230,11 +230,22 @@ static ShvStatus remove_facet(Work *w, int32_t tet, bool *done, ShvError *error)
 
 /* ---- places of nodes ---- */
 
-static double worst_at(const Work *w, int32_t node)
+typedef struct Worst {
+    double measure;
+    int32_t at; /* index of the tet into Work.at */
+} Worst;
+
+/* Of the tets at a node. One that is no better than `than` is an answer: most places are given up at the tet that is the worst of
+   all where the node is now, which is asked first. */
+static Worst worst_at(const Work *w, int32_t node, Worst than)
 {
-    double worst = (double)INFINITY;
-    for (int32_t k = w->start[node]; k < w->start[node + 1]; k++)
-        worst = fmin(worst, shv_improve_measure(w->mesh->positions, tet_at(w, w->at[k])));
+    const int32_t begin = w->start[node], end = w->start[node + 1];
+    Worst worst = {(double)INFINITY, begin};
+    for (int32_t i = begin - 1; i < end && worst.measure > than.measure; i++) {
+        const int32_t at = i < begin ? than.at : i;
+        const double found = shv_improve_measure(w->mesh->positions, tet_at(w, w->at[at]));
+        if (found < worst.measure) worst = (Worst){found, at};
+    }
     return worst;
 }
 
@@ -249,13 +260,15 @@ static ShvVec3 draw_way(Work *w)
 static void move(Work *w, int32_t node)
 {
     ShvImprove *mesh = w->mesh;
-    double *x = mesh->positions + 3 * (int64_t)node, worst = worst_at(w, node), way = first_way * mesh->wanted;
-    for (int i = 0; i < PLACES && worst < mesh->wanted; i++) {
+    const Worst none = {-(double)INFINITY, w->start[node]};
+    double *x = mesh->positions + 3 * (int64_t)node, way = first_way * mesh->wanted;
+    Worst worst = worst_at(w, node, none);
+    for (int i = 0; i < PLACES && worst.measure < mesh->wanted; i++) {
         const ShvVec3 old = shv_load3(x);
         shv_store3(x, shv_outline_keep(mesh->outline, mesh->held[node], old, shv_madd(old, way, draw_way(w))));
-        const double now = worst_at(w, node);
-        if (now > worst) {
-            w->any = w->any || now > worst + (better - 1.0) * mesh->wanted;
+        const Worst now = worst_at(w, node, worst);
+        if (now.measure > worst.measure) {
+            w->any = w->any || now.measure > worst.measure + (better - 1.0) * mesh->wanted;
             worst = now;
         } else {
             shv_store3(x, old);

@@ -35,6 +35,36 @@ static ShvCrackFacet facet_at(int32_t first, double x, double z, double size)
                            {shv_vec3(x, 0.0, z), shv_vec3(x + size, 0.0, z), shv_vec3(x, size, z)}};
 }
 
+/* A star of four arms, one of which ends at 5, in slips of facets across the plane; and a ring. */
+static void test_arms(void **state)
+{
+    (void)state;
+    enum { ARMS = 4, SLIPS = 10, RING = 100 };
+    ShvVec3 star[ARMS * SLIPS][3], ring[RING][3];
+    for (int arm = 0; arm < ARMS; arm++)
+        for (int i = 0; i < SLIPS; i++) {
+            const double angle = 0.1 + 1.5 * arm, from = arm > 0 ? i : 0.5 * i, to = arm > 0 ? i + 1.0 : 0.5 * (i + 1);
+            const ShvVec3 along = shv_vec3(cos(angle), sin(angle), 0.0), up = shv_vec3(0.0, 0.0, 1.0);
+            ShvVec3 *facet = star[SLIPS * arm + i];
+            facet[0] = shv_scale(along, from);
+            facet[1] = shv_scale(along, to);
+            facet[2] = shv_add(facet[1], up);
+        }
+    assert_int_equal(shv_crack_arms(star[0], ARMS * SLIPS, 4.25, 0.5), 4);
+    assert_int_equal(shv_crack_arms(star[0], ARMS * SLIPS, 8.5, 0.5), 3);
+    assert_int_equal(shv_crack_arms(star[0], ARMS * SLIPS, 20.0, 0.5), 0);
+    /* Arms are 6.4 and more apart at 4.25; the first and the last, 7.6. */
+    assert_int_equal(shv_crack_arms(star[0], ARMS * SLIPS, 4.25, 6.8), 1);
+    assert_int_equal(shv_crack_arms(star[0], SLIPS, 4.25, 0.5), 1);
+    assert_int_equal(shv_crack_arms(NULL, 0, 1.0, 0.5), 0);
+    for (int i = 0; i < RING; i++)
+        for (int k = 0; k < 3; k++) {
+            const double angle = 0.0628 * (i + 0.5 * k), radius = 1.0 + 0.2 * (k - 1);
+            ring[i][k] = shv_vec3(radius * cos(angle), radius * sin(angle), 0.0);
+        }
+    assert_int_equal(shv_crack_arms(ring[0], RING, 1.05, 0.5), 0);
+}
+
 static void test_cracks(void **state)
 {
     (void)state;
@@ -242,8 +272,10 @@ static void test_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_masses), cmocka_unit_test(test_cracks), cmocka_unit_test(test_surface_of_bonds),
-        cmocka_unit_test(test_errors), cmocka_unit_test(test_names),  cmocka_unit_test(test_files),
+        cmocka_unit_test(test_masses), cmocka_unit_test(test_arms),
+        cmocka_unit_test(test_cracks), cmocka_unit_test(test_surface_of_bonds),
+        cmocka_unit_test(test_errors), cmocka_unit_test(test_names),
+        cmocka_unit_test(test_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
