@@ -9,7 +9,7 @@
 /* What a facet of a crack still counts with at a node that it does not split: the crack goes on along facets that are there rather
    than along others beside them. With all of it strips grow at 1.1 to 1.5 times Griffith's load; with all of it as long as they have not
    opened, islands are cut out between two sheets. */
-static const double behind_share = 0.3;
+static const double strength_share_behind = 0.3;
 /* A slit: the solid goes all the way round an edge but for less than ten degrees. */
 static const double slit_angle = 6.1086523819801535;
 /* Of the normal strength: a facet with a point that has less left has opened. */
@@ -81,7 +81,7 @@ ShvTip shv_front_tip(const ShvCohesive *cohesive, const ShvState *state, int32_t
         tip.behind = cohesive->opened[index];
         tip.lowered = tip.behind || (bits & SHV_FRONT_LOWERED);
         if (tip.lowered)
-            tip.strength = behind_share * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
+            tip.strength = strength_share_behind * fmin(tip.strength, shv_front_tip_strength(cohesive->model, facet));
         return tip;
     }
     const int corner = corner_of(cohesive, state, facet, node);
@@ -112,7 +112,7 @@ static ShvVec3 reference_of(const ShvCohesive *cohesive, int32_t facet, int corn
 }
 
 /* From a corner to the middle of the facet, at reference positions. */
-static ShvVec3 wing(const ShvCohesive *cohesive, int32_t facet, int corner)
+static ShvVec3 flank(const ShvCohesive *cohesive, int32_t facet, int corner)
 {
     const ShvVec3 middle =
         shv_scale(shv_add(reference_of(cohesive, facet, corner + 1), reference_of(cohesive, facet, corner + 2)), 0.5);
@@ -184,7 +184,7 @@ typedef struct Behind {
     const ShvState *state;
     int32_t node;
     bool blunt;
-    ShvVec3 sum, normal; /* of the opened facets: of their wings, and across them */
+    ShvVec3 sum, normal; /* of the opened facets: of their flanks, and across them */
     int32_t count;
 } Behind;
 
@@ -203,7 +203,7 @@ static void add_opened(const ShvCohesive *cohesive, int32_t facet, int corner, v
     const ShvVec3 area = shv_cohesive_reference_area(cohesive->model, facet);
     const double sense = shv_dot(area, behind->normal) < 0.0 ? -1.0 : 1.0; /* either side counts */
     behind->normal = shv_madd(behind->normal, sense, area);
-    behind->sum = shv_add(behind->sum, wing(cohesive, facet, corner));
+    behind->sum = shv_add(behind->sum, flank(cohesive, facet, corner));
     behind->count++;
 }
 
@@ -227,7 +227,7 @@ static void compare_opened(const ShvCohesive *cohesive, int32_t facet, int corne
 static bool is_ahead(const ShvCohesive *cohesive, int32_t facet, int corner, const Behind *behind)
 {
     if (behind->count == 0) return false;
-    if (shv_dot(wing(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum)) return true;
+    if (shv_dot(flank(cohesive, facet, corner), behind->sum) < ahead_cosine * shv_norm(behind->sum)) return true;
     Continuation next = {facet, corner, behind->blunt, false};
     visit_star(cohesive, behind->state, behind->node, compare_opened, &next);
     return next.found;
@@ -272,7 +272,7 @@ static void update(ShvCohesive *cohesive, const ShvState *state, int32_t node, b
     Behind behind = find_behind(cohesive, state, node, blunt);
     if (is_slit(cohesive, state, node)) {
         behind.count++;
-        behind.sum = shv_add(behind.sum, cohesive->front.slit[node].wing);
+        behind.sum = shv_add(behind.sum, cohesive->front.slit[node].flank);
     }
     visit_star(cohesive, state, node, lower, &behind);
     cohesive->search.held[node] = 0.0;
@@ -362,11 +362,11 @@ static double angle_round(const ShvModel *model, int32_t a, int32_t b)
     return sum;
 }
 
-static void add_slit(ShvSlit *slit, ShvVec3 normal, ShvVec3 wing)
+static void add_slit(ShvSlit *slit, ShvVec3 normal, ShvVec3 flank)
 {
     const double sense = shv_dot(normal, slit->normal) < 0.0 ? -1.0 : 1.0; /* either lip counts */
     slit->normal = shv_madd(slit->normal, sense, normal);
-    slit->wing = shv_add(slit->wing, wing);
+    slit->flank = shv_add(slit->flank, flank);
 }
 
 static void find_slit(ShvCohesive *cohesive, int32_t element, int face)
@@ -378,9 +378,9 @@ static void find_slit(ShvCohesive *cohesive, int32_t element, int face)
         if (angle_round(cohesive->model, a, b) < slit_angle) continue;
         const ShvVec3 start = shv_mesh_position(mesh, a), along = shv_unit(shv_sub(shv_mesh_position(mesh, b), start));
         const ShvVec3 side = shv_sub(shv_mesh_position(mesh, nodes[shv_face_corners[face][(i + 2) % 3]]), start);
-        const ShvVec3 wing = shv_unit(shv_madd(side, -shv_dot(side, along), along)), normal = shv_cross(along, wing);
-        add_slit(&cohesive->front.slit[a], normal, wing);
-        add_slit(&cohesive->front.slit[b], normal, wing);
+        const ShvVec3 flank = shv_unit(shv_madd(side, -shv_dot(side, along), along)), normal = shv_cross(along, flank);
+        add_slit(&cohesive->front.slit[a], normal, flank);
+        add_slit(&cohesive->front.slit[b], normal, flank);
     }
 }
 

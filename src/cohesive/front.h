@@ -21,7 +21,7 @@ struct ShvCohesive;
 
 /* Where a slit of the mesh ends: its normal, and the way into it, not of unit length; zero elsewhere. */
 typedef struct ShvSlit {
-    ShvVec3 normal, wing;
+    ShvVec3 normal, flank;
 } ShvSlit;
 
 enum { SHV_FRONT_LOWERED = 8 };

@@ -183,7 +183,7 @@ static void take_disk(const ShvInspection *inspection, int32_t *candidates, doub
         if (cohesive->front.any) {
             const bool lowered = star->goes_on && facet->tip.lowered;
             cohesive->front.ahead[facet->facet] = lowered ? SHV_FRONT_LOWERED : 0;
-            if (lowered) cohesive->facet_strength[facet->facet] = star->covered * facet->tip.strength;
+            if (lowered) cohesive->facet_strength[facet->facet] = star->projected_share * facet->tip.strength;
         }
         candidates[*count] = facet->facet;
         overstress[(*count)++] = star->ratio;

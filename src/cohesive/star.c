@@ -21,7 +21,7 @@ static const double last_bond = 16.0;
 /* Of its strength: a disk at the surface that passes on less is not what the tension there pulls at. */
 static const double least_passed_on = 0.05;
 /* Facets that lean by more than 45° across the pull count as ones that do so by 45°. */
-static const double least_covered = 0.7;
+static const double least_projected_share = 0.7;
 
 static size_t most_joints(int32_t members)
 {
@@ -222,30 +222,30 @@ static bool follows_crack(const ShvStar *star, ShvVec3 direction)
 }
 
 /* Of the area of the facets that hold what tips do: what they cover of the plane across the pull. */
-static double covered_share(const ShvStar *star, ShvVec3 direction)
+static double projected_share(const ShvStar *star, ShvVec3 direction)
 {
-    double size = 0.0, covered = 0.0;
+    double size = 0.0, projected = 0.0;
     for (int32_t k = 0; k < star->cut.joint_count; k++) {
         const ShvStarFacet *facet = &star->facets[k];
         if (leaves(star, k) == 0 || !facet->tip.lowered || facet->tip.behind) continue;
         size += facet->size;
-        covered += fabs(shv_dot(facet->area, direction));
+        projected += fabs(shv_dot(facet->area, direction));
     }
-    return size > 0.0 ? shv_larger(covered / size, least_covered) : 1.0;
+    return size > 0.0 ? shv_larger(projected / size, least_projected_share) : 1.0;
 }
 
 /* The flattest disk is looked for, as leaning facets hold what flat ones do; judged is what it covers. */
 static void try_direction(ShvStar *star, const ShvCohesive *cohesive, ShvVec3 direction, double least, bool goes_on)
 {
-    const double wanted = shv_larger(least, star->ratio), searched = goes_on ? least_covered * wanted : wanted;
+    const double wanted = shv_larger(least, star->ratio), searched = goes_on ? least_projected_share * wanted : wanted;
     const double most = load(star, direction, goes_on);
     star->nearest = shv_larger(star->nearest, most / searched);
     if (most < searched) return;
     const double found = shv_cut_weakest(&star->cut, searched);
-    const double covered = goes_on ? covered_share(star, direction) : 1.0, ratio = found / covered;
+    const double share = goes_on ? projected_share(star, direction) : 1.0, ratio = found / share;
     if (ratio < wanted || !(ratio > star->ratio) || (goes_on && !follows_crack(star, direction))) return;
     star->ratio = ratio;
-    star->covered = covered;
+    star->projected_share = share;
     star->direction = direction;
     star->goes_on = goes_on;
     keep_disk(star, cohesive);

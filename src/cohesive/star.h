@@ -41,8 +41,8 @@ typedef struct ShvStar {
     double stress[6];     /* mean over the tets by mass, Pa */
     ShvVec3 direction;    /* of the opening found */
     bool goes_on; /* from a crack whose front is there, or begins below its strength: facets hold what their tips do */
-    double covered; /* where it goes on, of the disk's area: what it covers of the plane across `direction` */
-    double ratio;   /* force / capacity of the disk found; 0: none */
+    double projected_share; /* where it goes on, of the disk's area: what its projection has */
+    double ratio;           /* force / capacity of the disk found; 0: none */
     double
         nearest; /* of the facets, in the directions tried: the most that one passes on of what would do; below 1 none parts */
     int32_t disk_count;

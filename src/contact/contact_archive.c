@@ -1,6 +1,6 @@
 #include "contact/contact_archive.h"
 
-_Static_assert(sizeof(ShvSurfaceDue) == sizeof(double) + 2 * sizeof(int32_t) + 2 * sizeof(ShvSideKind),
+_Static_assert(sizeof(ShvMotionBound) == sizeof(double) + 2 * sizeof(int32_t) + 2 * sizeof(ShvSideKind),
                "written as it lies: has no gaps");
 
 bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive)
@@ -26,12 +26,12 @@ bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive
         SHV_FIELD_OF(ShvSurfaceContact, fragments, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[0].items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[0].due, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].own_due, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].movers, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].motion_bounds, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].motion_classes, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[1].items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[1].due, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].own_due, SHV_FIELD_BLOCK),
-        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].movers, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].motion_bounds, SHV_FIELD_BLOCK),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].motion_classes, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, watched, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, watched_facets.items, SHV_FIELD_BLOCK),
         SHV_FIELD_OF(ShvSurfaceContact, before, SHV_FIELD_BLOCK),

@@ -6,9 +6,10 @@
 #include "contact/surface_candidates.h"
 #include "contact/surface_edge.h"
 
-/* By the movers of both sides, m: how far they have come and how far they may come in the step. */
+/* By the motion classes of both sides, m: how far they have come and how far they may come in the step. */
 typedef struct Horizon {
-    double path[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS], reach[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
+    double path[SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES],
+        reach[SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES];
 } Horizon;
 
 /* ---- neighbours ---- */
@@ -20,14 +21,14 @@ static double separation_left(const ShvSurfaceContact *contact, ShvVec3 own, Shv
 }
 
 /* A body's point, by the side of a candidate that it belongs to. */
-static ShvVec3 position(const ShvSurfaceBodies *bodies, const ShvSurfaceDue *due, int side, int32_t node)
+static ShvVec3 position(const ShvSurfaceBodies *bodies, const ShvMotionBound *due, int side, int32_t node)
 {
     return due->kinds[side] == SHV_SIDE_BODY ? shv_bodies_position(bodies, node, due->places[side])
                                              : shv_state_position(bodies->state, node);
 }
 
 static double separation_of_edges_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                                       const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due)
+                                       const ShvSurfaceCandidate *candidate, const ShvMotionBound *due)
 {
     const ShvSurfaceList *list = &contact->list;
     double largest = 0.0;
@@ -44,7 +45,7 @@ static double separation_of_edges_left(const ShvSurfaceContact *contact, const S
 
 /* Neighbours have nothing to do with each other until they are out of place: how far that is off, m. */
 static double neighbours_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                              const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due)
+                              const ShvSurfaceCandidate *candidate, const ShvMotionBound *due)
 {
     if (candidate->copies) return separation_of_edges_left(contact, bodies, candidate, due);
     if (candidate->duplicate_corner < 0) return 0.0;
@@ -54,7 +55,7 @@ static double neighbours_left(const ShvSurfaceContact *contact, const ShvSurface
 
 /* How far both have to go at least until they may meet within `reach`, m, from what the candidate holds; 0: they may. */
 static double distance_left(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
-                            const ShvSurfaceCandidate *candidate, const ShvSurfaceDue *due, double reach)
+                            const ShvSurfaceCandidate *candidate, const ShvMotionBound *due, double reach)
 {
     const double left = neighbours_left(contact, bodies, candidate, due);
     ShvFacetPlane plane;
@@ -85,10 +86,10 @@ static bool faces_away(const ShvSurfaceContact *contact, const ShvSurfaceCandida
 /* Twice the way both can go: other impulses of the step may speed them up. */
 static void find_horizon(const ShvSurfaceContact *contact, double step, Horizon *horizon)
 {
-    for (int a = 0; a < SHV_SURFACE_MOVERS; a++)
-        for (int b = 0; b < SHV_SURFACE_MOVERS; b++) {
-            horizon->path[a * SHV_SURFACE_MOVERS + b] = contact->path[a] + contact->path[b];
-            horizon->reach[a * SHV_SURFACE_MOVERS + b] = 2.0 * step * (contact->speed[a] + contact->speed[b]);
+    for (int a = 0; a < SHV_SURFACE_MOTION_CLASSES; a++)
+        for (int b = 0; b < SHV_SURFACE_MOTION_CLASSES; b++) {
+            horizon->path[a * SHV_SURFACE_MOTION_CLASSES + b] = contact->path[a] + contact->path[b];
+            horizon->reach[a * SHV_SURFACE_MOTION_CLASSES + b] = 2.0 * step * (contact->speed[a] + contact->speed[b]);
         }
 }
 
@@ -156,27 +157,28 @@ static ShvStatus look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies
     return SHV_OK;
 }
 
-/* Whether the two have not gone so far yet that they may meet, the movers apart; then they are due when the movers have gone what is
+/* Whether the two have not gone so far yet that they may meet, their motion classes apart; then they are due when those have gone what is
    left. */
 static bool is_early(const ShvSurfaceContact *contact, ShvSurfaceCandidates *list, int32_t k, double path, double reach)
 {
-    const double left = list->own_due[k].path - shv_surface_candidate_path(contact, &list->own_due[k]);
+    const double left = list->motion_bounds[k].path - shv_surface_candidate_path(contact, &list->motion_bounds[k]);
     if (!(left > reach)) return false;
     list->due[k] = fmax(list->due[k], path + left);
     return true;
 }
 
-/* Those that are due by their movers; returns how many. Memory is the bound: each costs a byte and a number. */
+/* Those that are due by their motion classes; returns how many. Memory is the bound: each costs a byte and a number. */
 static ShvStatus find_due(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, const Horizon *horizon,
                           int32_t *count, ShvError *error)
 {
-    double until[SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS];
-    for (int k = 0; k < SHV_SURFACE_MOVERS * SHV_SURFACE_MOVERS; k++) until[k] = horizon->path[k] + horizon->reach[k];
+    double until[SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES];
+    for (int k = 0; k < SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES; k++)
+        until[k] = horizon->path[k] + horizon->reach[k];
     SHV_RESERVE(contact->memory, SHV_PART_CONTACT, list->now, list->now_capacity, list->count, "contact", error);
     *count = 0;
     for (int32_t k = 0; k < list->count; k++) {
         list->now[*count] = k;
-        *count += list->due[k] <= until[list->movers[k]];
+        *count += list->due[k] <= until[list->motion_classes[k]];
     }
     return SHV_OK;
 }
@@ -188,9 +190,9 @@ enum { PREFETCHED = 8 };
 static ShvStatus find_pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceCandidates *list,
                            int32_t k, const Horizon *horizon, double step, ShvError *error)
 {
-    const double path = horizon->path[list->movers[k]], reach = horizon->reach[list->movers[k]];
+    const double path = horizon->path[list->motion_classes[k]], reach = horizon->reach[list->motion_classes[k]];
     const ShvSurfaceCandidate *candidate = &list->items[k];
-    ShvSurfaceDue *due = &list->own_due[k];
+    ShvMotionBound *due = &list->motion_bounds[k];
     if (is_early(contact, list, k, path, reach)) return SHV_OK;
     double distance = distance_left(contact, bodies, candidate, due, reach);
     if (!(distance > 0.0) && shv_surface_candidate_is_void(contact, candidate)) distance = (double)INFINITY;
@@ -210,7 +212,7 @@ static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *
     SHV_TRY(find_due(contact, list, &horizon, &count, error));
     for (int32_t i = 0; i < count; i++) {
         if (i + PREFETCHED < count) {
-            shv_prefetch(&list->own_due[list->now[i + PREFETCHED]]);
+            shv_prefetch(&list->motion_bounds[list->now[i + PREFETCHED]]);
             shv_prefetch(&list->items[list->now[i + PREFETCHED]]);
         }
         SHV_TRY(find_pair(contact, bodies, list, list->now[i], &horizon, step, error));

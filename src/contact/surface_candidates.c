@@ -26,7 +26,7 @@ static ShvStatus watch_facet(ShvSurfaceContact *contact, int32_t place, ShvError
     return SHV_OK;
 }
 
-static double side_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side)
+static double side_path(const ShvSurfaceContact *contact, const ShvMotionBound *due, int side)
 {
     const int32_t place = due->places[side];
     switch (due->kinds[side]) {
@@ -42,7 +42,7 @@ static double side_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *d
     return contact->path[SHV_SURFACE_OBSTACLES];
 }
 
-double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due)
+double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvMotionBound *due)
 {
     return side_path(contact, due, 0) + side_path(contact, due, 1);
 }
@@ -62,9 +62,9 @@ static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, 
     int32_t room = list->capacity;
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->due, room, list->count, "contact", error);
     room = list->capacity;
-    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->own_due, room, list->count, "contact", error);
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->motion_bounds, room, list->count, "contact", error);
     room = list->capacity;
-    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->movers, room, list->count, "contact", error);
+    SHV_GROW(contact->memory, SHV_PART_CONTACT, list->motion_classes, room, list->count, "contact", error);
     SHV_GROW(contact->memory, SHV_PART_CONTACT, list->items, list->capacity, list->count, "contact", error);
     ShvSurfaceCandidate *added = &list->items[list->count++];
     *added = *candidate;
@@ -74,7 +74,7 @@ static ShvStatus append(ShvSurfaceContact *contact, ShvSurfaceCandidates *list, 
 }
 
 static void set_side(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int32_t slot, int32_t place,
-                     ShvSurfaceDue *due, int side)
+                     ShvMotionBound *due, int side)
 {
     const int32_t fragment = place >= 0  ? contact->list.facets[place].fragment
                              : slot >= 0 ? contact->list.nodes[slot].fragment
@@ -87,7 +87,7 @@ static void set_side(const ShvSurfaceContact *contact, const ShvSurfaceBodies *b
                                     : SHV_SIDE_OBSTACLES;
 }
 
-static ShvStatus watch_side(ShvSurfaceContact *contact, const ShvSurfaceDue *due, int side, ShvError *error)
+static ShvStatus watch_side(ShvSurfaceContact *contact, const ShvMotionBound *due, int side, ShvError *error)
 {
     if (due->kinds[side] == SHV_SIDE_NODE) return watch(contact, due->places[side], error);
     return due->kinds[side] == SHV_SIDE_FACET ? watch_facet(contact, due->places[side], error) : SHV_OK;
@@ -101,15 +101,15 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
     const int first =
         own >= 0 ? contact->list.facets[own].speed_class : contact->list.nodes[candidate->slot].speed_class;
     const int second = other >= 0 ? contact->list.facets[other].speed_class : SHV_SURFACE_OBSTACLES;
-    ShvSurfaceDue due;
+    ShvMotionBound due;
     set_side(contact, bodies, candidate->slot, own, &due, 0);
     set_side(contact, bodies, -1, other, &due, 1);
     due.path = feature ? -(double)INFINITY : shv_surface_candidate_path(contact, &due) + distance;
     ShvSurfaceCandidates *list = &contact->candidates[due.kinds[0] == SHV_SIDE_BODY && due.kinds[1] == SHV_SIDE_BODY];
     SHV_TRY(append(contact, list, candidate, error));
-    list->own_due[list->count - 1] = due;
+    list->motion_bounds[list->count - 1] = due;
     list->due[list->count - 1] = contact->path[first] + contact->path[second] + distance;
-    list->movers[list->count - 1] = (uint8_t)(first * SHV_SURFACE_MOVERS + second);
+    list->motion_classes[list->count - 1] = (uint8_t)(first * SHV_SURFACE_MOTION_CLASSES + second);
     SHV_TRY(watch_side(contact, &due, 0, error));
     return watch_side(contact, &due, 1, error);
 }

@@ -21,7 +21,7 @@ ShvStatus shv_surface_candidate_add(ShvSurfaceContact *contact, const ShvSurface
 /* Names the node, and the facet's tet and nodes, of the places in a candidate. */
 void shv_surface_candidate_name(const ShvSurfaceList *list, ShvSurfaceCandidate *candidate);
 /* Sum of the paths of both sides of what deforms, and obstacles, m: their distance has changed by no more. */
-double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvSurfaceDue *due);
+double shv_surface_candidate_path(const ShvSurfaceContact *contact, const ShvMotionBound *due);
 /* Whether a side of it has looked for its candidates anew since. */
 bool shv_surface_candidate_is_void(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate);
 

@@ -30,8 +30,8 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
     for (int k = 0; k < 2; k++) {
         shv_release(contact->candidates[k].items);
         shv_release(contact->candidates[k].due);
-        shv_release(contact->candidates[k].own_due);
-        shv_release(contact->candidates[k].movers);
+        shv_release(contact->candidates[k].motion_bounds);
+        shv_release(contact->candidates[k].motion_classes);
         shv_release(contact->candidates[k].now);
     }
     shv_release(contact->fragments);

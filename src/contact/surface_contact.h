@@ -60,20 +60,20 @@ typedef struct ShvFragmentTouch {
 typedef enum ShvSideKind { SHV_SIDE_NODE, SHV_SIDE_FACET, SHV_SIDE_BODY, SHV_SIDE_OBSTACLES } ShvSideKind;
 
 /* Below which sum of the paths of both sides a candidate cannot meet. */
-typedef struct ShvSurfaceDue {
-    double path;       /* m; −∞: movers alone decide */
+typedef struct ShvMotionBound {
+    double path;       /* m; −∞: motion classes alone decide */
     int32_t places[2]; /* of the node or facet in the list; the fragment; −1 */
     ShvSideKind kinds[2];
-} ShvSurfaceDue;
+} ShvMotionBound;
 
 typedef struct ShvSurfaceCandidates {
     ShvSurfaceCandidate *items;
-    double *due;            /* per candidate, m: the same of the paths of its movers, which costs least to ask */
-    ShvSurfaceDue *own_due; /* per candidate */
-    uint8_t *movers;        /* per candidate: mover of the node × SHV_SURFACE_MOVERS + that of the other side */
+    double *due; /* per candidate, m: the same of the paths of its motion classes, which costs least to ask */
+    ShvMotionBound *motion_bounds; /* per candidate */
+    uint8_t *motion_classes; /* per candidate: that of the node × SHV_SURFACE_MOTION_CLASSES + the other side's */
     int32_t count, capacity;
     int32_t held; /* when void ones were last dropped */
-    int32_t *now; /* those that are due in the step by their movers */
+    int32_t *now; /* those that are due in the step by their motion classes */
     int32_t now_capacity;
 } ShvSurfaceCandidates;
 
@@ -84,7 +84,7 @@ typedef struct ShvSurfaceFragment {
     bool rigid;          /* it was a coupled body */
     bool cracked;        /* a crack runs in it: its own surfaces are candidates of one another */
     bool opened;         /* its nodes are to look for what they may meet anew */
-    bool leaving;        /* a coupled body that may leave its skin */
+    bool leaves_skin;    /* a coupled body that may leave its skin */
 } ShvSurfaceFragment;
 
 /* Most steps from one time that the speeds of all nodes are read to the next. */
@@ -95,7 +95,7 @@ typedef struct ShvPairKey {
 } ShvPairKey;
 
 /* What moves: nodes and facets of each speed class, and obstacles. */
-enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOVERS };
+enum { SHV_SURFACE_OBSTACLES = SHV_SURFACE_SPEED_CLASSES, SHV_SURFACE_MOTION_CLASSES };
 
 typedef struct ShvSurfaceContact {
     ShvMemory *memory;
@@ -120,13 +120,13 @@ typedef struct ShvSurfaceContact {
     int32_t facets_with_neighbours;      /* of the list, so many have a neighbour list */
     ShvSurfacePlaces rebuilt_facets;     /* in the last rebuild */
     ShvVec3 drift;                       /* velocity of the frame in which motion is measured, m/s */
-    double skin[SHV_SURFACE_MOVERS];     /* m: how far each may go until candidates are chosen anew */
-    double speed[SHV_SURFACE_MOVERS];    /* m/s: largest of candidates' nodes, and of obstacles */
-    double path[SHV_SURFACE_MOVERS];     /* m: how far the fastest has gone since */
-    int32_t steps_to_check;              /* steps until it is looked which nodes leave their skin */
-    double seen_time;                    /* s: time up to which motion has been counted */
-    double gravity;                      /* m/s² */
-    ShvSurfaceCandidates candidates[2];  /* where something deforms or an obstacle is met; between coupled bodies */
+    double skin[SHV_SURFACE_MOTION_CLASSES];  /* m: how far each may go until candidates are chosen anew */
+    double speed[SHV_SURFACE_MOTION_CLASSES]; /* m/s: largest of candidates' nodes, and of obstacles */
+    double path[SHV_SURFACE_MOTION_CLASSES];  /* m: how far the fastest has gone since */
+    int32_t steps_to_check;                   /* steps until it is looked which nodes leave their skin */
+    double seen_time;                         /* s: time up to which motion has been counted */
+    double gravity;                           /* m/s² */
+    ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
     int32_t steps_since_detection,
         detection_interval; /* steps since coupled bodies were looked at together; until they are again */
     int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */

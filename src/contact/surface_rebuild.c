@@ -13,8 +13,8 @@ static void find_leaving_bodies(ShvSurfaceContact *contact, const ShvSurfaceBodi
 {
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++) {
         ShvSurfaceFragment *fragment = &contact->fragments[i];
-        fragment->leaving = bodies->coupled_bodies[i] && shv_surface_speed_leaves(contact, bodies, i, step);
-        if (fragment->leaving) fragment->path = 0.0;
+        fragment->leaves_skin = bodies->coupled_bodies[i] && shv_surface_speed_leaves(contact, bodies, i, step);
+        if (fragment->leaves_skin) fragment->path = 0.0;
     }
 }
 
@@ -27,7 +27,7 @@ static ShvStatus find_leaving(ShvSurfaceContact *contact, const ShvSurfaceBodies
     for (int32_t k = 0; k < list->node_count; k++) {
         const ShvSurfaceNode *node = &list->nodes[k];
         const bool rigid = shv_bodies_coupled_body(bodies, node->fragment);
-        if (node->outdated || (rigid && !contact->fragments[node->fragment].leaving)) continue;
+        if (node->outdated || (rigid && !contact->fragments[node->fragment].leaves_skin)) continue;
         const int32_t steps = rigid ? 0 : shv_surface_speed_steps(contact, bodies, node, step, contact->steps_to_check);
         if (steps == 0)
             SHV_TRY(shv_surface_list_mark_outdated(list, k, error));
@@ -101,8 +101,8 @@ static void drop_void(ShvSurfaceContact *contact, ShvSurfaceCandidates *list)
         if (shv_surface_candidate_is_void(contact, &list->items[k])) continue;
         list->items[list->held] = list->items[k];
         list->due[list->held] = list->due[k];
-        list->own_due[list->held] = list->own_due[k];
-        list->movers[list->held++] = list->movers[k];
+        list->motion_bounds[list->held] = list->motion_bounds[k];
+        list->motion_classes[list->held++] = list->motion_classes[k];
     }
     list->count = list->held;
 }

@@ -123,7 +123,7 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     if (state->time == contact->seen_time) return false;
     contact->seen_time = state->time;
     shv_surface_measure_speeds(contact, bodies);
-    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] += state->last_step * contact->speed[k];
+    for (int k = 0; k < SHV_SURFACE_MOTION_CLASSES; k++) contact->path[k] += state->last_step * contact->speed[k];
     count_paths(contact, state->last_step);
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
         if (bodies->coupled_bodies[i])
@@ -205,5 +205,5 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
         shv_surface_speed_node(contact, bodies, &contact->list.nodes[k], step);
     for (int32_t k = 0; k < contact->list.facet_count; k++)
         shv_surface_speed_facet(contact, bodies, &contact->list.facets[k]);
-    for (int k = 0; k < SHV_SURFACE_MOVERS; k++) contact->path[k] = 0.0;
+    for (int k = 0; k < SHV_SURFACE_MOTION_CLASSES; k++) contact->path[k] = 0.0;
 }
