@@ -4,6 +4,9 @@
 #ifndef SHV_BASE_DETERMINISTIC_H
 #define SHV_BASE_DETERMINISTIC_H
 
+#define SHV_PI     3.14159265358979323846
+#define SHV_DEGREE (SHV_PI / 180.0) /* in radians */
+
 double shv_exp(double x);
 double shv_log(double x);
 /* x^a for x ≥ 0; small whole and half exponents by multiplication and square root. 0^0 = 1. NaN for x < 0, except

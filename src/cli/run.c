@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/deterministic.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "base/timer.h"
@@ -261,7 +262,7 @@ static bool asked_to_stop(void *data)
 static double crack_angle(const ShvCrackView *crack)
 {
     if (isnan(crack->normal[2])) return (double)NAN;
-    return asin(fmin(1.0, fabs(crack->normal[2]))) * 180.0 / 3.14159265358979323846;
+    return asin(fmin(1.0, fabs(crack->normal[2]))) * 180.0 / SHV_PI;
 }
 
 static void print_json(const ShvFrameView *frame, const History *history, const char *path, double wall,

@@ -8,8 +8,6 @@
 #include "base/deterministic.h"
 #include "pbd/damping.h"
 
-static const double PI = 3.14159265358979323846;
-
 /* A fragment is damped every so many steps, a power of two, for all of them: its rigid motion costs some 58 ns a node. More often than
    eight times in half a period of its slowest mode, so that shards of a few tets are damped in every step. */
 enum { LONGEST_INTERVAL = 16 };
@@ -58,7 +56,7 @@ static void add_force(ShvHybrid *hybrid, const ShvFragment *fragment, double bef
     ShvState *state = &hybrid->state;
     const int32_t *nodes = hybrid->fragments.nodes + fragment->node_begin;
     const double kick = 0.5 * (before + after), transit = slowest_transit(hybrid, fragment);
-    const double rate = fragment->loss_factor * PI / transit;
+    const double rate = fragment->loss_factor * SHV_PI / transit;
     const double share = 1.0 - shv_exp(-rate * interval_of(transit, after) * kick);
     const ShvRigidField rigid = shv_rigid_field(state, nodes, fragment->node_count);
     for (int32_t i = 0; i < fragment->node_count; i++) {

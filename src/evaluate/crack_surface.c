@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "base/deterministic.h"
 #include "base/hash.h"
 #include "shape/triangle.h"
 
@@ -162,12 +163,11 @@ ShvCrackDistance shv_crack_distance(const ShvCrackSurface *a, const ShvCrackSurf
 /* ---- arms of a star ---- */
 
 enum { DIRECTIONS = 3600 }; /* a tenth of a degree, a fortieth of an edge at ten edges from the axis */
-static const double PI = 3.14159265358979323846;
 
 static void mark_crossing(ShvVec3 a, ShvVec3 b, double radius, bool *crossed)
 {
     if ((hypot(a.x, a.y) < radius) == (hypot(b.x, b.y) < radius)) return;
-    const double turn = atan2(a.y + b.y, a.x + b.x) / (2.0 * PI) + 0.5;
+    const double turn = atan2(a.y + b.y, a.x + b.x) / (2.0 * SHV_PI) + 0.5;
     crossed[(int)(turn * DIRECTIONS) % DIRECTIONS] = true;
 }
 
@@ -186,6 +186,6 @@ int32_t shv_crack_arms(const ShvVec3 *corners, int64_t count, double radius, dou
     for (int64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) mark_crossing(corners[3 * i + k], corners[3 * i + (k + 1) % 3], radius, crossed);
     for (int i = 0; i < DIRECTIONS; i++)
-        arms += crossed[i] && next_crossing(crossed, i) * 2.0 * PI * radius > gap * DIRECTIONS;
+        arms += crossed[i] && next_crossing(crossed, i) * 2.0 * SHV_PI * radius > gap * DIRECTIONS;
     return arms;
 }

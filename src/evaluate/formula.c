@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/deterministic.h"
 #include "base/text.h"
 
 enum { LONGEST_NAME = 128, DEEPEST = 64 };
@@ -192,7 +193,7 @@ static ShvStatus parse_name(Parser *parser, ShvFormulaValue *value)
     name[length] = '\0';
     if (take(parser, '(')) return of_run(parser, name, value) ? SHV_OK : parse_call(parser, name, value);
     if (strcmp(name, "pi") == 0) {
-        *value = (ShvFormulaValue){.number = 3.14159265358979323846};
+        *value = (ShvFormulaValue){.number = SHV_PI};
         return SHV_OK;
     }
     if (parser->names->find(parser->names->data, name, value)) return SHV_OK;

@@ -3,13 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/deterministic.h"
 #include "base/memory.h"
 
 /* A sphere's meridians and the belts between its poles: 2.5 % of the radius at most between a facet and the sphere. */
 enum { MERIDIANS = 32, BELTS = 16 };
 /* Half an edge of a plane's square, over half the diagonal of the box around all objects at the start. */
 static const double PLANE_REACH = 4.0;
-static const double PI = 3.14159265358979323846;
 
 static ShvStatus take_room(ShvObstacleMesh *mesh, int32_t nodes, int32_t triangles, struct ShvMemory *memory,
                            ShvError *error)
@@ -34,7 +34,7 @@ static void put_sphere(ShvObstacleMesh *mesh, double radius)
     const int32_t top = MERIDIANS * (BELTS - 1), bottom = top + 1;
     int32_t next = 0;
     for (int32_t i = 0; i < top; i++) {
-        const double polar = PI * (i / MERIDIANS + 1) / BELTS, turn = 2.0 * PI * (i % MERIDIANS) / MERIDIANS;
+        const double polar = SHV_PI * (i / MERIDIANS + 1) / BELTS, turn = 2.0 * SHV_PI * (i % MERIDIANS) / MERIDIANS;
         shv_store3(mesh->positions + 3 * (int64_t)i,
                    shv_vec3(radius * sin(polar) * cos(turn), radius * sin(polar) * sin(turn), radius * cos(polar)));
     }

@@ -90,7 +90,7 @@ static ShvVec3 draw(uint64_t seed, int32_t node)
 {
     const uint64_t first = 3 * (uint64_t)node;
     const double height = 2.0 * shv_random_uniform(seed, first) - 1.0, ring = sqrt(1.0 - height * height);
-    const double angle = 6.2831853071795864769 * shv_random_uniform(seed, first + 1);
+    const double angle = 2.0 * SHV_PI * shv_random_uniform(seed, first + 1);
     const ShvVec3 direction = shv_vec3(ring * shv_cos(angle), ring * shv_sin(angle), height);
     return shv_scale(direction, shv_random_uniform(seed, first + 2));
 }

@@ -4,7 +4,6 @@
 
 #include "base/deterministic.h"
 
-static const double turn_radians = 6.2831853071795864769;
 /* Cosine between stretches of a profile: turns of 30° and more are edges of the body. */
 static const double sharp_cosine = 0.8660254037844387;
 
@@ -32,7 +31,7 @@ static double length_of(const Stretch *s)
 /* A frustum without its ends. */
 static double area_of(const Stretch *s)
 {
-    return 0.5 * turn_radians * (s->r[0] + s->r[1]) * length_of(s);
+    return SHV_PI * (s->r[0] + s->r[1]) * length_of(s);
 }
 
 /* ---- places ---- */
@@ -153,7 +152,7 @@ double shv_outline_volume(const ShvOutline *outline)
     for (int32_t i = 0; i < outline->count; i++) {
         const Stretch s = stretch_of(outline, i);
         const double squares = s.r[0] * s.r[0] + s.r[0] * s.r[1] + s.r[1] * s.r[1];
-        sum += turn_radians / 6.0 * (s.z[1] - s.z[0]) * squares;
+        sum += 2.0 * SHV_PI / 6.0 * (s.z[1] - s.z[0]) * squares;
     }
     return fabs(sum);
 }
@@ -191,7 +190,7 @@ ShvVec3 shv_outline_draw(const ShvOutline *outline, const double draw[3], uint8_
         rest -= area_of(&s);
     }
     const double low = s.r[0] * s.r[0], high = s.r[1] * s.r[1], r = sqrt(low + draw[1] * (high - low));
-    const double share = s.r[1] != s.r[0] ? (r - s.r[0]) / (s.r[1] - s.r[0]) : draw[1], angle = turn_radians * draw[2];
+    const double share = s.r[1] != s.r[0] ? (r - s.r[0]) / (s.r[1] - s.r[0]) : draw[1], angle = 2.0 * SHV_PI * draw[2];
     *held = SHV_HELD_SURFACE;
     return shv_vec3(r * shv_cos(angle), r * shv_sin(angle), s.z[0] + share * (s.z[1] - s.z[0]));
 }

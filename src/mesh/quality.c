@@ -58,8 +58,7 @@ ShvMeshQuality shv_mesh_quality(const ShvMesh *mesh)
     }
     q.mean_edge /= 6.0 * (double)mesh->element_count;
     q.mean_aspect /= (double)mesh->element_count;
-    const double degrees = 57.295779513082320877; /* a radian */
-    q.smallest_dihedral = degrees * shv_acos(fmin(largest_cosine, 1.0));
-    q.largest_dihedral = degrees * shv_acos(fmax(smallest_cosine, -1.0));
+    q.smallest_dihedral = 180.0 / SHV_PI * shv_acos(fmin(largest_cosine, 1.0));
+    q.largest_dihedral = 180.0 / SHV_PI * shv_acos(fmax(smallest_cosine, -1.0));
     return q;
 }

@@ -10,7 +10,6 @@
 static const double apart = 0.74, along_edges = 0.98, depth_share = 0.5;
 /* Darts thrown per place that a point could have; with more, hardly any find room. */
 static const double darts = 24.0;
-static const double turn_radians = 6.2831853071795864769;
 
 /* Cells as wide as points are apart, each with a list of its points. */
 typedef struct Grid {
@@ -157,10 +156,10 @@ static ShvStatus add_rings(Throw *t, ShvError *error)
     for (int32_t i = 0; i < t->outline->count; i++) {
         const double r = t->outline->profile[2 * (int64_t)i], z = t->outline->profile[2 * (int64_t)i + 1];
         if (!shv_outline_is_sharp(t->outline, i)) continue;
-        const int32_t parts = (int32_t)fmax(6.0, parts_of(turn_radians * r, t->edge));
+        const int32_t parts = (int32_t)fmax(6.0, parts_of(2.0 * SHV_PI * r, t->edge));
         const double begin = draw(t);
         for (int32_t k = 0; k < parts; k++) {
-            const double angle = turn_radians * (k + begin) / parts;
+            const double angle = 2.0 * SHV_PI * (k + begin) / parts;
             SHV_TRY(add(t, shv_vec3(r * shv_cos(angle), r * shv_sin(angle), z), SHV_HELD_RING, error));
         }
     }

@@ -6,7 +6,6 @@
 
 static const double eighth_of_pi = 0.39269908169872415;
 
-static const double radians = 0.017453292519943295; /* of a degree */
 /* In compression faces slide and ride up over each other, as the rough ones of a mesh must: at 30°. With a flow rule of that
    angle and friction of φ besides, the direction of motion stands at 45° + (φ − 30°)/2 to the least compressive stress. */
 static const double riding_cosine = 0.86602540378443865, riding_sine = 0.5;
@@ -111,7 +110,7 @@ static void derive_elasticity(ShvMaterial *material)
 
 static void derive_friction(ShvMaterial *material, double degrees)
 {
-    const double angle = radians * degrees, cosine = shv_cos(0.5 * angle), sine = shv_sin(0.5 * angle);
+    const double angle = SHV_DEGREE * degrees, cosine = shv_cos(0.5 * angle), sine = shv_sin(0.5 * angle);
     material->friction = shv_sin(angle) / shv_cos(angle);
     material->riding[0] = riding_cosine * cosine - riding_sine * sine;
     material->riding[1] = riding_sine * cosine + riding_cosine * sine;

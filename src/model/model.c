@@ -3,6 +3,7 @@
 #include <omp.h>
 #include <string.h>
 
+#include "base/deterministic.h"
 #include "base/text.h"
 #include "mesh/generate.h"
 #include "model/precrack.h"
@@ -105,7 +106,7 @@ static ShvStatus make_objects(ShvModel *model, const ShvSceneDefinition *scene, 
 /* Rotates about the mesh's origin, then shifts. Where there is neither, coordinates keep their bits. */
 static void place(ShvMesh *mesh, const ShvPlacement *placement)
 {
-    const double radians = placement->rotation_degrees * 0.017453292519943295;
+    const double radians = placement->rotation_degrees * SHV_DEGREE;
     const ShvQuat rotation = shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), radians);
     const ShvVec3 position = shv_load3(placement->position);
     for (int32_t i = 0; i < mesh->node_count; i++) {

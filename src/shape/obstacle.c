@@ -1,5 +1,6 @@
 #include "shape/obstacle.h"
 
+#include "base/deterministic.h"
 #include "base/file.h"
 #include "shape/bounding_tree.h"
 #include "shape/collide.h"
@@ -203,9 +204,8 @@ static ShvStatus make(ShvObstacle *obstacle, ShvMemory *memory, const ShvObstacl
     SHV_TRY(shv_features_create(obstacle, memory, error));
     if (obstacle->shape == SHV_OBSTACLE_PLANE) return SHV_OK;
     const ShvPlacement *placement = &definition->placement;
-    const double degree = 0.017453292519943295;
     obstacle->orientation =
-        shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), placement->rotation_degrees * degree);
+        shv_quat_from_axis_angle(shv_load3(placement->rotation_axis), placement->rotation_degrees * SHV_DEGREE);
     obstacle->position = shv_add(shv_load3(placement->position), shv_rotate(obstacle->orientation, obstacle->centre));
     return obstacle->motion == SHV_OBSTACLE_FREE ? make_body(obstacle, &unit, error) : SHV_OK;
 }

@@ -51,7 +51,6 @@ ShvVec3 shv_rotation_between(ShvQuat from, ShvQuat to)
     const double sine = shv_norm(vector);
     if (sine < 1e-8) return shv_scale(vector, 2.0); /* sin(a/2) = a/2 to all digits */
     /* From the sine where it is small: the cosine of a small angle has lost its digits. */
-    const double quarter_turn = 1.5707963267948966;
-    const double angle = sine < 0.7 ? 2.0 * (quarter_turn - shv_acos(sine)) : 2.0 * shv_acos(fmin(turn.w, 1.0));
+    const double angle = sine < 0.7 ? 2.0 * (0.5 * SHV_PI - shv_acos(sine)) : 2.0 * shv_acos(fmin(turn.w, 1.0));
     return shv_scale(vector, angle / sine);
 }

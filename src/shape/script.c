@@ -1,4 +1,6 @@
 #include "shape/obstacle.h"
+
+#include "base/deterministic.h"
 #include "shape/rotation.h"
 
 typedef struct Pose {
@@ -8,9 +10,8 @@ typedef struct Pose {
 
 static Pose keyframe_pose(const ShvKeyframe *keyframe)
 {
-    const double degree = 0.017453292519943295;
-    return (Pose){shv_load3(keyframe->position),
-                  shv_quat_from_axis_angle(shv_load3(keyframe->rotation_axis), keyframe->rotation_degrees * degree)};
+    return (Pose){shv_load3(keyframe->position), shv_quat_from_axis_angle(shv_load3(keyframe->rotation_axis),
+                                                                          keyframe->rotation_degrees * SHV_DEGREE)};
 }
 
 /* Last keyframe at or before a time, −1 before the first. */

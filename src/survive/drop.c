@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/deterministic.h"
 #include "base/random.h"
 #include "shiver/run_file.h"
 
-static const double PI = 3.14159265358979323846;
 static const double standard_gravity = 9.80665; /* m/s² */
 
 double shv_drop_speed(double height)
@@ -99,8 +99,8 @@ static ShvQuat random_turn(uint64_t specimen)
 {
     const uint64_t seed =
         specimen ^ UINT64_C(0x7475726e); /* its own numbers: strengths are drawn from the seed itself */
-    const double u = shv_random_uniform(seed, 0), a = 2.0 * PI * shv_random_uniform(seed, 1),
-                 b = 2.0 * PI * shv_random_uniform(seed, 2);
+    const double u = shv_random_uniform(seed, 0), a = 2.0 * SHV_PI * shv_random_uniform(seed, 1),
+                 b = 2.0 * SHV_PI * shv_random_uniform(seed, 2);
     return (ShvQuat){
         .w = sqrt(u) * cos(b), .x = sqrt(1.0 - u) * sin(a), .y = sqrt(1.0 - u) * cos(a), .z = sqrt(u) * sin(b)};
 }
@@ -126,7 +126,7 @@ static void turn_body(const ShvDrop *drop, ShvQuat turn, ShvPlacement *placement
 {
     const ShvVec3 axis = shv_load3(placement->rotation_axis), place = shv_load3(placement->position);
     const ShvQuat old = shv_norm(axis) > 0.0
-                            ? shv_quat_from_axis_angle(shv_unit(axis), placement->rotation_degrees * PI / 180.0)
+                            ? shv_quat_from_axis_angle(shv_unit(axis), placement->rotation_degrees * SHV_PI / 180.0)
                             : shv_quat_identity();
     const ShvQuat whole = shv_quat_unit(shv_quat_multiply(turn, old));
     const ShvVec3 arm = shv_vec3(whole.x, whole.y, whole.z);
@@ -134,7 +134,7 @@ static void turn_body(const ShvDrop *drop, ShvQuat turn, ShvPlacement *placement
     const ShvVec3 arm_of_origin = shv_rotate(turn, shv_sub(place, drop->centre));
     shv_store3(placement->position, shv_add(turned_centre(drop, turn), arm_of_origin));
     shv_store3(placement->rotation_axis, sine > 0.0 ? shv_scale(arm, 1.0 / sine) : shv_vec3(0.0, 0.0, 1.0));
-    placement->rotation_degrees = 2.0 * atan2(sine, whole.w) * 180.0 / PI;
+    placement->rotation_degrees = 2.0 * atan2(sine, whole.w) * 180.0 / SHV_PI;
 }
 
 static ShvSceneDefinition scene_of(const ShvDrop *drop, uint64_t specimen, double height)
