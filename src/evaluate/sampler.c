@@ -324,11 +324,13 @@ static void add_opened(ShvSampler *sampler, const ShvSimulation *simulation)
 {
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     shv_outcome_add_all(sampler->outcome, "crack.opened", SHV_CLOCK_NONE, NULL, 0);
-    for (int64_t i = 0; i < 4 * (int64_t)mesh.element_count; i++)
-        for (int k = 0; k < 4 && sampler->damage[i] >= opened; k++)
+    for (int64_t i = 0; i < 4 * (int64_t)mesh.element_count; i++) {
+        if (sampler->damage[i] < opened) continue;
+        for (int k = 0; k < 4; k++)
             if (k != i % 4)
                 shv_outcome_add_all(sampler->outcome, "crack.opened", SHV_CLOCK_NONE,
                                     mesh.positions + 3 * (int64_t)mesh.elements[4 * (i / 4) + k], 3);
+    }
 }
 
 /* A double holds 53 bits of the hash: equal for equal runs. */

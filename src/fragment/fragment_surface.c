@@ -1,6 +1,7 @@
 #include "fragment/fragment.h"
 
 #include "mesh/facets.h"
+#include "mesh/tet.h"
 
 /* Whether the other side of a face uses the same three copies of the face's nodes. */
 static bool shares_face(const ShvState *state, int32_t element, int32_t face, int32_t other, int32_t other_face)
@@ -20,11 +21,11 @@ static bool is_on_boundary(const ShvFragments *fragments, const ShvModel *model,
     return model->adjacency.element_facets[4 * (int64_t)element + face] >= model->adjacency.interior_count;
 }
 
-static int32_t across(const ShvAdjacency *adjacency, int32_t element, int32_t face)
+/* Which of the two sides of a face inside the mesh is the other one. */
+static int64_t other_side(const ShvAdjacency *adjacency, int32_t element, int32_t face)
 {
-    const int32_t *sides =
-        adjacency->facet_elements + 2 * (int64_t)adjacency->element_facets[4 * (int64_t)element + face];
-    return sides[0] == element ? sides[1] : sides[0];
+    const int64_t facet = adjacency->element_facets[4 * (int64_t)element + face];
+    return 2 * facet + (adjacency->facet_elements[2 * facet] == element);
 }
 
 static bool is_open(const ShvFragments *fragments, const ShvModel *model, const ShvState *state, int32_t element,
@@ -32,20 +33,20 @@ static bool is_open(const ShvFragments *fragments, const ShvModel *model, const 
 {
     if (is_on_boundary(fragments, model, element, face)) return true;
     if (fragments->boundary) return false;
-    const ShvAdjacency *adjacency = &model->adjacency;
-    const int32_t facet = adjacency->element_facets[4 * (int64_t)element + face];
     if (shv_fragments_bonded_neighbour(fragments, element, face) >= 0) return false;
-    const int side = adjacency->facet_elements[2 * (int64_t)facet] == element;
-    return !shares_face(state, element, face, adjacency->facet_elements[2 * (int64_t)facet + side],
-                        adjacency->facet_faces[2 * (int64_t)facet + side]);
+    const ShvAdjacency *adjacency = &model->adjacency;
+    const int64_t other = other_side(adjacency, element, face);
+    return !shares_face(state, element, face, adjacency->facet_elements[other], adjacency->facet_faces[other]);
 }
 
-static double face_area(const ShvState *state, int32_t element, int32_t face)
+/* To another fragment or to the outside. */
+static bool is_outside(const ShvFragments *fragments, const ShvModel *model, const ShvState *state, int32_t element,
+                       int32_t face)
 {
-    ShvVec3 x[3];
-    for (int a = 0; a < 3; a++)
-        x[a] = shv_load3(state->reference + 3 * (int64_t)shv_state_node(state, element, shv_face_corners[face][a]));
-    return 0.5 * shv_norm(shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
+    if (is_on_boundary(fragments, model, element, face)) return true;
+    if (fragments->boundary) return false;
+    const int32_t other = model->adjacency.facet_elements[other_side(&model->adjacency, element, face)];
+    return state->element_fragment[other] != state->element_fragment[element];
 }
 
 double shv_fragment_surface_area(const ShvFragment *fragment, const ShvFragments *fragments, const ShvModel *model,
@@ -54,12 +55,9 @@ double shv_fragment_surface_area(const ShvFragment *fragment, const ShvFragments
     const int32_t *elements = fragments->elements + fragment->element_begin;
     double area = 0.0;
     for (int32_t i = 0; i < fragment->element_count; i++)
-        for (int32_t face = 0; face < 4; face++) {
-            const bool outside = is_on_boundary(fragments, model, elements[i], face);
-            if (outside || (!fragments->boundary &&
-                            state->element_fragment[across(&model->adjacency, elements[i], face)] != fragment->id))
-                area += face_area(state, elements[i], face);
-        }
+        for (int32_t face = 0; face < 4; face++)
+            if (is_outside(fragments, model, state, elements[i], face))
+                area += shv_tet_of_nodes(&model->mesh, model->mesh.elements + 4 * (int64_t)elements[i]).areas[face];
     return area;
 }
 
