@@ -16,13 +16,13 @@ static void list_nodes(ShvHybrid *hybrid)
 {
     ShvAwake *awake = &hybrid->awake;
     const ShvFragments *fragments = &hybrid->fragments;
-    awake->count = 0;
-    awake->node_count = 0;
+    awake->count = awake->element_count = awake->node_count = 0;
     for (int32_t i = 0; i < fragments->count; i++) {
         const ShvFragment *fragment = &fragments->items[i];
         awake->flags[i] = fragment->mode == SHV_MODE_FRACTURE;
         if (!awake->flags[i]) continue;
         awake->count++;
+        awake->element_count += fragment->element_count;
         memcpy(awake->nodes + awake->node_count, fragments->nodes + fragment->node_begin,
                (size_t)fragment->node_count * sizeof(int32_t));
         awake->node_count += fragment->node_count;

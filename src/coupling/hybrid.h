@@ -9,6 +9,7 @@
 #ifndef SHV_COUPLING_HYBRID_H
 #define SHV_COUPLING_HYBRID_H
 
+#include "base/processors.h"
 #include "base/timer.h"
 #include "cohesive/cohesive.h"
 #include "conditions/imposed.h"
@@ -34,9 +35,10 @@ typedef struct ShvAwake {
     int32_t flag_capacity;
     int32_t *nodes; /* nodes of awake fragments, fragment by fragment */
     int32_t node_count, node_capacity;
-    int32_t count; /* awake fragments */
-    bool stale;    /* the lists must be rebuilt */
-    bool dormant;  /* what is awake is held, unmoved, and nothing is near it */
+    int32_t count;         /* awake fragments */
+    int32_t element_count; /* their tets */
+    bool stale;            /* the lists must be rebuilt */
+    bool dormant;          /* what is awake is held, unmoved, and nothing is near it */
 } ShvAwake;
 
 /* Wakes that are pending in the present interval, by time. */
@@ -202,6 +204,7 @@ typedef struct ShvHybrid {
     ShvEventLog log;
     int32_t next_event; /* of the scene's time line */
     ShvCosts costs;
+    ShvProcessors processors;
     bool (*stop)(void *data);
     void *stop_data;
 } ShvHybrid;
@@ -232,6 +235,8 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_reserve(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error);
+/* threads.c: gives loops as many threads as have work and find a processor, where the scene leaves that open. */
+void shv_hybrid_choose_threads(ShvHybrid *hybrid);
 /* wake.c */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);

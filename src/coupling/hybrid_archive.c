@@ -105,6 +105,7 @@ static bool archive_rest(ShvHybrid *hybrid, ShvArchive *archive)
         SHV_FIELD_OF(ShvHybrid, stop_data, SHV_FIELD_KEPT),
         /* parts */
         SHV_FIELD_OF(ShvHybrid, costs, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvHybrid, processors, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, state, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, solid, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvHybrid, cohesive, SHV_FIELD_KEPT),

@@ -127,6 +127,7 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
 ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
 {
     ShvState *state = &hybrid->state;
+    shv_hybrid_choose_threads(hybrid);
     SHV_TRY(observe_now_and_then(hybrid, error));
     SHV_TRY(shv_hybrid_check(hybrid, error));
     const double step = shv_hybrid_choose_step(hybrid, limit);

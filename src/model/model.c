@@ -130,13 +130,12 @@ static ShvStatus check_placed(const ShvMesh *mesh, const char *name, ShvError *e
     return SHV_OK;
 }
 
-/* As many threads as processors, but not more than have work: a colour of a small mesh is done before a second thread has
-   begun, and on a busy machine threads that wait for each other cost many times the work. */
-static int32_t choose_threads(const ShvSceneDefinition *scene, const ShvModel *model)
+int32_t shv_threads_worth(int32_t tets)
 {
-    enum { TETS_A_THREAD = 16384 };
-    if (scene->threads > 0) return scene->threads;
-    const int32_t useful = 1 + model->mesh.element_count / TETS_A_THREAD;
+    /* A thread that has slept takes some fifty microseconds to wake, and waits for others dozens of times a step: with fewer tets
+       each, two take no less time than one. */
+    enum { TETS_A_THREAD = 2048 };
+    const int32_t useful = 1 + tets / TETS_A_THREAD;
     return useful < omp_get_num_procs() ? useful : omp_get_num_procs();
 }
 
@@ -323,7 +322,8 @@ static ShvStatus build(ShvModel *model, const ShvSceneDefinition *scene, const c
     SHV_TRY(make_objects(model, scene, error));
     SHV_TRY(make_mesh(model, scene, folder, error));
     resolve_materials(model);
-    model->threads = choose_threads(scene, model);
+    model->most_threads = scene->threads > 0 ? scene->threads : shv_threads_worth(model->mesh.element_count);
+    model->threads = model->most_threads;
     model->can_break = something_can_break(model, scene);
     if (model->can_break) SHV_TRY(shv_adjacency_build(&model->adjacency, &model->mesh, error));
     return SHV_OK;

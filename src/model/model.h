@@ -1,5 +1,5 @@
 /* The immutable side of a simulation: the placed reference mesh of all objects together, what they are made of, and,
-   where something can break, who touches whom. Nothing here changes after it is built. */
+   where something can break, who touches whom. Nothing here changes after it is built, but how many threads work on it. */
 #ifndef SHV_MODEL_MODEL_H
 #define SHV_MODEL_MODEL_H
 
@@ -28,14 +28,17 @@ typedef struct ShvModel {
     uint16_t *element_material; /* element_count */
     bool can_break;             /* fracture enabled and some material breakable: adjacency is built */
     ShvAdjacency adjacency;
-    uint64_t seed; /* of facet strengths */
-    int32_t threads;
+    uint64_t seed;                 /* of facet strengths */
+    int32_t threads, most_threads; /* of loops as they run now; of all */
 } ShvModel;
 
 /* Generates, places and joins the meshes of a scene. `folder` is what relative files start from. */
 ShvStatus shv_model_build(ShvModel *model, ShvMemory *memory, const ShvSceneDefinition *scene, const char *folder,
                           ShvError *error);
 void shv_model_release(ShvModel *model);
+
+/* As many threads as there are processors, but not more than have work on so many tets. */
+int32_t shv_threads_worth(int32_t tets);
 
 static inline const ShvMaterial *shv_model_material(const ShvModel *model, int32_t element)
 {

@@ -427,7 +427,7 @@ const char *shv_unresolved_name(ShvUnresolved unresolved)
 
 int32_t shv_simulation_threads(const ShvSimulation *simulation)
 {
-    return simulation->hybrid.model.threads;
+    return simulation->hybrid.model.most_threads;
 }
 
 ShvNodesWithin shv_simulation_nodes_within(const ShvSimulation *simulation)

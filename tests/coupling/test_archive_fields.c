@@ -37,7 +37,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5320),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5360),
 };
 
 static void test_no_field_is_new(void **state)

@@ -1,0 +1,46 @@
+#include "base/processors.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/timer.h"
+
+/* "cpu user nice system idle iowait irq softirq steal …" in clock ticks, of all processors; a virtual machine's stolen time is
+   time in which a thread of ours waits, too. NaN where the system does not tell. */
+static double read_busy(void)
+{
+    double user, nice, system, idle, waiting, irq, soft_irq, stolen;
+    FILE *file = fopen("/proc/stat", "r");
+    if (!file) return (double)NAN;
+    const int found = fscanf(file, "cpu %lf %lf %lf %lf %lf %lf %lf %lf", &user, &nice, &system, &idle, &waiting, &irq,
+                             &soft_irq, &stolen);
+    fclose(file);
+    const double ticks = user + nice + system + irq + soft_irq + stolen;
+    return found == 8 ? ticks / (double)sysconf(_SC_CLK_TCK) : (double)NAN;
+}
+
+static double read_own(void)
+{
+    struct timespec now = {0, 0};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+int32_t shv_processors_left(int32_t online, double others)
+{
+    const double left = online - floor(others + 0.5);
+    return left > 1.0 ? (int32_t)fmin(left, online) : 1;
+}
+
+void shv_processors_look(ShvProcessors *processors)
+{
+    const ShvProcessors before = *processors;
+    const int32_t online = (int32_t)sysconf(_SC_NPROCESSORS_ONLN);
+    *processors = (ShvProcessors){.time = shv_now(), .busy = read_busy(), .own = read_own(), .free = online};
+    const double others = (processors->busy - before.busy) - (processors->own - before.own);
+    const double interval = processors->time - before.time;
+    if (before.free > 0 && interval > 0.0 && isfinite(others))
+        processors->free = shv_processors_left(online, fmax(others, 0.0) / interval);
+}

@@ -1,0 +1,20 @@
+/* How many of the machine's processors other programs leave free. */
+#ifndef SHV_BASE_PROCESSORS_H
+#define SHV_BASE_PROCESSORS_H
+
+#include <stdint.h>
+
+/* As last looked at. All zero: not yet. */
+typedef struct ShvProcessors {
+    double time;      /* s: shv_now */
+    double busy, own; /* s of processor time: of all programs since the machine started; of this process */
+    int32_t free;     /* of those that are there, at least 1 */
+} ShvProcessors;
+
+/* Looks again. Before the second look, and where the system does not tell (/proc/stat), all count as free. */
+void shv_processors_look(ShvProcessors *processors);
+
+/* Those of `online` that `others` leave, where these had so many processors on average: at least one. */
+int32_t shv_processors_left(int32_t online, double others);
+
+#endif
