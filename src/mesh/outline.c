@@ -1,6 +1,7 @@
 #include "mesh/outline.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "base/deterministic.h"
 
@@ -50,13 +51,23 @@ ShvVec3 shv_outline_half(const ShvOutline *outline, ShvVec3 *middle)
     return shv_vec3(most, most, 0.5 * (high - low));
 }
 
-/* The nearest place on the profile; returns its distance. */
-static double nearest(const ShvOutline *outline, double r, double z, double found[2])
+/* Cosine between stretches below which they are opposite sides of a wall. */
+static const double opposite_cosine = -0.5;
+
+static bool are_opposite(const Stretch *a, const Stretch *b)
+{
+    const double dot = (a->r[1] - a->r[0]) * (b->r[1] - b->r[0]) + (a->z[1] - a->z[0]) * (b->z[1] - b->z[0]);
+    return dot < opposite_cosine * length_of(a) * length_of(b);
+}
+
+/* The nearest place on the profile, sides of a wall opposite to `side` (may be NULL) left out, and its stretch; returns its distance. */
+static double nearest(const ShvOutline *outline, double r, double z, const Stretch *side, double found[2],
+                      Stretch *found_on)
 {
     double least = (double)INFINITY;
     for (int32_t i = 0; i < outline->count; i++) {
         const Stretch s = stretch_of(outline, i);
-        if (is_axis(&s)) continue;
+        if (is_axis(&s) || (side && are_opposite(side, &s))) continue;
         const double dr = s.r[1] - s.r[0], dz = s.z[1] - s.z[0];
         const double along = ((r - s.r[0]) * dr + (z - s.z[0]) * dz) / (dr * dr + dz * dz);
         const double share = fmax(0.0, fmin(1.0, along)), x = s.r[0] + share * dr, y = s.z[0] + share * dz;
@@ -65,21 +76,25 @@ static double nearest(const ShvOutline *outline, double r, double z, double foun
         least = distance;
         found[0] = x;
         found[1] = y;
+        *found_on = s;
     }
     return least;
 }
 
-static void nearest_corner(const ShvOutline *outline, double r, double z, double found[2])
+/* On which a place of the surface lies. */
+static Stretch stretch_at(const ShvOutline *outline, ShvVec3 x)
 {
-    double least = (double)INFINITY;
-    for (int32_t i = 0; i < outline->count; i++) {
-        const double *p = outline->profile + 2 * (int64_t)i;
-        const double square = (p[0] - r) * (p[0] - r) + (p[1] - z) * (p[1] - z);
-        if (square >= least || !shv_outline_is_sharp(outline, i)) continue;
-        least = square;
-        found[0] = p[0];
-        found[1] = p[1];
-    }
+    double place[2];
+    Stretch found = {{0.0, 0.0}, {0.0, 0.0}};
+    nearest(outline, sqrt(x.x * x.x + x.y * x.y), x.z, NULL, place, &found);
+    return found;
+}
+
+bool shv_outline_are_opposite(const ShvOutline *outline, ShvVec3 a, ShvVec3 b)
+{
+    if (!outline->profile) return false;
+    const Stretch first = stretch_at(outline, a), second = stretch_at(outline, b);
+    return are_opposite(&first, &second);
 }
 
 static bool is_inside(const ShvOutline *outline, double r, double z)
@@ -97,7 +112,8 @@ double shv_outline_depth(const ShvOutline *outline, ShvVec3 x)
 {
     if (outline->profile) {
         double found[2];
-        const double r = sqrt(x.x * x.x + x.y * x.y), distance = nearest(outline, r, x.z, found);
+        Stretch on;
+        const double r = sqrt(x.x * x.x + x.y * x.y), distance = nearest(outline, r, x.z, NULL, found, &on);
         return is_inside(outline, r, x.z) ? distance : -distance;
     }
     const double plane = fmin(outline->half[0] - fabs(x.x), outline->half[1] - fabs(x.y));
@@ -110,11 +126,11 @@ ShvVec3 shv_outline_keep(const ShvOutline *outline, uint8_t held, ShvVec3 old, S
         return shv_vec3(held & 1 ? old.x : wanted.x, held & 2 ? old.y : wanted.y, held & 4 ? old.z : wanted.z);
     if (held == SHV_HELD_NOT) return wanted;
     const double r = sqrt(wanted.x * wanted.x + wanted.y * wanted.y);
-    double place[2] = {r, wanted.z};
-    if (held == SHV_HELD_RING)
-        nearest_corner(outline, r, wanted.z, place);
-    else
-        nearest(outline, r, wanted.z, place);
+    double place[2] = {sqrt(old.x * old.x + old.y * old.y), old.z}; /* of a ring: it moves along it */
+    if (held == SHV_HELD_SURFACE) {
+        Stretch side = stretch_at(outline, old), on;
+        nearest(outline, r, wanted.z, &side, place, &on);
+    }
     if (!(r > 0.0)) return shv_vec3(place[0], 0.0, place[1]);
     return shv_vec3(wanted.x * (place[0] / r), wanted.y * (place[0] / r), place[1]);
 }

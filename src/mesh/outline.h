@@ -21,7 +21,9 @@ enum { SHV_HELD_NOT = 0, SHV_HELD_SURFACE = 1, SHV_HELD_RING = 2 };
 ShvVec3 shv_outline_half(const ShvOutline *outline, ShvVec3 *middle);
 /* Distance from the surface, negative outside. */
 double shv_outline_depth(const ShvOutline *outline, ShvVec3 x);
-/* Where a node that is held to something goes when it would move from `old` to `wanted`. */
+/* Whether two places of the surface are on opposite sides of a wall of a turned body. */
+bool shv_outline_are_opposite(const ShvOutline *outline, ShvVec3 a, ShvVec3 b);
+/* Where a node that is held to something goes when it would move from `old` to `wanted`: never to the other side of a wall. */
 ShvVec3 shv_outline_keep(const ShvOutline *outline, uint8_t held, ShvVec3 old, ShvVec3 wanted);
 /* A point of the surface, all places alike, from three numbers in (0, 1); what it is held to. */
 ShvVec3 shv_outline_draw(const ShvOutline *outline, const double draw[3], uint8_t *held);

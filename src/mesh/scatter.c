@@ -48,17 +48,23 @@ static int64_t number_of(const Grid *grid, int32_t x, int32_t y, int32_t z)
     return ((int64_t)z * grid->cells[1] + y) * grid->cells[0] + x;
 }
 
-static bool cell_has_near(const Throw *t, int64_t cell, ShvVec3 x)
+/* Sides of a wall have points of their own, however thin it is. */
+static bool are_apart(const Throw *t, ShvVec3 x, uint8_t held, int32_t other)
 {
-    const double nearest = t->grid.width;
-    for (int32_t i = t->grid.first[cell]; i > 0; i = t->grid.next[i - 1]) {
-        const ShvVec3 d = shv_sub(shv_load3(t->scatter->positions + 3 * (int64_t)(i - 1)), x);
-        if (shv_dot(d, d) < nearest * nearest) return true;
-    }
+    const ShvVec3 y = shv_load3(t->scatter->positions + 3 * (int64_t)other), d = shv_sub(y, x);
+    if (shv_dot(d, d) >= t->grid.width * t->grid.width) return true;
+    return held == SHV_HELD_SURFACE && t->scatter->held[other] == SHV_HELD_SURFACE &&
+           shv_outline_are_opposite(t->outline, x, y);
+}
+
+static bool cell_has_near(const Throw *t, int64_t cell, ShvVec3 x, uint8_t held)
+{
+    for (int32_t i = t->grid.first[cell]; i > 0; i = t->grid.next[i - 1])
+        if (!are_apart(t, x, held, i - 1)) return true;
     return false;
 }
 
-static bool has_near(const Throw *t, ShvVec3 x)
+static bool has_near(const Throw *t, ShvVec3 x, uint8_t held)
 {
     const Grid *grid = &t->grid;
     int32_t at[3], low[3], high[3];
@@ -70,7 +76,7 @@ static bool has_near(const Throw *t, ShvVec3 x)
     for (int32_t c = low[2]; c <= high[2]; c++)
         for (int32_t b = low[1]; b <= high[1]; b++)
             for (int32_t a = low[0]; a <= high[0]; a++)
-                if (cell_has_near(t, number_of(grid, a, b, c), x)) return true;
+                if (cell_has_near(t, number_of(grid, a, b, c), x, held)) return true;
     return false;
 }
 
@@ -175,7 +181,7 @@ static ShvStatus add_surface(Throw *t, ShvError *error)
         double draws[3];
         for (int k = 0; k < 3; k++) draws[k] = draw(t);
         const ShvVec3 x = shv_outline_draw(t->outline, draws, &held);
-        if (!has_near(t, x)) SHV_TRY(add(t, x, held, error));
+        if (!has_near(t, x, held)) SHV_TRY(add(t, x, held, error));
     }
     return SHV_OK;
 }
@@ -189,7 +195,7 @@ static ShvStatus add_inside(Throw *t, ShvError *error)
     for (int64_t i = 0; i < (int64_t)tries; i++) {
         const double a = 2.0 * draw(t) - 1.0, b = 2.0 * draw(t) - 1.0, c = 2.0 * draw(t) - 1.0;
         const ShvVec3 x = shv_add(middle, shv_vec3(a * half.x, b * half.y, c * half.z));
-        if (has_near(t, x) || shv_outline_depth(t->outline, x) < depth) continue;
+        if (has_near(t, x, SHV_HELD_NOT) || shv_outline_depth(t->outline, x) < depth) continue;
         SHV_TRY(add(t, x, SHV_HELD_NOT, error));
     }
     return SHV_OK;
