@@ -5,9 +5,10 @@
 
 enum { JSON };
 
+/* `tip_strength` is made for meshes like that; what it does is told with the material. */
 static void warn_mesh(const ShvPreflight *p)
 {
-    if (!p->breakable) return;
+    if (!p->breakable || p->cohesion.unresolved == SHV_UNRESOLVED_TIP_STRENGTH) return;
     if (p->breaking_longest_edge > p->snap_back)
         printf(
             "  warning: edges up to %.3g m are longer than the snap-back length %.3g m: a facet that opens beside such "
