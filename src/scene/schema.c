@@ -1099,7 +1099,8 @@ static const ShvKey scene_keys[] = {
     {"gravity", SHV_KEY_VECTOR, SHV_DIMENSION_ACCELERATION, .offset = SCENE(gravity), .sentence = "Gravity."},
     {"seed", SHV_KEY_UINT64, .offset = SCENE(seed), .sentence = "Seed of the strengths that scatter."},
     {"threads", SHV_KEY_INT32, .range = &threads, .offset = SCENE(threads),
-     .sentence = "Threads; 0: as many processors as other programs leave free and as have 2,048 tets each in fracture mode. Results do not depend on it."},
+     .sentence = "Threads; 0: as many processors as other programs leave free and as have 2,048 tets each in fracture "
+                 "mode. Results do not depend on it."},
     {"materials", SHV_KEY_NAMED, .flags = SHV_KEY_REQUIRED, .table = &material_table, .offset = ITEMS(materials),
      .sentence = "Materials by name."},
     {"objects", SHV_KEY_NAMED, .flags = SHV_KEY_REQUIRED, .table = &object_table, .offset = ITEMS(objects),
