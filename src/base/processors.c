@@ -21,6 +21,23 @@ static double read_busy(void)
     return found == 8 ? ticks / (double)sysconf(_SC_CLK_TCK) : (double)NAN;
 }
 
+int32_t shv_processors_granted(int32_t online, const char *quota)
+{
+    double time, period;
+    if (sscanf(quota, "%lf %lf", &time, &period) != 2 || !(time > 0.0 && period > 0.0)) return online;
+    return shv_processors_left(online, fmax(0.0, online - time / period));
+}
+
+static int32_t read_granted(int32_t online)
+{
+    char quota[64] = "";
+    FILE *file = fopen("/sys/fs/cgroup/cpu.max", "r");
+    if (!file) return online;
+    if (!fgets(quota, sizeof quota, file)) quota[0] = '\0';
+    fclose(file);
+    return shv_processors_granted(online, quota);
+}
+
 static double read_own(void)
 {
     struct timespec now = {0, 0};
@@ -37,10 +54,11 @@ int32_t shv_processors_left(int32_t online, double others)
 void shv_processors_look(ShvProcessors *processors)
 {
     const ShvProcessors before = *processors;
-    const int32_t online = (int32_t)sysconf(_SC_NPROCESSORS_ONLN);
-    *processors = (ShvProcessors){.time = shv_now(), .busy = read_busy(), .own = read_own(), .free = online};
+    const int32_t online = (int32_t)sysconf(_SC_NPROCESSORS_ONLN), granted = read_granted(online);
+    *processors = (ShvProcessors){.time = shv_now(), .busy = read_busy(), .own = read_own(), .free = granted};
     const double others = (processors->busy - before.busy) - (processors->own - before.own);
     const double interval = processors->time - before.time;
-    if (before.free > 0 && interval > 0.0 && isfinite(others))
-        processors->free = shv_processors_left(online, fmax(others, 0.0) / interval);
+    if (!(before.free > 0 && interval > 0.0 && isfinite(others))) return;
+    const int32_t left = shv_processors_left(online, fmax(others, 0.0) / interval);
+    processors->free = left < granted ? left : granted;
 }

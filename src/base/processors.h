@@ -11,10 +11,13 @@ typedef struct ShvProcessors {
     int32_t free;     /* of those that are there, at least 1 */
 } ShvProcessors;
 
-/* Looks again. Before the second look, and where the system does not tell (/proc/stat), all count as free. */
+/* Looks again. Before the second look, and where the system does not tell (/proc/stat), all count as free; of a container with a
+   quota (/sys/fs/cgroup/cpu.max) no more than that. */
 void shv_processors_look(ShvProcessors *processors);
 
 /* Those of `online` that `others` leave, where these had so many processors on average: at least one. */
 int32_t shv_processors_left(int32_t online, double others);
+/* Those of `online` that a quota grants, "200000 100000" (µs of processor time in so many µs) or "max 100000": at least one. */
+int32_t shv_processors_granted(int32_t online, const char *quota);
 
 #endif
