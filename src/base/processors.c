@@ -1,6 +1,7 @@
 #include "base/processors.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <time.h>
 #include <unistd.h>
@@ -19,6 +20,17 @@ static double read_busy(void)
     fclose(file);
     const double ticks = user + nice + system + irq + soft_irq + stolen;
     return found == 8 ? ticks / (double)sysconf(_SC_CLK_TCK) : (double)NAN;
+}
+
+/* "0.20 0.18 0.12 1/80 11206": of 80 threads one runs, or waits for a processor: this one. */
+static double read_others_running(void)
+{
+    double running = 1.0;
+    FILE *file = fopen("/proc/loadavg", "r");
+    if (!file) return 0.0;
+    if (fscanf(file, "%*f %*f %*f %lf/", &running) != 1) running = 1.0;
+    fclose(file);
+    return fmax(0.0, running - 1.0);
 }
 
 int32_t shv_processors_granted(int32_t online, const char *quota)
@@ -56,9 +68,10 @@ void shv_processors_look(ShvProcessors *processors)
     const ShvProcessors before = *processors;
     const int32_t online = (int32_t)sysconf(_SC_NPROCESSORS_ONLN), granted = read_granted(online);
     *processors = (ShvProcessors){.time = shv_now(), .busy = read_busy(), .own = read_own(), .free = granted};
-    const double others = (processors->busy - before.busy) - (processors->own - before.own);
+    const double used = (processors->busy - before.busy) - (processors->own - before.own);
     const double interval = processors->time - before.time;
-    if (!(before.free > 0 && interval > 0.0 && isfinite(others))) return;
-    const int32_t left = shv_processors_left(online, fmax(others, 0.0) / interval);
+    const bool known = before.free > 0 && interval > 0.0 && isfinite(used);
+    const double others = known ? fmax(used, 0.0) / interval : read_others_running();
+    const int32_t left = shv_processors_left(online, others);
     processors->free = left < granted ? left : granted;
 }

@@ -11,8 +11,9 @@ typedef struct ShvProcessors {
     int32_t free;     /* of those that are there, at least 1 */
 } ShvProcessors;
 
-/* Looks again. Before the second look, and where the system does not tell (/proc/stat), all count as free; of a container with a
-   quota (/sys/fs/cgroup/cpu.max) no more than that. */
+/* Looks again. Others have what they used since the last look (/proc/stat); at the first one, a processor for each of their threads that
+   runs (/proc/loadavg); nothing where the system does not tell. Of a container with a quota (/sys/fs/cgroup/cpu.max) no more is free than
+   that. */
 void shv_processors_look(ShvProcessors *processors);
 
 /* Those of `online` that `others` leave, where these had so many processors on average: at least one. */

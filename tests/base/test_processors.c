@@ -32,7 +32,7 @@ static void a_quota_grants_no_more(void **unused)
     assert_int_equal(shv_processors_granted(8, "0 0"), 8);
 }
 
-/* Own work is not that of others: with or without it the count stays within what there is, and the first look takes all as free. */
+/* Own work is not that of others: with or without it the count stays within what there is, and the first look counts what runs. */
 static void looks_stay_within_what_there_is(void **unused)
 {
     (void)unused;
