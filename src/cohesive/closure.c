@@ -172,7 +172,7 @@ static bool has_news(const ShvCohesive *cohesive, int32_t k)
 
 static bool may_meet(const ShvCohesive *cohesive, const ShvState *state, int32_t k, double step)
 {
-    const double apart = cohesive->apart[k];
+    const double apart = cohesive->apart[cohesive->rotations[k].index];
     return !(apart > 0.0 && apart > step * shv_cohesive_spread_of_speeds(&cohesive->rotations[k], state));
 }
 
@@ -180,7 +180,7 @@ static void note_strike(ShvCohesive *cohesive, int32_t k, int32_t number)
 {
     const ShvFacetRotation *rotation = &cohesive->rotations[k];
     for (int i = 0; i < 3; i++) cohesive->struck[rotation->first[i]] = cohesive->struck[rotation->second[i]] = number;
-    cohesive->apart[k] = -(double)INFINITY;
+    cohesive->apart[rotation->index] = -(double)INFINITY;
 }
 
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step)

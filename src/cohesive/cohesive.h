@@ -162,6 +162,7 @@ typedef struct ShvCohesive {
     uint8_t *phase;      /* ShvCohesivePhase */
     uint8_t *bonded;     /* it joins its two tets (bond.c) */
     double *born;        /* time of insertion, s */
+    double *apart;       /* way of its nodes on which its faces stay apart (solve.h), m; 0: not known; −∞: pushed */
     uint8_t *opened;     /* enough for its nodes to be a front (front.h) */
     int32_t *failed;     /* facets whose bonds failed in the last search, increasing */
     int32_t failed_count;
@@ -173,11 +174,10 @@ typedef struct ShvCohesive {
     const uint8_t *list_awake; /* what they were made with */
     int32_t rotation_count;
     ShvFacetRotation *rotations;
-    ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
-    ShvFacetGaps *gaps; /* as `rotations` */
-    double *apart;   /* as `rotations`, m: way of its nodes on which its faces stay apart (solve.h); −∞: pushed */
-    int32_t *closed; /* as `rotations`: strikes before it was looked at last, of the present closing */
-    bool pushed;     /* some closing forces are not zero */
+    ShvVec3 *couple;     /* 3 per facet that turns: of pulls, opening × pull, N m */
+    ShvFacetGaps *gaps;  /* as `rotations` */
+    int32_t *closed;     /* as `rotations`: strikes before it was looked at last, of the present closing */
+    bool pushed;         /* some closing forces are not zero */
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;

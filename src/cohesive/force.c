@@ -175,7 +175,7 @@ static void begin_facet(ShvCohesive *cohesive, const ShvState *state, int32_t k)
     }
     cohesive->phase[index] = (uint8_t)next_phase(cohesive, rotation, gaps);
     const bool elastic = rotation->returned > 0.0; /* what its faces hold they give back when they part */
-    cohesive->apart[k] = elastic ? 0.0 : shv_cohesive_way_apart(rotation, gaps);
+    cohesive->apart[index] = elastic ? 0.0 : shv_cohesive_way_apart(rotation, gaps);
 }
 
 static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
@@ -228,10 +228,12 @@ static const double most_speeding = 4.0;
 /* A facet that has failed, and whose faces will not meet in this step. */
 static bool stays_apart(ShvCohesive *cohesive, const ShvState *state, int32_t k)
 {
-    if (!(cohesive->apart[k] > 0.0) || cohesive->rotations[k].carries || !(state->last_step > 0.0)) return false;
-    const double way = state->last_step * shv_cohesive_spread_of_speeds(&cohesive->rotations[k], state);
-    cohesive->apart[k] -= way;
-    return cohesive->apart[k] > most_speeding * way;
+    const ShvFacetRotation *rotation = &cohesive->rotations[k];
+    double *apart = &cohesive->apart[rotation->index];
+    if (!(*apart > 0.0) || rotation->carries || !(state->last_step > 0.0)) return false;
+    const double way = state->last_step * shv_cohesive_spread_of_speeds(rotation, state);
+    *apart -= way;
+    return *apart > most_speeding * way;
 }
 
 static void begin_facets(ShvCohesive *cohesive, const ShvState *state)

@@ -155,6 +155,7 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     cohesive->bonded[index] = true;
     cohesive->opened[index] = false;
     cohesive->born[index] = state->time;
+    cohesive->apart[index] = 0.0;
     cohesive->live[cohesive->live_count++] = index;
 }
 

@@ -11,6 +11,7 @@ void shv_cohesive_keep_pulls(ShvCohesive *cohesive)
 
 void shv_cohesive_drop_lists(ShvCohesive *cohesive)
 {
+    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[cohesive->rotations[k].index] = 0.0;
     cohesive->rotation_count = cohesive->point_count = cohesive->pair_count = cohesive->cluster_count = 0;
     cohesive->unlisted = true;
 }
@@ -81,7 +82,10 @@ static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const u
     sum_up(fill, nodes);
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
-        if (!is_wanted(cohesive, state, index, awake)) continue;
+        const bool wanted = is_wanted(cohesive, state, index, awake);
+        /* ways are followed while a facet is listed; what was pushed begins anew with its gaps */
+        if (!wanted || !(cohesive->apart[index] > 0.0)) cohesive->apart[index] = 0.0;
+        if (!wanted) continue;
         place_rotation(cohesive, index, &cohesive->rotations[fill[origin_of(cohesive, state, index)]++]);
     }
     memset(fill, 0, (size_t)nodes * sizeof *fill);
@@ -203,7 +207,7 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
     list_points(cohesive);
     list_corner_nodes(cohesive, state);
     for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[k] = -(double)INFINITY;
+    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->gaps[k] = (ShvFacetGaps){0};
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }

@@ -41,7 +41,7 @@ double shv_cohesive_way_apart(const ShvFacetRotation *rotation, const ShvFacetGa
 /* Whether closing faces of a facet have been pushed in the step. */
 static inline bool shv_cohesive_is_pushed(const ShvCohesive *cohesive, int32_t rotation)
 {
-    return cohesive->apart[rotation] == -(double)INFINITY;
+    return cohesive->apart[cohesive->rotations[rotation].index] == -(double)INFINITY;
 }
 /* Largest speed of a facet's nodes, seen from its first one, m/s. */
 double shv_cohesive_spread_of_speeds(const ShvFacetRotation *rotation, const ShvState *state);
