@@ -15,14 +15,14 @@ double shv_cohesive_residual(const ShvCohesive *cohesive, int32_t index)
     double largest = 0.0;
     if (!cohesive->bonded[index]) return 0.0;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        largest = shv_larger(largest, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
+        largest = shv_larger(largest, shv_law_residual(&cohesive->law[index], cohesive->internal[k].history));
     return largest;
 }
 
 static bool holds(const ShvCohesive *cohesive, int32_t index)
 {
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        if (shv_law_residual(&cohesive->law[index], cohesive->history[k]) > SHV_BOND_SHARE) return true;
+        if (shv_law_residual(&cohesive->law[index], cohesive->internal[k].history) > SHV_BOND_SHARE) return true;
     return false;
 }
 
@@ -31,7 +31,7 @@ static bool is_torn(const ShvCohesive *cohesive, int32_t index)
     const double final_opening = cohesive->law[index].final_opening[SHV_NORMAL];
     double widest = 0.0;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        widest = shv_larger(widest, cohesive->opening[k].normal);
+        widest = shv_larger(widest, cohesive->internal[k].opening.normal);
     return widest > torn_openings * final_opening && widest > torn_edges * edge_of(cohesive, index);
 }
 
@@ -39,11 +39,11 @@ static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)
 {
     const ShvLaw *law = &cohesive->law[index];
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
-        const ShvOpening at = cohesive->opening[k];
+        const ShvOpening at = cohesive->internal[k].opening;
         ledger->released +=
-            cohesive->area[index] / 3.0 * shv_law_recoverable(law, cohesive->history[k], at.normal, at.shear);
-        cohesive->history[k] = shv_law_tear(law, cohesive->history[k]);
-        cohesive->peak[k] = 0.0;
+            cohesive->area[index] / 3.0 * shv_law_recoverable(law, cohesive->internal[k].history, at.normal, at.shear);
+        cohesive->internal[k].history = shv_law_tear(law, cohesive->internal[k].history);
+        cohesive->internal[k].peak = 0.0;
     }
 }
 
@@ -102,7 +102,7 @@ double shv_cohesive_dissipated(const ShvCohesive *cohesive, const int32_t *eleme
     for (int32_t i = 0; i < 4 * count; i++) {
         const int32_t index = cohesive_facet_of(cohesive, elements[i / 4], i % 4);
         for (int64_t k = 3 * (int64_t)index; index >= 0 && k < 3 * (int64_t)index + 3; k++)
-            sum += cohesive->area[index] / 6.0 * cohesive->history[k].dissipated; /* once from either side */
+            sum += cohesive->area[index] / 6.0 * cohesive->internal[k].history.dissipated; /* once from either side */
     }
     return sum;
 }

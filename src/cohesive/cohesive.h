@@ -29,6 +29,15 @@ typedef enum ShvCohesivePhase {
     SHV_COHESIVE_SEPARATED /* the faces have left each other: nothing looks at it any more */
 } ShvCohesivePhase;
 
+/* What a point remembers from step to step: side by side, as they are asked for together, in 64 bytes. */
+typedef struct ShvInternalVariables {
+    ShvHistory history;
+    ShvOpening opening; /* at the last half step */
+    double peak;        /* largest traction still to come, Pa */
+    double energy_debt; /* what sweeps that had not settled have given more than was stored so far, J */
+    double held;        /* taken by closing faces, to be given back when they part, J */
+} ShvInternalVariables;
+
 /* A corner of a facet whose nodes are split and whose law still carries, in the present step. */
 typedef struct ShvCohesivePoint {
     int32_t first, second; /* nodes */
@@ -153,18 +162,14 @@ typedef struct ShvCohesive {
     ShvCohesiveSides *sides;
     double *area; /* m², reference */
     ShvLaw *law;
-    ShvHistory *history; /* 3 per facet */
-    ShvOpening *opening; /* 3 per facet: at the last half step */
-    double *peak;        /* 3 per facet: largest traction still to come, Pa */
-    double *energy_debt; /* 3 per facet: what sweeps that had not settled have given more than was stored so far, J */
-    double *held;        /* 3 per facet: taken by closing faces, to be given back when they part, J */
-    ShvVec3 *force;      /* 3 per facet: pull of the last step, where it is in no list; N */
-    uint8_t *phase;      /* ShvCohesivePhase */
-    uint8_t *bonded;     /* it joins its two tets (bond.c) */
-    double *born;        /* time of insertion, s */
-    double *apart;       /* way of its nodes on which its faces stay apart (solve.h), m; 0: not known; −∞: pushed */
-    uint8_t *opened;     /* enough for its nodes to be a front (front.h) */
-    int32_t *failed;     /* facets whose bonds failed in the last search, increasing */
+    ShvInternalVariables *internal; /* 3 per facet */
+    ShvVec3 *force;                 /* 3 per facet: pull of the last step, where it is in no list; N */
+    uint8_t *phase;                 /* ShvCohesivePhase */
+    uint8_t *bonded;                /* it joins its two tets (bond.c) */
+    double *born;                   /* time of insertion, s */
+    double *apart;   /* way of its nodes on which its faces stay apart (solve.h), m; 0: not known; −∞: pushed */
+    uint8_t *opened; /* enough for its nodes to be a front (front.h) */
+    int32_t *failed; /* facets whose bonds failed in the last search, increasing */
     int32_t failed_count;
     double worst_overshoot; /* largest criterion / strength met at an insertion */
     int32_t live_count;     /* not separated: */

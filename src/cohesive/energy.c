@@ -14,9 +14,9 @@ ShvHistory shv_cohesive_present(const ShvCohesive *cohesive, const ShvState *sta
     const int64_t k = 3 * (int64_t)index + corner;
     const ShvCohesiveFrame frame = shv_cohesive_frame(cohesive, state, index);
     const ShvVec3 opening = shv_cohesive_opening(state, frame.first[corner], frame.second[corner]);
-    const ShvOpening before = cohesive->opening[k];
+    const ShvOpening before = cohesive->internal[k].opening;
     *now = shv_cohesive_components(opening, frame.normal);
-    return shv_law_advance(&cohesive->law[index], cohesive->history[k], before, *now);
+    return shv_law_advance(&cohesive->law[index], cohesive->internal[k].history, before, *now);
 }
 
 /* At the present opening. */
@@ -34,7 +34,7 @@ static PointEnergy facet_energy(const ShvCohesive *cohesive, const ShvState *sta
     const double weight = cohesive->area[index] / 3.0;
     if (cohesive->phase[index] != SHV_COHESIVE_CARRYING) {
         for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-            sum.dissipated += weight * cohesive->history[k].dissipated;
+            sum.dissipated += weight * cohesive->internal[k].history.dissipated;
         return sum;
     }
     for (int corner = 0; corner < 3; corner++) {
@@ -56,8 +56,8 @@ static double secant(ShvLawBranch branch)
 static double point_stiffness(const ShvCohesive *cohesive, const ShvCohesivePoint *point)
 {
     const ShvLaw *law = &cohesive->law[point->point / 3];
-    const ShvHistory history = cohesive->history[point->point];
-    const ShvOpening at = cohesive->opening[point->point];
+    const ShvHistory history = cohesive->internal[point->point].history;
+    const ShvOpening at = cohesive->internal[point->point].opening;
     const double normal = secant(shv_law_normal_branch(law, history, at.shear));
     const double shear = secant(shv_law_shear_branch(law, history, shv_larger(at.normal, 0.0)));
     return point->weight * shv_larger(normal, shear);
@@ -94,7 +94,7 @@ static bool softened(const ShvCohesive *cohesive, int32_t index)
     const ShvLaw *law = &cohesive->law[index];
     double reached = 0.0, dissipated = 0.0;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
-        const ShvHistory history = cohesive->history[k];
+        const ShvHistory history = cohesive->internal[k].history;
         const double normal = history.normal / law->final_opening[SHV_NORMAL];
         const double share = shv_larger(normal, history.shear / law->final_opening[SHV_SHEAR]);
         reached += shv_smaller(share, 1.0) / 3.0;
@@ -110,7 +110,8 @@ static bool softened(const ShvCohesive *cohesive, int32_t index)
 static double held_by(const ShvCohesive *cohesive, int32_t index)
 {
     double sum = 0.0;
-    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) sum += shv_larger(cohesive->held[k], 0.0);
+    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
+        sum += shv_larger(cohesive->internal[k].held, 0.0);
     return sum;
 }
 
@@ -153,7 +154,8 @@ static void settle_facet(ShvCohesive *cohesive, const ShvState *state, int32_t i
 {
     for (int corner = 0; corner < 3; corner++) {
         const int64_t k = 3 * (int64_t)index + corner;
-        cohesive->history[k] = shv_cohesive_present(cohesive, state, index, corner, &cohesive->opening[k]);
+        cohesive->internal[k].history =
+            shv_cohesive_present(cohesive, state, index, corner, &cohesive->internal[k].opening);
     }
 }
 
@@ -165,7 +167,7 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
         const int share = share_of(cohesive, state, index, fragment);
         if (share == 0) continue;
         if (cohesive->phase[index] == SHV_COHESIVE_CARRYING) settle_facet(cohesive, state, index);
-        for (int64_t i = 3 * (int64_t)index; i < 3 * (int64_t)index + 3; i++) cohesive->held[i] = 0.0;
+        for (int64_t i = 3 * (int64_t)index; i < 3 * (int64_t)index + 3; i++) cohesive->internal[i].held = 0.0;
         if (share == 1) cohesive->phase[index] = SHV_COHESIVE_SEPARATED;
     }
 }
@@ -174,6 +176,7 @@ double shv_cohesive_facet_damage(const ShvCohesive *cohesive, int32_t cohesive_f
 {
     double sum = 0.0;
     for (int i = 0; i < 3; i++)
-        sum += shv_law_damage(&cohesive->law[cohesive_facet], cohesive->history[3 * (int64_t)cohesive_facet + i]);
+        sum +=
+            shv_law_damage(&cohesive->law[cohesive_facet], cohesive->internal[3 * (int64_t)cohesive_facet + i].history);
     return sum / 3.0;
 }

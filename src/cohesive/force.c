@@ -13,16 +13,16 @@ static double softened_recoverable(const ShvCohesive *cohesive, int32_t cluster,
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         const ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
-        const ShvHistory history = cohesive->history[point->point];
+        ShvInternalVariables *internal = &cohesive->internal[point->point];
+        const ShvHistory history = internal->history;
         const double *end = law->final_opening;
         const double normal = history.normal + share * shv_larger(end[SHV_NORMAL] - history.normal, 0.0);
         const double shear = history.shear + share * shv_larger(end[SHV_SHEAR] - history.shear, 0.0);
         const ShvHistory softened = shv_law_grow(law, history, normal, law->kind == SHV_PPR ? shear : 0.0);
-        const ShvOpening at = cohesive->opening[point->point];
-        sum += point->weight * shv_law_recoverable(law, softened, at.normal, at.shear);
+        sum += point->weight * shv_law_recoverable(law, softened, internal->opening.normal, internal->opening.shear);
         if (!keep) continue;
-        cohesive->history[point->point] = softened;
-        cohesive->peak[point->point] = shv_law_peak(law, softened);
+        internal->history = softened;
+        internal->peak = shv_law_peak(law, softened);
     }
     return sum;
 }
@@ -33,7 +33,7 @@ static double growing_share(const ShvCohesive *cohesive, int32_t cluster, double
     double share = 0.0;
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         const int32_t point = cohesive->points[i].point;
-        const double largest[2] = {cohesive->history[point].normal, cohesive->history[point].shear};
+        const double largest[2] = {cohesive->internal[point].history.normal, cohesive->internal[point].history.shear};
         for (int k = 0; k < 2; k++) {
             const double left = cohesive->law[point / 3].final_opening[k] - largest[k];
             if (left > 0.0 && isfinite(left)) share = shv_larger(share, ratio * largest[k] / left);
@@ -97,7 +97,7 @@ static double separation_work(const ShvCohesive *cohesive, const ShvCohesivePoin
 static bool is_indebted(const ShvCohesive *cohesive, int32_t start, int32_t end)
 {
     bool any = false;
-    for (int32_t i = start; i < end; i++) any = any || cohesive->energy_debt[cohesive->points[i].point] > 0.0;
+    for (int32_t i = start; i < end; i++) any = any || cohesive->internal[cohesive->points[i].point].energy_debt > 0.0;
     return any;
 }
 
@@ -108,11 +108,12 @@ static double carry_debt(const ShvCohesive *cohesive, int32_t cluster, double ex
     double energy_debt = excess, most = 0.0;
     if (excess <= 0.0 && !is_indebted(cohesive, start, end)) return 0.0;
     for (int32_t i = start; i < end; i++) {
-        energy_debt += cohesive->energy_debt[cohesive->points[i].point];
+        energy_debt += cohesive->internal[cohesive->points[i].point].energy_debt;
         most += debt_share * separation_work(cohesive, &cohesive->points[i]);
     }
     const double left = shv_smaller(shv_larger(energy_debt, 0.0), most);
-    for (int32_t i = start; i < end; i++) cohesive->energy_debt[cohesive->points[i].point] = left / (end - start);
+    for (int32_t i = start; i < end; i++)
+        cohesive->internal[cohesive->points[i].point].energy_debt = left / (end - start);
     return shv_larger(energy_debt - most, 0.0);
 }
 
@@ -124,13 +125,13 @@ static void end_step(const ShvCohesive *cohesive, int32_t cluster)
     for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
         ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
-        ShvHistory *history = &cohesive->history[point->point];
+        ShvInternalVariables *internal = &cohesive->internal[point->point];
+        const ShvHistory before = internal->history;
         const ShvOpening at = point->reached;
-        const ShvHistory next = shv_law_advance(law, *history, cohesive->opening[point->point], at);
-        const bool grown = next.normal > history->normal || next.shear > history->shear;
-        *history = next;
-        cohesive->opening[point->point] = at;
-        if (grown) cohesive->peak[point->point] = shv_law_peak(law, next);
+        const ShvHistory next = shv_law_advance(law, before, internal->opening, at);
+        internal->history = next;
+        internal->opening = at;
+        if (next.normal > before.normal || next.shear > before.shear) internal->peak = shv_law_peak(law, next);
         point->last = point->pull;
         allowed += point->stored + point->work;
         exchanged += point->stored + fabs(point->work);
@@ -152,7 +153,8 @@ static ShvCohesivePhase next_phase(const ShvCohesive *cohesive, const ShvFacetRo
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
         if (rotation->first[i] == rotation->second[i]) return SHV_COHESIVE_CARRYING;
-        if (rotation->carries && cohesive->peak[3 * (int64_t)rotation->index + i] > 0.0) return SHV_COHESIVE_CARRYING;
+        if (rotation->carries && cohesive->internal[3 * (int64_t)rotation->index + i].peak > 0.0)
+            return SHV_COHESIVE_CARRYING;
         farthest = shv_larger(farthest, shv_dot(gaps->opening[i], gaps->opening[i]));
     }
     const double edge_squared = rotation->area * SHV_SQUARE_OF_EDGE;
@@ -188,13 +190,13 @@ static void begin_point(ShvCohesive *cohesive, ShvCohesivePoint *point)
     point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     point->pull = shv_vec3(0.0, 0.0, 0.0);
     const ShvOpening now = shv_cohesive_components(point->from, cohesive->rotations[point->rotation].normal);
-    const ShvHistory before = cohesive->history[point->point];
-    const ShvHistory history = shv_law_advance(law, before, cohesive->opening[point->point], now);
-    if (history.normal > before.normal || history.shear > before.shear)
-        cohesive->peak[point->point] = shv_law_peak(law, history);
-    cohesive->history[point->point] = history;
-    cohesive->opening[point->point] = now;
-    point->peak = cohesive->peak[point->point];
+    ShvInternalVariables *internal = &cohesive->internal[point->point];
+    const ShvHistory before = internal->history;
+    const ShvHistory history = shv_law_advance(law, before, internal->opening, now);
+    if (history.normal > before.normal || history.shear > before.shear) internal->peak = shv_law_peak(law, history);
+    internal->history = history;
+    internal->opening = now;
+    point->peak = internal->peak;
     point->stored = point->weight * shv_springs_recoverable(law, shv_law_follow(law, history, &point->springs), now);
 }
 
@@ -262,8 +264,8 @@ static const double opened_starts = 1e7;
 
 static bool has_opened(const ShvCohesive *cohesive, int64_t point)
 {
-    return cohesive->peak[point] == 0.0 ||
-           cohesive->history[point].normal > opened_starts * cohesive->sides[point / 3].start;
+    return cohesive->internal[point].peak == 0.0 ||
+           cohesive->internal[point].history.normal > opened_starts * cohesive->sides[point / 3].start;
 }
 
 /* What faces at a node have given beyond what they held is paid back first; of the rest they hold a share. */
@@ -278,7 +280,7 @@ static void hold(double *held, double *overdrawn, double taken, double returned)
 double shv_cohesive_releasable(const ShvCohesive *cohesive, const ShvState *state, const ShvFacetRotation *rotation,
                                int corner)
 {
-    const double held = cohesive->held[3 * (int64_t)rotation->index + corner];
+    const double held = cohesive->internal[3 * (int64_t)rotation->index + corner].held;
     return held > 0.0 ? shv_larger(held - cohesive->overdrawn[state->origin[rotation->first[corner]]], 0.0) : 0.0;
 }
 
@@ -294,8 +296,8 @@ static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
             const double taken = cohesive->gaps[k].taken[i];
             if (taken == 0.0) continue;
             const double returned = has_opened(cohesive, point) ? cohesive->sides[index].returned : 0.0;
-            hold(&cohesive->held[point], &cohesive->overdrawn[state->origin[cohesive->rotations[k].first[i]]], taken,
-                 returned);
+            hold(&cohesive->internal[point].held, &cohesive->overdrawn[state->origin[cohesive->rotations[k].first[i]]],
+                 taken, returned);
         }
     }
 }
@@ -408,12 +410,12 @@ double shv_cohesive_resolution_step(const ShvCohesive *cohesive, const ShvState 
     for (int32_t i = 0; i < cohesive->point_count; i++) {
         const ShvCohesivePoint *point = &cohesive->points[i];
         const ShvLaw *law = &cohesive->law[point->point / 3];
-        const ShvHistory history = cohesive->history[point->point];
+        const ShvHistory history = cohesive->internal[point->point].history;
         const ShvVec3 rate = shv_sub(shv_load3(state->velocity + 3 * (int64_t)point->second),
                                      shv_load3(state->velocity + 3 * (int64_t)point->first));
         const ShvVec3 normal = cohesive->rotations[point->rotation].normal;
         const double opening = shv_dot(rate, normal), slipping = shv_norm(shv_madd(rate, -opening, normal));
-        const double slipped = law->kind == SHV_PPR ? history.shear : cohesive->opening[point->point].shear;
+        const double slipped = law->kind == SHV_PPR ? history.shear : cohesive->internal[point->point].opening.shear;
         least = shv_smaller(least, time_to(law->final_opening[SHV_NORMAL], history.normal, opening));
         least = shv_smaller(least, time_to(law->final_opening[SHV_SHEAR], slipped, slipping));
     }

@@ -321,7 +321,7 @@ void shv_front_open(ShvCohesive *cohesive, const ShvState *state, int32_t index)
     double least = 1.0;
     if (state->time - cohesive->born[index] < crossing_time(cohesive, facet)) return;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->history[k]));
+        least = fmin(least, shv_law_residual(&cohesive->law[index], cohesive->internal[k].history));
     if (least > opened_share) return;
     cohesive->opened[index] = true;
     for (int i = 0; i < 3; i++) {

@@ -145,11 +145,11 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     cohesive->sides[index].returned = material->face_restitution * material->face_restitution;
     cohesive->sides[index].friction = material->friction;
     for (int i = 0; i < 3; i++) {
-        cohesive->history[point + i] = start;
-        cohesive->opening[point + i] = (ShvOpening){0};
+        cohesive->internal[point + i].history = start;
+        cohesive->internal[point + i].opening = (ShvOpening){0};
         cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
-        cohesive->peak[point + i] = shv_law_peak(&cohesive->law[index], cohesive->history[point + i]);
-        cohesive->energy_debt[point + i] = cohesive->held[point + i] = 0.0;
+        cohesive->internal[point + i].peak = shv_law_peak(&cohesive->law[index], cohesive->internal[point + i].history);
+        cohesive->internal[point + i].energy_debt = cohesive->internal[point + i].held = 0.0;
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;

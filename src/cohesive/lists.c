@@ -47,8 +47,8 @@ static void sum_up(int32_t *fill, int32_t count)
 
 static bool carries(const ShvCohesive *cohesive, int32_t index)
 {
-    const double *peak = cohesive->peak + 3 * (int64_t)index;
-    return peak[0] > 0.0 || peak[1] > 0.0 || peak[2] > 0.0;
+    const ShvInternalVariables *point = cohesive->internal + 3 * (int64_t)index;
+    return point[0].peak > 0.0 || point[1].peak > 0.0 || point[2].peak > 0.0;
 }
 
 static void place_rotation(ShvCohesive *cohesive, int32_t index, ShvFacetRotation *rotation)

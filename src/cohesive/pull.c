@@ -55,7 +55,7 @@ static void prepare(const Pull *pull, int32_t start, int32_t end)
         point->yield[1] = pull->kick / pull->state->mass[point->second];
         if (!(point->peak > 0.0)) continue;
         const ShvLaw *law = &cohesive->law[point->point / 3];
-        const ShvLawSprings *springs = shv_law_follow(law, cohesive->history[point->point], &point->springs);
+        const ShvLawSprings *springs = shv_law_follow(law, cohesive->internal[point->point].history, &point->springs);
         cohesive->pairs[i] =
             shv_pair_make(law, springs, cohesive->rotations[point->rotation].normal, point->from, point->opening,
                           0.5 * pull->step * pull->kick * point->response * point->weight);

@@ -9,11 +9,7 @@
     X(ShvCohesiveSides, sides, 1)                                                                                      \
     X(double, area, 1)                                                                                                 \
     X(ShvLaw, law, 1)                                                                                                  \
-    X(ShvHistory, history, 3)                                                                                          \
-    X(ShvOpening, opening, 3)                                                                                          \
-    X(double, peak, 3)                                                                                                 \
-    X(double, held, 3)                                                                                                 \
-    X(double, energy_debt, 3)                                                                                          \
+    X(ShvInternalVariables, internal, 3)                                                                               \
     X(ShvVec3, force, 3)                                                                                               \
     X(uint8_t, phase, 1)                                                                                               \
     X(uint8_t, bonded, 1)                                                                                              \

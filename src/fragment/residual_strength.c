@@ -85,7 +85,7 @@ static double residual(const ShvCohesive *cohesive, int32_t index)
     double sum = 0.0;
     if (!cohesive->bonded[index]) return 0.0;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        sum += shv_law_residual(&cohesive->law[index], cohesive->history[k]);
+        sum += shv_law_residual(&cohesive->law[index], cohesive->internal[k].history);
     return cohesive->law[index].strength[SHV_NORMAL] * sum / 3.0;
 }
 
@@ -99,7 +99,7 @@ static double opening_work(const ShvCohesive *cohesive, int32_t facet, double ar
     }
     double sum = 0.0;
     for (int64_t k = 3 * (int64_t)index; cohesive->bonded[index] && k < 3 * (int64_t)index + 3; k++)
-        sum += shv_law_remaining(&cohesive->law[index], cohesive->history[k]);
+        sum += shv_law_remaining(&cohesive->law[index], cohesive->internal[k].history);
     return area * sum / 3.0;
 }
 

@@ -18,7 +18,7 @@ static ShvStatus tie_facet(ShvTies *ties, const ShvCohesive *cohesive, int32_t i
     const ShvCohesiveSides *sides = &cohesive->sides[index];
     for (int c = 0; c < 3; c++) {
         if (sides->first[c] == sides->second[c]) continue;
-        const ShvOpening at = cohesive->opening[3 * (int64_t)index + c];
+        const ShvOpening at = cohesive->internal[3 * (int64_t)index + c].opening;
         const ShvTie tie = {{sides->first[c], sides->second[c]}, sqrt(at.normal * at.normal + at.shear * at.shear)};
         SHV_TRY(append(ties, tie, error));
     }

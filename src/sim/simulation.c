@@ -386,7 +386,9 @@ uint64_t shv_simulation_hash(const ShvSimulation *simulation)
         hash = shv_hash_bytes(hash, motion, sizeof motion);
     }
     if (!hybrid->model.can_break) return hash;
-    return shv_hash_bytes(hash, hybrid->cohesive.history, 3 * (size_t)hybrid->cohesive.count * sizeof(ShvHistory));
+    for (int64_t i = 0; i < 3 * (int64_t)hybrid->cohesive.count; i++)
+        hash = shv_hash_bytes(hash, &hybrid->cohesive.internal[i].history, sizeof(ShvHistory));
+    return hash;
 }
 
 int32_t shv_simulation_material_count(const ShvSimulation *simulation)

@@ -44,14 +44,15 @@ static void check_flags(ShvCohesiveLaw kind, double shear_energy, int32_t *faile
             /* three points in four are far gone, so that whole facets fail, too */
             const double share = uniform(2 * (uint64_t)k) < 0.75 ? 0.98 + 0.03 * uniform(7 * (uint64_t)k) : 0.5;
             const double normal = uniform(5 * (uint64_t)k) < 0.5 ? share * n : 0.0;
-            f.cohesive.history[k] = shv_law_grow(law, f.cohesive.history[k], normal, normal > 0.0 ? 0.0 : share * s);
+            f.cohesive.internal[k].history =
+                shv_law_grow(law, f.cohesive.internal[k].history, normal, normal > 0.0 ? 0.0 : share * s);
         }
     ShvLedger ledger = {0};
     shv_cohesive_find_failed(&f.cohesive, &f.state, NULL, &ledger);
     for (int32_t i = 0; i < f.cohesive.count; i++) {
         bool holds = false;
         for (int64_t k = 3 * (int64_t)i; k < 3 * (int64_t)i + 3; k++)
-            holds |= strength_left(&f.cohesive.law[i], f.cohesive.history[k]) >
+            holds |= strength_left(&f.cohesive.law[i], f.cohesive.internal[k].history) >
                      0.01 * f.cohesive.law[i].strength[SHV_NORMAL];
         assert_int_equal(f.cohesive.bonded[i], holds);
         assert_int_equal(shv_cohesive_joins(&f.cohesive, f.cohesive.facet[i]), holds);
@@ -105,13 +106,15 @@ static void one_corner_holds_nothing(void **state)
     insert_all(&f);
     const ShvLaw *law = &f.cohesive.law[0];
     const double edge = sqrt(f.cohesive.area[0] * 4.0 / sqrt(3.0)), half = 0.5 * law->final_opening[SHV_NORMAL];
-    f.cohesive.history[0] = shv_law_grow(law, f.cohesive.history[0], half, 0.0); /* this corner holds, and stores */
-    f.cohesive.opening[0].normal = half;
-    const double stored = f.cohesive.area[0] / 3.0 * shv_law_recoverable(law, f.cohesive.history[0], half, 0.0);
+    f.cohesive.internal[0].history =
+        shv_law_grow(law, f.cohesive.internal[0].history, half, 0.0); /* this corner holds, and stores */
+    f.cohesive.internal[0].opening.normal = half;
+    const double stored =
+        f.cohesive.area[0] / 3.0 * shv_law_recoverable(law, f.cohesive.internal[0].history, half, 0.0);
     ShvLedger ledger = {0};
     for (int k = 1; k < 3; k++) {
-        f.cohesive.history[k] = shv_law_tear(law, f.cohesive.history[k]);
-        f.cohesive.opening[k].normal = (k == 1 ? 0.1 : 0.04) * edge;
+        f.cohesive.internal[k].history = shv_law_tear(law, f.cohesive.internal[k].history);
+        f.cohesive.internal[k].opening.normal = (k == 1 ? 0.1 : 0.04) * edge;
     }
     shv_cohesive_find_failed(&f.cohesive, &f.state, NULL, &ledger);
     assert_int_equal(f.cohesive.failed_count, 1);

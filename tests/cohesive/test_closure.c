@@ -223,7 +223,7 @@ static double drive(const Fixture *f, double force, double step)
 static double held(const Fixture *f)
 {
     double sum = 0.0;
-    for (int32_t i = 0; i < 3 * f->cohesive.count; i++) sum += f->cohesive.held[i];
+    for (int32_t i = 0; i < 3 * f->cohesive.count; i++) sum += f->cohesive.internal[i].held;
     return sum;
 }
 

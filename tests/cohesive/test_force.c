@@ -198,7 +198,7 @@ static double history_dissipated(const Fixture *f)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < 3 * f->cohesive.count; i++)
-        sum += f->cohesive.area[i / 3] / 3.0 * f->cohesive.history[i].dissipated;
+        sum += f->cohesive.area[i / 3] / 3.0 * f->cohesive.internal[i].history.dissipated;
     return sum;
 }
 
@@ -277,8 +277,8 @@ static void trembling_wears_nothing(void **state)
     const double opening = 0.6 * f.cohesive.law[0].final_opening[SHV_NORMAL], step = 1e-7;
     for (int32_t i = 0; i < 3 * count; i++) {
         const ShvLaw *law = &f.cohesive.law[i / 3];
-        f.cohesive.history[i] = shv_law_grow(law, f.cohesive.history[i], opening, 0.0);
-        f.cohesive.peak[i] = shv_law_peak(law, f.cohesive.history[i]);
+        f.cohesive.internal[i].history = shv_law_grow(law, f.cohesive.internal[i].history, opening, 0.0);
+        f.cohesive.internal[i].peak = shv_law_peak(law, f.cohesive.internal[i].history);
     }
     const double residual = shv_cohesive_residual(&f.cohesive, 0);
     assert_true(residual > 0.1 && residual < 0.9);
@@ -322,8 +322,8 @@ static double check_energy_debt(const Fixture *f)
 {
     double energy_debt = 0.0, work = 0.0;
     for (int32_t k = 0; k < 3 * f->cohesive.count; k++) {
-        assert_true(f->cohesive.energy_debt[k] >= 0.0);
-        energy_debt += f->cohesive.energy_debt[k];
+        assert_true(f->cohesive.internal[k].energy_debt >= 0.0);
+        energy_debt += f->cohesive.internal[k].energy_debt;
         work += f->cohesive.area[k / 3] / 3.0 * f->cohesive.law[k / 3].energy[SHV_NORMAL];
     }
     assert_true(energy_debt <= 1e-3 * work * (1.0 + 1e-9));
@@ -416,7 +416,7 @@ static void corners_held_shut_do_not_wear(void **state)
         shv_cohesive_begin(&f.cohesive, &f.state, NULL);
         for (int32_t i = 0; i < 3 * f.cohesive.count; i++) {
             const double strength = f.cohesive.law[i / 3].strength[SHV_NORMAL];
-            check_near(f.cohesive.peak[i], strength, 1e-7 * strength);
+            check_near(f.cohesive.internal[i].peak, strength, 1e-7 * strength);
         }
         assert_int_equal(f.cohesive.point_count, f.cohesive.pair_count);
         assert_true(shv_cohesive_energy(&f.cohesive, &f.state).dissipated < 1e-7 * 8.0 * 0.006 * 0.006);
@@ -465,11 +465,12 @@ static void softening_without_dissipation_is_counted(void **state)
     fixture_start(&f);
     insert_plane(&f);
     assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
-    for (int i = 0; i < 3; i++) f.cohesive.history[i].normal = 0.7 * f.cohesive.law[0].final_opening[SHV_NORMAL];
+    for (int i = 0; i < 3; i++)
+        f.cohesive.internal[i].history.normal = 0.7 * f.cohesive.law[0].final_opening[SHV_NORMAL];
     assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 1);
-    for (int i = 0; i < 3; i++) f.cohesive.history[i].dissipated = 0.7 * 8.0;
+    for (int i = 0; i < 3; i++) f.cohesive.internal[i].history.dissipated = 0.7 * 8.0;
     assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
-    for (int i = 0; i < 3; i++) f.cohesive.history[i] = (ShvHistory){.normal = 1.0};
+    for (int i = 0; i < 3; i++) f.cohesive.internal[i].history = (ShvHistory){.normal = 1.0};
     assert_int_equal(shv_cohesive_energy(&f.cohesive, &f.state).softened, 0);
     fixture_release(&f);
 }

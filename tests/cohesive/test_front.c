@@ -50,7 +50,8 @@ static int32_t crack(Fixture *f, int32_t *candidates)
     assert_true(duplicated > 0);
     for (int32_t k = 0; k < 3 * count; k++) {
         const ShvLaw *law = &f->cohesive.law[k / 3];
-        f->cohesive.history[k] = shv_law_grow(law, f->cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+        f->cohesive.internal[k].history =
+            shv_law_grow(law, f->cohesive.internal[k].history, 0.5 * law->final_opening[SHV_NORMAL], 0.0);
     }
     return count;
 }
@@ -178,7 +179,8 @@ static void a_facet_goes_on_in_its_plane(void **state)
     assert_int_equal(duplicated, 0);
     for (int k = 0; k < 3; k++) {
         const ShvLaw *law = f.cohesive.law;
-        f.cohesive.history[k] = shv_law_grow(law, f.cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+        f.cohesive.internal[k].history =
+            shv_law_grow(law, f.cohesive.internal[k].history, 0.5 * law->final_opening[SHV_NORMAL], 0.0);
     }
     f.state.time = 1e-3;
     shv_front_open(&f.cohesive, &f.state, 0);
@@ -250,7 +252,8 @@ static bool ends_at_middle(bool island)
     assert_true(f.state.node_count > before);
     for (int32_t k = 0; k < 3 * count; k++) {
         const ShvLaw *law = &f.cohesive.law[k / 3];
-        f.cohesive.history[k] = shv_law_grow(law, f.cohesive.history[k], 0.5 * law->final_opening[SHV_NORMAL], 0.0);
+        f.cohesive.internal[k].history =
+            shv_law_grow(law, f.cohesive.internal[k].history, 0.5 * law->final_opening[SHV_NORMAL], 0.0);
     }
     f.state.time = 1e-3;
     for (int32_t k = 0; k < count; k++) shv_front_open(&f.cohesive, &f.state, k);

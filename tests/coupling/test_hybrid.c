@@ -58,17 +58,17 @@ static void test_observing_leaves_no_trace(void **unused)
     assert_true(hybrid.state.time == time && hybrid.state.last_step == last_step);
     const ShvLedgerView balance = hybrid.observer.balance;
     const uint64_t hash = shv_state_hash(&hybrid.state);
-    const size_t histories = 3 * (size_t)hybrid.cohesive.count * sizeof(ShvHistory);
-    ShvHistory *history = malloc(histories);
-    assert_non_null(history);
-    memcpy(history, hybrid.cohesive.history, histories);
+    const size_t variables = 3 * (size_t)hybrid.cohesive.count * sizeof(ShvInternalVariables);
+    ShvInternalVariables *internal = malloc(variables);
+    assert_non_null(internal);
+    memcpy(internal, hybrid.cohesive.internal, variables);
     check_ok(shv_hybrid_observe(&hybrid, &error), error);
     assert_true(shv_state_hash(&hybrid.state) == hash);
-    assert_memory_equal(history, hybrid.cohesive.history, histories);
+    assert_memory_equal(internal, hybrid.cohesive.internal, variables);
     assert_memory_equal(&balance, &hybrid.observer.balance, sizeof balance);
     free(displacement);
     free(velocity);
-    free(history);
+    free(internal);
     shv_hybrid_release(&hybrid);
 }
 
