@@ -320,6 +320,40 @@ static void an_observed_step_holds_nothing(void **state)
     fixture_release(&f);
 }
 
+static int32_t looked_at(const Fixture *f)
+{
+    int32_t sum = 0;
+    for (int32_t k = 0; k < f->cohesive.rotation_count; k++) sum += f->cohesive.rotations[k].known;
+    return sum;
+}
+
+/* Faces that stand apart are left alone, also when the lists are made anew, but not when they have been in none. */
+static void faces_apart_are_left_alone(void **state)
+{
+    (void)state;
+    Fixture f;
+    broken_blocks(&f, 0.0, 0.0);
+    const uint8_t none[] = {0};
+    const int32_t all = f.cohesive.live_count;
+    for (int32_t i = 0; i < f.state.node_count; i++)
+        if (on_right(&f, i)) f.state.displacement[3 * (int64_t)i] = 5e-4;
+    f.state.last_step = 1e-6;
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(looked_at(&f), all);
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(looked_at(&f), 0);
+    f.cohesive.unlisted = true;
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(f.cohesive.rotation_count, all);
+    assert_int_equal(looked_at(&f), 0);
+    shv_cohesive_begin(&f.cohesive, &f.state, none);
+    assert_int_equal(f.cohesive.rotation_count, 0);
+    memset(f.state.displacement, 0, 3 * (size_t)f.state.node_count * sizeof(double));
+    shv_cohesive_begin(&f.cohesive, &f.state, NULL);
+    assert_int_equal(looked_at(&f), all);
+    fixture_release(&f);
+}
+
 static void slid_away_pairs_are_dropped(void **state)
 {
     (void)state;
@@ -373,6 +407,7 @@ int main(void)
         cmocka_unit_test(rattling_never_gains),
         cmocka_unit_test(faces_give_back),
         cmocka_unit_test(an_observed_step_holds_nothing),
+        cmocka_unit_test(faces_apart_are_left_alone),
         cmocka_unit_test(slid_away_pairs_are_dropped),
         cmocka_unit_test(sleepers_rest),
     };
