@@ -39,11 +39,12 @@ static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)
 {
     const ShvLaw *law = &cohesive->law[index];
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
-        const ShvOpening at = cohesive->internal[k].opening;
+        ShvInternalVariables *internal = &cohesive->internal[k];
+        const ShvOpening at = internal->opening;
         ledger->released +=
-            cohesive->area[index] / 3.0 * shv_law_recoverable(law, cohesive->internal[k].history, at.normal, at.shear);
-        cohesive->internal[k].history = shv_law_tear(law, cohesive->internal[k].history);
-        cohesive->internal[k].peak = 0.0;
+            cohesive->area[index] / 3.0 * shv_law_recoverable(law, internal->history, at.normal, at.shear);
+        internal->history = shv_law_tear(law, internal->history);
+        internal->peak = 0.0;
     }
 }
 

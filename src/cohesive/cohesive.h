@@ -167,7 +167,7 @@ typedef struct ShvCohesive {
     uint8_t *phase;                 /* ShvCohesivePhase */
     uint8_t *bonded;                /* it joins its two tets (bond.c) */
     double *born;                   /* time of insertion, s */
-    double *apart;   /* way of its nodes on which its faces stay apart (solve.h), m; 0: not known; −∞: pushed */
+    double *apart; /* way of its nodes on which its faces stay apart (solve.h), m; −∞: pushed, or new in the lists */
     uint8_t *opened; /* enough for its nodes to be a front (front.h) */
     int32_t *failed; /* facets whose bonds failed in the last search, increasing */
     int32_t failed_count;

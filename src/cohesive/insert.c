@@ -145,17 +145,15 @@ static void add_facet(ShvCohesive *cohesive, const ShvState *state, const double
     cohesive->sides[index].returned = material->face_restitution * material->face_restitution;
     cohesive->sides[index].friction = material->friction;
     for (int i = 0; i < 3; i++) {
-        cohesive->internal[point + i].history = start;
-        cohesive->internal[point + i].opening = (ShvOpening){0};
+        cohesive->internal[point + i] =
+            (ShvInternalVariables){.history = start, .peak = shv_law_peak(&cohesive->law[index], start)};
         cohesive->force[point + i] = shv_vec3(0.0, 0.0, 0.0);
-        cohesive->internal[point + i].peak = shv_law_peak(&cohesive->law[index], cohesive->internal[point + i].history);
-        cohesive->internal[point + i].energy_debt = cohesive->internal[point + i].held = 0.0;
     }
     cohesive->phase[index] = SHV_COHESIVE_CARRYING;
     cohesive->bonded[index] = true;
     cohesive->opened[index] = false;
     cohesive->born[index] = state->time;
-    cohesive->apart[index] = 0.0;
+    cohesive->apart[index] = -(double)INFINITY;
     cohesive->live[cohesive->live_count++] = index;
 }
 

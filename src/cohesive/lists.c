@@ -11,7 +11,8 @@ void shv_cohesive_keep_pulls(ShvCohesive *cohesive)
 
 void shv_cohesive_drop_lists(ShvCohesive *cohesive)
 {
-    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->apart[cohesive->rotations[k].index] = 0.0;
+    for (int32_t k = 0; k < cohesive->rotation_count; k++)
+        cohesive->apart[cohesive->rotations[k].index] = -(double)INFINITY;
     cohesive->rotation_count = cohesive->point_count = cohesive->pair_count = cohesive->cluster_count = 0;
     cohesive->unlisted = true;
 }
@@ -83,10 +84,11 @@ static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const u
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
         const bool wanted = is_wanted(cohesive, state, index, awake);
-        /* ways are followed while a facet is listed; what was pushed begins anew with its gaps */
-        if (!wanted || !(cohesive->apart[index] > 0.0)) cohesive->apart[index] = 0.0;
+        if (!wanted || !(cohesive->apart[index] > 0.0)) cohesive->apart[index] = -(double)INFINITY;
         if (!wanted) continue;
-        place_rotation(cohesive, index, &cohesive->rotations[fill[origin_of(cohesive, state, index)]++]);
+        const int32_t place = fill[origin_of(cohesive, state, index)]++;
+        place_rotation(cohesive, index, &cohesive->rotations[place]);
+        if (cohesive->apart[index] > 0.0) cohesive->gaps[place] = (ShvFacetGaps){0}; /* others when the step begins */
     }
     memset(fill, 0, (size_t)nodes * sizeof *fill);
 }
@@ -207,7 +209,6 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
     list_points(cohesive);
     list_corner_nodes(cohesive, state);
     for (int64_t i = 0; i < 3 * (int64_t)cohesive->rotation_count; i++) cohesive->couple[i] = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < cohesive->rotation_count; k++) cohesive->gaps[k] = (ShvFacetGaps){0};
     cohesive->list_awake = awake;
     cohesive->unlisted = false;
 }
