@@ -31,7 +31,7 @@ static void test_stack_on_a_slope(void **unused)
         bullet_fly(&world);
         world.backend->fragment_friction = 0.5;
         const double slope = 20.0 * 3.14159265358979323846 / 180.0;
-        ShvVec3 start[2];
+        ShvVec3 start[2] = {{0}};
         double fastest = 0.0;
         for (int32_t i = 0; i < STEPS + SETTLE; i++) {
             if (i == SETTLE)
