@@ -13,7 +13,7 @@ refused()
     mkdir -p "$work/$1"
     printf 'Name: bullet\nDescription: a stand-in\nVersion: %s\nCflags: %s\nLibs: -lLinearMath-float64\n' "$2" "$3" \
         >"$work/$1/bullet-float64.pc"
-    if PKG_CONFIG_PATH="$work/$1" "$cmake" -S "$source" -B "$work/$1/build" -DSHIVER_TESTS=OFF -DSHIVER_BENCH=OFF \
+    if PKG_CONFIG_PATH="$work/$1" "$cmake" -G Ninja -S "$source" -B "$work/$1/build" -DSHIVER_TESTS=OFF -DSHIVER_BENCH=OFF \
         >"$work/$1/log" 2>&1; then
         echo "Bullet $2 with '$3' was not refused"
         exit 1

@@ -156,6 +156,10 @@ static herr_t refuse_to_write(H5FD_t *file, H5FD_mem_t type, hid_t transfer, had
 }
 
 static const H5FD_class_t SNAPSHOT_CLASS = {
+#ifdef H5FD_CLASS_VERSION /* from HDF5 1.14 on */
+    .version = H5FD_CLASS_VERSION,
+    .value = 0x5302, /* of those for drivers that nobody registered, from 512 on */
+#endif
     .name = "shiver_snapshot",
     .maxaddr = (haddr_t)INT64_MAX,
     .fc_degree = H5F_CLOSE_STRONG,

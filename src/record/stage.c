@@ -231,6 +231,10 @@ static herr_t flush_file(H5FD_t *file, hid_t transfer, hbool_t closing)
 /* ---- life ---- */
 
 static const H5FD_class_t STAGE_CLASS = {
+#ifdef H5FD_CLASS_VERSION /* from HDF5 1.14 on */
+    .version = H5FD_CLASS_VERSION,
+    .value = 0x5301, /* of those for drivers that nobody registered, from 512 on */
+#endif
     .name = "shiver_stage",
     .maxaddr = (haddr_t)INT64_MAX,
     .fc_degree = H5F_CLOSE_STRONG,

@@ -38,9 +38,19 @@ static void discard_output(struct fy_diag *diag, void *user, const char *text, s
     (void)length;
 }
 
+/* A value that is not there: versions of libfyaml tell different places. */
+static bool is_missing(struct fy_event *event)
+{
+    if (event->type != FYET_SCALAR) return false;
+    size_t length = 0;
+    struct fy_token *token = event->scalar.value;
+    return !token || (fy_token_get_text(token, &length) && length == 0 && fy_token_scalar_style(token) == FYSS_PLAIN);
+}
+
+/* Of a value that is not there: its key's. */
 static ShvPlace place_of(Builder *builder, struct fy_event *event)
 {
-    const struct fy_mark *mark = fy_event_start_mark(event);
+    const struct fy_mark *mark = is_missing(event) ? NULL : fy_event_start_mark(event);
     if (mark && mark->line >= 0) {
         builder->last.line = mark->line + 1;
         builder->last.column = mark->column + 1;

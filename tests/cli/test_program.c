@@ -380,12 +380,12 @@ static void test_interruption(void **state)
     const char *signals[] = {"INT", "TERM"};
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
         char line[512];
-        snprintf(
-            line, sizeof line,
-            "$shiver run tiny.yaml --output stopped.h5 --force --set duration=1e5 --set output.rate=100 --set "
-            "rigid.time_step=1e-4 & pid=$!; while ! [ -e stopped.h5 ]; do sleep 0.05; done; sleep 0.3; kill -%s $pid; "
-            "wait $pid",
-            signals[i]);
+        snprintf(line, sizeof line,
+                 "$shiver run tiny.yaml --output stopped.h5 --force --set duration=1e5 --set output.rate=100 --set "
+                 "rigid.time_step=1e-4 & pid=$!; while ! [ -e stopped.h5 ] && kill -0 $pid; do sleep 0.05; done; sleep "
+                 "0.3; kill -%s $pid; "
+                 "wait $pid",
+                 signals[i]);
         shell_fails(line, 130, "stopped at");
         assert_non_null(strstr(output.out, "interrupted: t ="));
         shell_works("$shiver info stopped.h5", "tiny: interrupted");
