@@ -5,8 +5,9 @@
 
 void shv_cohesive_keep_pulls(ShvCohesive *cohesive)
 {
-    for (int32_t i = 0; i < cohesive->point_count; i++)
-        cohesive->force[cohesive->points[i].point] = cohesive->points[i].last;
+    const int32_t count = cohesive->point_count, threads = cohesive->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))
+    for (int32_t i = 0; i < count; i++) cohesive->force[cohesive->points[i].point] = cohesive->points[i].last;
 }
 
 void shv_cohesive_drop_lists(ShvCohesive *cohesive)
@@ -52,10 +53,12 @@ static bool carries(const ShvCohesive *cohesive, int32_t index)
     return point[0].peak > 0.0 || point[1].peak > 0.0 || point[2].peak > 0.0;
 }
 
-static void place_rotation(ShvCohesive *cohesive, int32_t index, ShvFacetRotation *rotation)
+/* All but the place in the list; returns how many corners are split. */
+static int32_t fill_rotation(const ShvCohesive *cohesive, ShvFacetRotation *rotation)
 {
+    const int32_t index = rotation->index;
     const ShvCohesiveSides *sides = &cohesive->sides[index];
-    rotation->index = index;
+    int32_t split = 0;
     rotation->answers = rotation->news = false;
     rotation->carries = carries(cohesive, index);
     rotation->area = cohesive->area[index];
@@ -65,16 +68,17 @@ static void place_rotation(ShvCohesive *cohesive, int32_t index, ShvFacetRotatio
     for (int i = 0; i < 3; i++) {
         rotation->first[i] = sides->first[i];
         rotation->second[i] = sides->second[i];
-        cohesive->pair_count += sides->first[i] != sides->second[i];
+        split += sides->first[i] != sides->second[i];
     }
+    return split;
 }
 
 /* In order of the nodes that their first corners stem from, as positions and velocities stand. */
-static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+static void order_rotations(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
     int32_t *fill = cohesive->origin_fill;
     const int32_t nodes = cohesive->model->mesh.node_count;
-    cohesive->rotation_count = cohesive->pair_count = 0;
+    cohesive->rotation_count = 0;
     for (int32_t k = 0; k < cohesive->live_count; k++)
         if (is_wanted(cohesive, state, cohesive->live[k], awake)) {
             fill[origin_of(cohesive, state, cohesive->live[k])]++;
@@ -85,12 +89,24 @@ static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const u
         const int32_t index = cohesive->live[k];
         const bool wanted = is_wanted(cohesive, state, index, awake);
         if (!wanted || !(cohesive->apart[index] > 0.0)) cohesive->apart[index] = -(double)INFINITY;
-        if (!wanted) continue;
-        const int32_t place = fill[origin_of(cohesive, state, index)]++;
-        place_rotation(cohesive, index, &cohesive->rotations[place]);
-        if (cohesive->apart[index] > 0.0) cohesive->gaps[place] = (ShvFacetGaps){0}; /* others when the step begins */
+        if (wanted) cohesive->rotations[fill[origin_of(cohesive, state, index)]++].index = index;
     }
     memset(fill, 0, (size_t)nodes * sizeof *fill);
+}
+
+static void list_rotations(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
+{
+    order_rotations(cohesive, state, awake);
+    const int32_t count = cohesive->rotation_count, threads = cohesive->model->threads;
+    int32_t pairs = 0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
+    reduction(+ : pairs)
+    for (int32_t k = 0; k < count; k++) {
+        pairs += fill_rotation(cohesive, &cohesive->rotations[k]);
+        if (cohesive->apart[cohesive->rotations[k].index] > 0.0)
+            cohesive->gaps[k] = (ShvFacetGaps){0}; /* others when the step begins */
+    }
+    cohesive->pair_count = pairs;
 }
 
 /* Those at copies of one node of the mesh make a cluster: no two clusters share a node. */
@@ -138,20 +154,20 @@ static void sort_pairs(ShvCohesiveCorner *corners, int32_t count)
     }
 }
 
-static void place_point(ShvCohesive *cohesive, const ShvCohesiveCorner *corner)
+static void place_point(ShvCohesive *cohesive, const ShvCohesiveCorner *corner, ShvCohesivePoint *place)
 {
     const int32_t rotation = corner->slot / 3, index = cohesive->rotations[rotation].index;
     const int32_t point = 3 * index + corner->slot % 3;
     const double weight = cohesive->area[index] / 3.0;
-    cohesive->points[cohesive->point_count++] = (ShvCohesivePoint){
-        .first = corner->first,
-        .second = corner->second,
-        .point = point,
-        .rotation = rotation,
-        .weight = weight,
-        .start_energy = weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start,
-        .springs.history.normal = (double)NAN,
-        .last = cohesive->force[point]};
+    *place = (ShvCohesivePoint){.first = corner->first,
+                                .second = corner->second,
+                                .point = point,
+                                .rotation = rotation,
+                                .weight = weight,
+                                .start_energy =
+                                    weight * cohesive->law[index].strength[SHV_NORMAL] * cohesive->sides[index].start,
+                                .springs.history.normal = (double)NAN,
+                                .last = cohesive->force[point]};
     cohesive->force[point] = shv_vec3(0.0, 0.0, 0.0);
 }
 
@@ -162,26 +178,41 @@ static void count_blocks(ShvCohesivePoint *points, const ShvCohesiveCorner *corn
             i + 1 < count && pair_key(&corners[i]) == pair_key(&corners[i + 1]) ? points[i + 1].block + 1 : 1;
 }
 
-/* Split corners come first in their cluster. */
+/* Split corners come first in their cluster; returns how many. */
+static int32_t split_first(ShvCohesive *cohesive, int32_t cluster)
+{
+    const int32_t start = cohesive->cluster_corner[cluster], end = cohesive->cluster_corner[cluster + 1];
+    int32_t split = start;
+    for (int32_t i = start; i < end; i++) {
+        const ShvCohesiveCorner corner = cohesive->corners[i];
+        cohesive->rotations[corner.slot / 3].cluster[corner.slot % 3] = cluster;
+        if (corner.first == corner.second) continue;
+        cohesive->corners[i] = cohesive->corners[split];
+        cohesive->corners[split++] = corner;
+    }
+    sort_pairs(cohesive->corners + start, split - start);
+    return split - start;
+}
+
+static void place_points(ShvCohesive *cohesive, int32_t cluster)
+{
+    const ShvCohesiveCorner *corners = cohesive->corners + cohesive->cluster_corner[cluster];
+    ShvCohesivePoint *points = cohesive->points + cohesive->cluster[cluster];
+    const int32_t count = cohesive->cluster[cluster + 1] - cohesive->cluster[cluster];
+    for (int32_t i = 0; i < count; i++) place_point(cohesive, &corners[i], &points[i]);
+    count_blocks(points, corners, count);
+}
+
 static void list_points(ShvCohesive *cohesive)
 {
-    cohesive->point_count = 0;
-    for (int32_t c = 0; c < cohesive->cluster_count; c++) {
-        const int32_t start = cohesive->cluster_corner[c], end = cohesive->cluster_corner[c + 1];
-        int32_t split = start;
-        cohesive->cluster[c] = cohesive->point_count;
-        for (int32_t i = start; i < end; i++) {
-            const ShvCohesiveCorner corner = cohesive->corners[i];
-            cohesive->rotations[corner.slot / 3].cluster[corner.slot % 3] = c;
-            if (corner.first == corner.second) continue;
-            cohesive->corners[i] = cohesive->corners[split];
-            cohesive->corners[split++] = corner;
-        }
-        sort_pairs(cohesive->corners + start, split - start);
-        for (int32_t i = start; i < split; i++) place_point(cohesive, &cohesive->corners[i]);
-        count_blocks(cohesive->points + cohesive->cluster[c], cohesive->corners + start, split - start);
-    }
-    cohesive->cluster[cohesive->cluster_count] = cohesive->point_count;
+    const int32_t clusters = cohesive->cluster_count, threads = cohesive->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, clusters))
+    for (int32_t c = 0; c < clusters; c++) cohesive->cluster[c] = split_first(cohesive, c);
+    cohesive->cluster[clusters] = 0;
+    sum_up(cohesive->cluster, clusters + 1);
+    cohesive->point_count = cohesive->cluster[clusters];
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, clusters))
+    for (int32_t c = 0; c < clusters; c++) place_points(cohesive, c);
 }
 
 static void list_node(ShvCohesive *cohesive, int32_t node)

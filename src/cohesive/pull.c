@@ -530,7 +530,9 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
         sweeps += pull_cluster(&pull, c);
     }
     answer_within_limits(&pull);
-    for (int32_t i = 0; i < cohesive->corner_node_count; i++) {
+    const int32_t nodes = cohesive->corner_node_count;
+#pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, nodes))
+    for (int32_t i = 0; i < nodes; i++) {
         const int64_t node = 3 * (int64_t)cohesive->corner_nodes[i];
         shv_store3(cohesive->pulled_velocity + node, shv_load3(state->velocity + node));
     }

@@ -128,33 +128,10 @@ static int detect(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodi
            shv_edge_pair_detect(bodies, &own, &other, step, reach, pairs, distance);
 }
 
-static ShvStatus reserve(ShvSurfaceContact *contact, ShvError *error)
+/* How many pairs a candidate may make. */
+static int most_points(const ShvSurfaceCandidate *candidate)
 {
-    const int32_t wanted = contact->pair_count + SHV_MOST_POINTS;
-    int32_t room = contact->found_capacity;
-    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->found, room, wanted, "contact", error);
-    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->keys, contact->found_capacity, wanted, "contact", error);
-    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, wanted, "contact", error);
-    return SHV_OK;
-}
-
-static ShvStatus look(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, const ShvSurfaceCandidate *candidate,
-                      double step, double reach, double *distance, ShvError *error)
-{
-    SHV_TRY(reserve(contact, error));
-    ShvFacetPair *pairs = &contact->found[contact->pair_count];
-    const int count = detect(contact, bodies, candidate, step, reach, pairs, distance);
-    contact->distance_checks++;
-    for (int i = 0; i < count; i++, contact->pair_count++) {
-        const ShvFacetPair *pair = &pairs[i];
-        name_slots(contact, bodies, candidate, &pairs[i]);
-        contact->keys[contact->pair_count] =
-            (ShvPairKey){pair->nodes[0],     pair->node_count > 1 ? pair->nodes[1] : -1,
-                         pair->element,      pair->face,
-                         pair->edge,         pair->feature,
-                         contact->pair_count};
-    }
-    return SHV_OK;
+    return candidate->facet < 0 ? SHV_MOST_POINTS : 1;
 }
 
 /* Whether the two have not gone so far yet that they may meet, their motion classes apart; then they are due when those have gone what is
@@ -174,6 +151,8 @@ static ShvStatus find_due(ShvSurfaceContact *contact, ShvSurfaceCandidates *list
     double until[SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES];
     for (int k = 0; k < SHV_SURFACE_MOTION_CLASSES * SHV_SURFACE_MOTION_CLASSES; k++)
         until[k] = horizon->path[k] + horizon->reach[k];
+    int32_t room = list->now_capacity;
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, list->near, room, list->count, "contact", error);
     SHV_RESERVE(contact->memory, SHV_PART_CONTACT, list->now, list->now_capacity, list->count, "contact", error);
     *count = 0;
     for (int32_t k = 0; k < list->count; k++) {
@@ -183,40 +162,122 @@ static ShvStatus find_due(ShvSurfaceContact *contact, ShvSurfaceCandidates *list
     return SHV_OK;
 }
 
-/* So many candidates ahead of the one in hand are asked for from memory. */
-enum { PREFETCHED = 8 };
+/* So many candidates ahead of the one in hand are asked for from memory; with fewer than so many to look at threads do not pay. */
+enum { PREFETCHED = 8, FEWEST_PARALLEL = 256 };
 
-/* The distance that they have now is when they are due again. */
-static ShvStatus find_pair(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, ShvSurfaceCandidates *list,
-                           int32_t k, const Horizon *horizon, double step, ShvError *error)
+/* One search for pairs: what threads share. Each candidate is decided by itself, and writes to itself and its own places alone. */
+typedef struct Search {
+    ShvSurfaceContact *contact;
+    const ShvSurfaceBodies *bodies;
+    ShvSurfaceCandidates *list;
+    Horizon horizon;
+    double step; /* s: until the next search */
+} Search;
+
+static bool in_parallel(const Search *search, int32_t count)
 {
-    const double path = horizon->path[list->motion_classes[k]], reach = horizon->reach[list->motion_classes[k]];
-    const ShvSurfaceCandidate *candidate = &list->items[k];
-    ShvMotionBound *due = &list->motion_bounds[k];
-    if (is_early(contact, list, k, path, reach)) return SHV_OK;
-    double distance = distance_left(contact, bodies, candidate, due, reach);
-    if (!(distance > 0.0) && shv_surface_candidate_is_void(contact, candidate)) distance = (double)INFINITY;
-    if (!(distance > 0.0)) SHV_TRY(look(contact, bodies, candidate, step, reach, &distance, error));
-    list->due[k] = fmax(list->due[k], path + distance);
-    if (due->path > -(double)INFINITY) due->path = fmax(due->path, shv_surface_candidate_path(contact, due) + distance);
-    return SHV_OK;
+    return search->contact->model->threads > 1 && count >= FEWEST_PARALLEL;
 }
 
-static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
-                            ShvError *error)
+/* The distance that the two have now is when they are due again. */
+static void postpone(const Search *search, int32_t k, double distance)
 {
-    ShvSurfaceCandidates *list = &contact->candidates[kind];
-    Horizon horizon;
-    int32_t count;
-    find_horizon(contact, step, &horizon);
-    SHV_TRY(find_due(contact, list, &horizon, &count, error));
+    ShvMotionBound *due = &search->list->motion_bounds[k];
+    const double path = search->horizon.path[search->list->motion_classes[k]];
+    search->list->due[k] = fmax(search->list->due[k], path + distance);
+    if (due->path > -(double)INFINITY)
+        due->path = fmax(due->path, shv_surface_candidate_path(search->contact, due) + distance);
+}
+
+/* Whether a candidate has to be looked at closely. */
+static bool is_near(const Search *search, int32_t k)
+{
+    const int motion_class = search->list->motion_classes[k];
+    const double path = search->horizon.path[motion_class], reach = search->horizon.reach[motion_class];
+    const ShvSurfaceCandidate *candidate = &search->list->items[k];
+    if (is_early(search->contact, search->list, k, path, reach)) return false;
+    double distance = distance_left(search->contact, search->bodies, candidate, &search->list->motion_bounds[k], reach);
+    if (!(distance > 0.0) && shv_surface_candidate_is_void(search->contact, candidate)) distance = (double)INFINITY;
+    if (distance > 0.0) postpone(search, k, distance);
+    return !(distance > 0.0);
+}
+
+/* Leaves those of `now` that are near; returns how many. */
+static int32_t find_near(const Search *search, int32_t count)
+{
+    ShvSurfaceCandidates *list = search->list;
+    const int32_t threads = search->contact->model->threads;
+#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(search, count))
     for (int32_t i = 0; i < count; i++) {
         if (i + PREFETCHED < count) {
             shv_prefetch(&list->motion_bounds[list->now[i + PREFETCHED]]);
             shv_prefetch(&list->items[list->now[i + PREFETCHED]]);
         }
-        SHV_TRY(find_pair(contact, bodies, list, list->now[i], &horizon, step, error));
+        list->near[i].pairs = is_near(search, list->now[i]);
     }
+    int32_t near = 0;
+    for (int32_t i = 0; i < count; i++) {
+        list->now[near] = list->now[i];
+        near += list->near[i].pairs;
+    }
+    return near;
+}
+
+/* Places for the pairs of those that are near. */
+static ShvStatus reserve(const Search *search, int32_t near, ShvError *error)
+{
+    ShvSurfaceContact *contact = search->contact;
+    int32_t place = contact->found_count;
+    for (int32_t i = 0; i < near; i++) {
+        search->list->near[i].place = place;
+        place += most_points(&search->list->items[search->list->now[i]]);
+    }
+    int32_t room = contact->found_capacity;
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->found, room, place, "contact", error);
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->keys, contact->found_capacity, place, "contact", error);
+    contact->found_count = place;
+    contact->distance_checks += near;
+    return SHV_OK;
+}
+
+static void look(const Search *search, int32_t i)
+{
+    const int32_t k = search->list->now[i];
+    const ShvSurfaceCandidate *candidate = &search->list->items[k];
+    ShvNearCandidate *near = &search->list->near[i];
+    ShvFacetPair *pairs = &search->contact->found[near->place];
+    double distance = 0.0;
+    near->pairs = detect(search->contact, search->bodies, candidate, search->step,
+                         search->horizon.reach[search->list->motion_classes[k]], pairs, &distance);
+    for (int point = 0; point < near->pairs; point++)
+        name_slots(search->contact, search->bodies, candidate, &pairs[point]);
+    postpone(search, k, distance);
+}
+
+static void note_keys(ShvSurfaceContact *contact, const ShvNearCandidate *near)
+{
+    for (int i = 0; i < near->pairs; i++) {
+        const ShvFacetPair *pair = &contact->found[near->place + i];
+        contact->keys[contact->pair_count++] = (ShvPairKey){pair->nodes[0], pair->node_count > 1 ? pair->nodes[1] : -1,
+                                                            pair->element,  pair->face,
+                                                            pair->edge,     pair->feature,
+                                                            near->place + i};
+    }
+}
+
+static ShvStatus find_pairs(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, int kind, double step,
+                            ShvError *error)
+{
+    Search search = {.contact = contact, .bodies = bodies, .list = &contact->candidates[kind], .step = step};
+    const int32_t threads = contact->model->threads;
+    int32_t count;
+    find_horizon(contact, step, &search.horizon);
+    SHV_TRY(find_due(contact, search.list, &search.horizon, &count, error));
+    const int32_t near = find_near(&search, count);
+    SHV_TRY(reserve(&search, near, error));
+#pragma omp parallel for schedule(static) num_threads(threads) if (in_parallel(&search, near))
+    for (int32_t i = 0; i < near; i++) look(&search, i);
+    for (int32_t i = 0; i < near; i++) note_keys(contact, &search.list->near[i]);
     return SHV_OK;
 }
 
@@ -234,11 +295,13 @@ static int by_number(const void *a, const void *b)
 
 ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
-    contact->pair_count = 0;
+    contact->pair_count = contact->found_count = 0;
     shv_surface_measure_speeds(contact, bodies);
     SHV_TRY(find_pairs(contact, bodies, 0, step, error));
     if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs(contact, bodies, 1, contact->detection_interval * step, error));
+    SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, contact->pair_count,
+                "contact", error);
     if (contact->pair_count > 0) qsort(contact->keys, (size_t)contact->pair_count, sizeof *contact->keys, by_number);
     for (int32_t k = 0; k < contact->pair_count; k++) contact->pairs[k] = contact->found[contact->keys[k].found];
     return SHV_OK;

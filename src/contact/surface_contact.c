@@ -33,6 +33,7 @@ void shv_surface_contact_release(ShvSurfaceContact *contact)
         shv_release(contact->candidates[k].motion_bounds);
         shv_release(contact->candidates[k].motion_classes);
         shv_release(contact->candidates[k].now);
+        shv_release(contact->candidates[k].near);
     }
     shv_release(contact->fragments);
     shv_release(contact->found);

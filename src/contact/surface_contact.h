@@ -66,6 +66,11 @@ typedef struct ShvMotionBound {
     ShvSideKind kinds[2];
 } ShvMotionBound;
 
+/* A candidate that may meet in the step. */
+typedef struct ShvNearCandidate {
+    int32_t place, pairs; /* of its pairs in `found`, and how many there are */
+} ShvNearCandidate;
+
 typedef struct ShvSurfaceCandidates {
     ShvSurfaceCandidate *items;
     double *due; /* per candidate, m: the same of the paths of its motion classes, which costs least to ask */
@@ -73,7 +78,8 @@ typedef struct ShvSurfaceCandidates {
     uint8_t *motion_classes; /* per candidate: that of the node × SHV_SURFACE_MOTION_CLASSES + the other side's */
     int32_t count, capacity;
     int32_t held; /* when void ones were last dropped */
-    int32_t *now; /* those that are due in the step by their motion classes */
+    int32_t *now; /* those that are due in the step by their motion classes, then those of them that are near */
+    ShvNearCandidate *near; /* as `now` */
     int32_t now_capacity;
 } ShvSurfaceCandidates;
 
@@ -138,9 +144,9 @@ typedef struct ShvSurfaceContact {
     int32_t coupled_body_capacity;
     /* this step */
     ShvFacetPair *pairs; /* by nodes, element, face, edge, feature; those without an impulse included */
-    ShvFacetPair *found; /* the same as they are found, */
+    ShvFacetPair *found; /* places for the same as they are found, some without one, */
     ShvPairKey *keys;    /* and their order */
-    int32_t pair_count, pair_capacity, found_capacity;
+    int32_t pair_count, pair_capacity, found_count, found_capacity;
     int32_t *visits; /* per place in list.nodes: last visit of the sweeps in which its velocity changed */
     int32_t visit_capacity;
     int32_t visit, rigid_visit; /* the present one; the last in which a coupled body's or obstacle's motion changed */
