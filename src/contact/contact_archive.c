@@ -40,6 +40,8 @@ bool shv_surface_contact_archive(ShvSurfaceContact *contact, ShvArchive *archive
         /* made anew by every look */
         SHV_FIELD_OF(ShvSurfaceContact, candidates[0].now, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, candidates[1].now, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[0].near, SHV_FIELD_ROOM),
+        SHV_FIELD_OF(ShvSurfaceContact, candidates[1].near, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, found, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, keys, SHV_FIELD_ROOM),
         SHV_FIELD_OF(ShvSurfaceContact, visits, SHV_FIELD_BLOCK),
