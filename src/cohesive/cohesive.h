@@ -136,9 +136,15 @@ typedef struct ShvStressSource {
     void *context;
 } ShvStressSource;
 
+/* One for each thread. */
+typedef struct ShvStars {
+    ShvStar *items;
+    int32_t count;
+} ShvStars;
+
 /* Work space of the force criterion (star.h); empty with the others. */
 typedef struct ShvStarSearch {
-    ShvStar star;
+    ShvStars stars;
     int32_t *nodes; /* node_capacity: those to look at, then those whose tets part */
     double *ratio;  /* as nodes */
     uint8_t *mark;  /* node_capacity; 0 between checks */

@@ -63,7 +63,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, corner_label, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_queue, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_copy, SHV_FIELD_KEPT),
-    SHV_FIELD_OF(ShvCohesive, search.star, SHV_FIELD_KEPT),
+    SHV_FIELD_OF(ShvCohesive, search.stars, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, initiation.strength, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, initiation.tension, SHV_FIELD_KEPT),
 };

@@ -1,6 +1,7 @@
 #include "cohesive/inspection.h"
 
 #include <math.h>
+#include <omp.h>
 
 /* Where nothing has cracked yet, this much more is asked of the force: of many nodes that reach their strength together, one that
    begins relieves the others first. Where the tension of the surface decides, waiting beside a young crack does that (is_waiting). */
@@ -135,26 +136,26 @@ static bool is_waiting(const ShvCohesive *cohesive, const ShvState *state, int32
 }
 
 /* At the surface of a body, away from cracks, stress decides as well as force (initiation.h). */
-static void find_surface_disk(const ShvInspection *inspection, int32_t node, double least)
+static void find_surface_disk(const ShvInspection *inspection, ShvStar *star, int32_t node, double least)
 {
-    ShvCohesive *cohesive = inspection->cohesive;
+    const ShvCohesive *cohesive = inspection->cohesive;
     const ShvState *state = inspection->state;
     if (!cohesive->front.any || node >= cohesive->model->mesh.node_count) return;
     if (isinf(cohesive->initiation.strength[node]) || is_waiting(cohesive, state, node)) return;
     const ShvVec3 slit = shv_front_normal(cohesive, state, node);
     const ShvSurfaceTension tension = shv_initiation_tension(cohesive, state, node);
     if (shv_dot(slit, slit) > 0.0 || tension.stress < least * cohesive->initiation.strength[node]) return;
-    shv_star_begin(&cohesive->search.star, cohesive, state, inspection->stress, node, tension, least);
+    shv_star_begin(star, cohesive, state, inspection->stress, node, tension, least);
 }
 
-static void find_disk(const ShvInspection *inspection, int32_t node)
+static void find_disk(const ShvInspection *inspection, ShvStar *star, int32_t node)
 {
-    ShvCohesive *cohesive = inspection->cohesive;
+    const ShvCohesive *cohesive = inspection->cohesive;
     const double least = cohesive->settings->threshold;
     const bool cracked = is_cracked(cohesive, inspection->state, node);
     const double needed = cracked ? least : least * (1.0 + nucleation_margin);
-    shv_star_evaluate(&cohesive->search.star, cohesive, inspection->state, inspection->stress, node, needed);
-    if (!cracked && cohesive->search.star.disk_count == 0) find_surface_disk(inspection, node, least);
+    shv_star_evaluate(star, cohesive, inspection->state, inspection->stress, node, needed);
+    if (!cracked && star->disk_count == 0) find_surface_disk(inspection, star, node, least);
 }
 
 /* What it shares tets with has other forces from now on. */
@@ -172,10 +173,10 @@ static void mark_star(const ShvInspection *inspection, int32_t node, uint8_t mar
 }
 
 /* The disk that `find_disk` has just found. */
-static void take_disk(const ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count)
+static void take_disk(const ShvInspection *inspection, const ShvStar *star, int32_t *candidates, double *overstress,
+                      int32_t *count)
 {
     const ShvCohesive *cohesive = inspection->cohesive;
-    const ShvStar *star = &cohesive->search.star;
     for (int32_t k = 0; k < star->disk_count; k++) {
         const ShvStarFacet *facet = &star->facets[star->disk[k]];
         cohesive->search.facet_along[facet->facet] =
@@ -190,27 +191,53 @@ static void take_disk(const ShvInspection *inspection, int32_t *candidates, doub
     }
 }
 
+/* With fewer suspects than so many threads do not pay. */
+enum { FEWEST_PARALLEL = 64 };
+
+/* Each by itself, and by none of what others find. Leaves ratios, 0 where nothing parts. */
+static void judge_suspects(const ShvInspection *inspection, int32_t count)
+{
+    const ShvCohesive *cohesive = inspection->cohesive;
+    const ShvStarSearch *search = &cohesive->search;
+    const int32_t stars = search->stars.count;
+    const int32_t threads = cohesive->model->threads < stars ? cohesive->model->threads : stars;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && count >= FEWEST_PARALLEL)
+    for (int32_t i = 0; i < count; i++) {
+        ShvStar *star = &search->stars.items[omp_get_thread_num()];
+        find_disk(inspection, star, search->nodes[i]);
+        search->left[search->nodes[i]] = shv_larger(1.0 - 2.0 * star->nearest, 0.0);
+        search->ratio[i] = star->disk_count > 0 ? star->ratio : 0.0;
+    }
+}
+
+/* Leaves those that part; returns how many. */
+static int32_t keep_parting(ShvStarSearch *search, int32_t count)
+{
+    int32_t parting = 0;
+    for (int32_t i = 0; i < count; i++) {
+        if (!(search->ratio[i] > 0.0)) continue;
+        search->held[search->nodes[i]] = 0.0;
+        search->nodes[parting] = search->nodes[i];
+        search->ratio[parting++] = search->ratio[i];
+    }
+    return parting;
+}
+
 void shv_inspection_find_disks(ShvInspection *inspection, int32_t *candidates, double *overstress, int32_t *count,
                                double *largest)
 {
     ShvStarSearch *search = &inspection->cohesive->search;
+    ShvStar *star = &search->stars.items[0];
     const int32_t suspects = add_surface_nodes(inspection, list_nodes(inspection), largest);
-    int32_t parting = 0;
     *count = 0;
     shv_inspection_get(inspection);
-    for (int32_t i = 0; i < suspects; i++) {
-        find_disk(inspection, search->nodes[i]);
-        search->left[search->nodes[i]] = shv_larger(1.0 - 2.0 * search->star.nearest, 0.0);
-        if (search->star.disk_count == 0) continue;
-        search->held[search->nodes[i]] = 0.0;
-        search->nodes[parting] = search->nodes[i];
-        search->ratio[parting++] = search->star.ratio;
-    }
+    judge_suspects(inspection, suspects);
+    const int32_t parting = keep_parting(search, suspects);
     shv_sort_descending(search->nodes, search->ratio, parting);
     for (int32_t i = 0; i < parting; i++) {
         if (search->mark[search->nodes[i]]) continue;
-        find_disk(inspection, search->nodes[i]);
-        take_disk(inspection, candidates, overstress, count);
+        find_disk(inspection, star, search->nodes[i]);
+        take_disk(inspection, star, candidates, overstress, count);
         mark_star(inspection, search->nodes[i], 1);
     }
     for (int32_t i = 0; i < parting; i++) mark_star(inspection, search->nodes[i], 0);

@@ -91,6 +91,15 @@ ShvStatus shv_cohesive_reserve_nodes(ShvCohesive *cohesive, int32_t nodes, ShvEr
     return SHV_OK;
 }
 
+static ShvStatus create_stars(ShvStars *stars, ShvMemory *memory, int32_t count, int32_t most_corners, ShvError *error)
+{
+    stars->items = shv_allocate(memory, SHV_PART_COHESIVE, (size_t)count, sizeof *stars->items);
+    if (!stars->items) return shv_fail_memory(error, "the tets round a node", (size_t)count * sizeof *stars->items);
+    for (; stars->count < count; stars->count++)
+        SHV_TRY(shv_star_create(&stars->items[stars->count], memory, most_corners, error));
+    return SHV_OK;
+}
+
 static int32_t most_corners(const ShvAdjacency *adjacency, int32_t nodes)
 {
     int32_t most = 0;
@@ -154,7 +163,7 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
         return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 52);
     if (cohesive->settings->criterion == SHV_CRITERION_FORCE) {
         ShvStarSearch *search = &cohesive->search;
-        SHV_TRY(shv_star_create(&search->star, memory, (int32_t)corners, error));
+        SHV_TRY(create_stars(&search->stars, memory, model->most_threads, (int32_t)corners, error));
         search->facet_along = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *search->facet_along);
         if (!search->facet_along) return shv_fail_memory(error, "directions of opening", facets * sizeof(double));
     }
@@ -228,7 +237,8 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->node_value);
     shv_release(cohesive->watched);
     shv_release(cohesive->watched_nodes);
-    shv_star_release(&cohesive->search.star);
+    for (int32_t k = 0; k < cohesive->search.stars.count; k++) shv_star_release(&cohesive->search.stars.items[k]);
+    shv_release(cohesive->search.stars.items);
     shv_release(cohesive->search.nodes);
     shv_release(cohesive->search.ratio);
     shv_release(cohesive->search.mark);

@@ -74,8 +74,8 @@ static void weakest_disk_is_that_of_brute_force(void **state)
         double best = 0.0;
         for (uint32_t group = 1; group < 1u << f.state.corner_count[node]; group++)
             best = fmax(best, ratio_of(&f, node, group, tension));
-        shv_star_evaluate(&f.cohesive.search.star, &f.cohesive, &f.state, f.stress, node, 0.5);
-        check_near(f.cohesive.search.star.ratio, best > 0.5 ? best : 0.0, 1e-7);
+        shv_star_evaluate(&f.cohesive.search.stars.items[0], &f.cohesive, &f.state, f.stress, node, 0.5);
+        check_near(f.cohesive.search.stars.items[0].ratio, best > 0.5 ? best : 0.0, 1e-7);
         tried += best > 0.5;
     }
     assert_true(tried > 20);
@@ -88,7 +88,7 @@ static void a_disk_parts_its_node(void **state)
     (void)state;
     Fixture f;
     build(&f, 0.2);
-    ShvStar *star = &f.cohesive.search.star;
+    ShvStar *star = &f.cohesive.search.stars.items[0];
     int found = 0;
     for (int64_t i = 0; i < 6 * SHV_LANES * (int64_t)f.state.batch_count; i++)
         f.stress[i] = 150e6 * (shv_random_uniform(3, (uint64_t)i) - 0.4);
@@ -179,7 +179,7 @@ static void the_last_bond_of_a_tet_holds_longer(void **state)
     Fixture f;
     build(&f, 0.2);
     const ShvAdjacency *adjacency = &f.model.adjacency;
-    ShvStar *star = &f.cohesive.search.star;
+    ShvStar *star = &f.cohesive.search.stars.items[0];
     int32_t element = 0;
     for (int inside = 0; inside < 4; element++)
         for (int k = inside = 0; k < 4; k++)
