@@ -186,11 +186,35 @@ static ShvStatus update_list(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     return SHV_OK;
 }
 
+/* Of facets that a node may pass in a step: it is far beyond the speed of sound by then, and has been unstable for some steps. */
+static const double most_passed = 10.0;
+
+/* Of nodes that fly off as numbers grow without bound everything would be a candidate, as far as memory goes. Measured by facets as
+   they were when candidates were chosen last: these may be as large by now. */
+static ShvStatus check_speeds(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step,
+                              ShvError *error)
+{
+    const ShvState *state = bodies->state;
+    for (int32_t k = 0; k < contact->list.node_count; k++) {
+        const ShvSurfaceNode *node = &contact->list.nodes[k];
+        if (shv_bodies_coupled_body(bodies, node->fragment)) continue;
+        const double way = step * shv_norm(shv_load3(state->velocity + 3 * (int64_t)node->node));
+        if (way <= most_passed * contact->size) continue;
+        return shv_fail(
+            error, SHV_DIVERGED,
+            "at %g s a node of fragment %d would move %g m in a step of %g s: its motion has become unstable; a "
+            "smaller fracture.safety may bear its strain",
+            state->time, (int)node->fragment, way, step);
+    }
+    return SHV_OK;
+}
+
 static ShvStatus rebuild(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, bool lost, double step,
                          ShvError *error)
 {
     ShvSurfaceList *list = &contact->list;
     const double last = bodies->state->last_step;
+    if (!lost && contact->size > 0.0) SHV_TRY(check_speeds(contact, bodies, step, error));
     SHV_TRY(update_list(contact, bodies, lost, error));
     for (int kind = 0; kind < 2; kind++) contact->candidates[kind].count = contact->candidates[kind].held = 0;
     contact->watched_count = contact->watched_facets.count = contact->rebuilt_nodes = 0;

@@ -86,8 +86,12 @@ static inline void fixture_build_cubes(Fixture *f, int32_t x, int32_t y, int32_t
     f->scene.material_count = 1;
     f->scene.objects = &f->object;
     f->scene.object_count = 1;
-    f->model = (ShvModel){
-        .memory = f->memory, .material_count = 1, .object_count = 1, .can_break = true, .threads = f->scene.threads};
+    f->model = (ShvModel){.memory = f->memory,
+                          .material_count = 1,
+                          .object_count = 1,
+                          .can_break = true,
+                          .threads = f->scene.threads,
+                          .most_threads = f->scene.threads};
     fixture_cubes(f, (const int32_t[]){x, y, z});
     check_ok(shv_mesh_validate(&f->model.mesh, "cubes", &f->error), f->error);
     check_ok(shv_adjacency_build(&f->model.adjacency, &f->model.mesh, &f->error), f->error);

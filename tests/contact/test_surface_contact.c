@@ -856,6 +856,29 @@ static void test_friction_is_checked(void **state)
                 "friction");
 }
 
+/* Motion that grows without bound is an error, and does not make everything a neighbour of everything. */
+static void test_unstable_motion(void **state)
+{
+    (void)state;
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.0, 0.0));
+    surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(0.021, 0.003, 0.0), shv_vec3(-2.0, 0.0, 0.0));
+    surfaces_build(&s, 0.0, false);
+    const double step = surfaces_stable_step(&s);
+    for (int i = 0; i < 8; i++) surfaces_step(&s, step);
+    for (int32_t i = 0; i < s.state.node_count; i++)
+        s.state.velocity[3 * (int64_t)i] = (i % 2 ? -1e3 : 1e3) * 0.01 / step;
+    ShvStatus status = SHV_OK;
+    for (int i = 0; i < 8 && status == SHV_OK; i++) {
+        status = shv_surface_contact_begin(&s.contact, &s.bodies, step, &s.error);
+        s.state.time += step;
+    }
+    assert_int_equal(status, SHV_DIVERGED);
+    assert_non_null(strstr(s.error.message, "fracture.safety"));
+    surfaces_release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bars_exchange_velocities),
@@ -877,6 +900,7 @@ int main(void)
                                        cmocka_unit_test(test_lists_go_on),
                                        cmocka_unit_test(test_idle),
                                        cmocka_unit_test(test_out_of_memory),
-                                       cmocka_unit_test(test_friction_is_checked)};
+                                       cmocka_unit_test(test_friction_is_checked),
+                                       cmocka_unit_test(test_unstable_motion)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
