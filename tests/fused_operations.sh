@@ -5,7 +5,7 @@
 set -eu
 cd "$1"
 command -v objdump >/dev/null || { echo "objdump is missing (Debian: binutils)"; exit 1; }
-allowed=' solid/force.c solid/stress.c solid/energy.c solid/smoothing.c pbd/bar_sweep.c base/deterministic.c base/linear.c '
+allowed=' solid/force.c solid/stress.c solid/energy.c solid/smoothing.c solid/step.c pbd/bar_sweep.c base/deterministic.c base/linear.c '
 bad=0 looked=0 written_out=0
 for object in CMakeFiles/shv_*.dir/src/*/*.o CMakeFiles/shv_bullet_bridge.dir/bullet_bridge/*.o; do
     looked=$((looked + 1))

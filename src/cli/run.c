@@ -165,6 +165,9 @@ typedef struct History {
     int32_t squeezes;
     ShvEventView squeeze;
     int32_t between[2]; /* obstacles */
+    /* tets that were turned inside out: how often more than ever before were, and the first time */
+    int32_t inversions;
+    ShvEventView inversion;
 } History;
 
 /* One event for each of the two obstacles, one after the other. */
@@ -194,6 +197,25 @@ static void print_squeezes(const History *history, const ShvFrameView *frame, co
            frame->obstacles[history->between[1]].name, history->squeeze.value);
 }
 
+static void remember_inversions(History *history, const ShvFrameView *frame)
+{
+    for (int32_t i = 0; i < frame->event_count; i++)
+        if (frame->events[i].kind == SHV_RUN_INVERSION && history->inversions++ == 0)
+            history->inversion = frame->events[i];
+}
+
+static void print_inversions(const History *history, const ShvFrameView *frame, const ShvSimulation *simulation)
+{
+    if (history->inversions == 0) return;
+    const ShvMeshView mesh = shv_simulation_mesh(simulation);
+    const ShvFragmentView *fragment = &frame->fragments[history->inversion.fragment];
+    printf("  warning: tets were turned inside out, first at %.6g s tet %.0f of '%s' (events 'inversion'); no material "
+           "law "
+           "holds there. A finer mesh or a milder impact may bear it; where a body is to be soft, kinematics: "
+           "corotational resists more than green when pressed flat\n",
+           history->inversion.time, history->inversion.value, mesh.objects[fragment->object].name);
+}
+
 static void remember(History *history, const ShvFrameView *frame)
 {
     if (frame->fracture || frame->ledger.contact < 0.0 || frame->ledger.contact > 0.0) history->met = true;
@@ -201,6 +223,7 @@ static void remember(History *history, const ShvFrameView *frame)
     *strain = fmax(*strain, frame->edge_strain);
     history->courant = fmax(history->courant, frame->courant);
     remember_squeezes(history, frame);
+    remember_inversions(history, frame);
 }
 
 /* ---- checkpoints ---- */
@@ -400,6 +423,7 @@ static void print_end(const ShvArguments *arguments, Watch *watch, const char *p
     }
     print_summary(frame, path, wall, status);
     print_squeezes(&watch->history, frame, watch->simulation);
+    print_inversions(&watch->history, frame, watch->simulation);
     print_materials(watch->simulation);
     if (status == SHV_INTERRUPTED && watch->saved && !watch->failed) printf("  --resume goes on from here\n");
 }

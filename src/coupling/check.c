@@ -236,7 +236,7 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
     count_quiet(hybrid);
     if (!hybrid->model.can_break) {
         set_clock(hybrid, 0.0);
-        return SHV_OK;
+        return find_inverted(hybrid, error);
     }
     int32_t count = 0;
     double largest = 0.0;

@@ -9,6 +9,7 @@ static const double recommended_share = 0.9;
 static ShvStatus require_stable(ShvHybrid *hybrid, ShvError *error)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
+    hybrid->steps.strained = HUGE_VAL;
     hybrid->steps.stable = shv_solid_stable_step(&hybrid->solid, &hybrid->steps.stable_element);
     const double stable = hybrid->steps.stable;
     if (hybrid->stabiliser.active || isnan(fracture->time_step) || fracture->time_step <= stable) return SHV_OK;
@@ -98,6 +99,7 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
 {
     const ShvSceneDefinition *scene = hybrid->scene;
     SHV_TRY(shv_model_build(&hybrid->model, hybrid->memory, scene, folder, error));
+    hybrid->damping.active = hybrid->model.can_break;
     for (int32_t i = 0; i < hybrid->model.material_count; i++)
         hybrid->damping.active = hybrid->damping.active || hybrid->model.materials[i].loss_factor > 0.0;
     SHV_TRY(shv_state_create(&hybrid->state, &hybrid->model, scene, error));

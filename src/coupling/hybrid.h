@@ -59,6 +59,7 @@ typedef struct ShvSteps {
     double stable;          /* s: smallest exact element step of the whole model */
     int32_t stable_element; /* that sets it */
     double bulk;            /* s: stable step of the awake batches */
+    double strained;        /* s: the same as strain has made it lately; infinity where it never counted */
     double last;            /* s: last step taken by something awake */
     int32_t inverted;       /* most elements found inside out at once so far */
 } ShvSteps;
@@ -83,9 +84,9 @@ typedef struct ShvInsertionCheck {
     int32_t since_rest; /* checks since fragments were last asked whether they may rest */
 } ShvInsertionCheck;
 
-/* Internal friction of the materials (vibration_damping.c). */
+/* Internal friction of the materials, and what crumbs have of it (vibration_damping.c). */
 typedef struct ShvVibrationDamping {
-    bool active;    /* some material has a loss factor; without one the rest is not there */
+    bool active;    /* some material has a loss factor, or crumbs may come off; else the rest is not there */
     ShvVec3 *force; /* per node, N: of the present step, at awake ones */
     int32_t capacity;
     double first_half; /* J: of its work in the present step */

@@ -46,6 +46,7 @@ static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
     };
     return shv_archive_block(archive, (void **)&solid->batch_active) &&
            shv_archive_block(archive, (void **)&solid->batch_exact) &&
+           shv_archive_room(archive, (void **)&solid->batch_strained) &&
            SHV_ARCHIVE_STRUCT(archive, &solid->smoothing, smoothing);
 }
 

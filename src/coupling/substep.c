@@ -73,11 +73,27 @@ ShvStatus shv_hybrid_kick(ShvHybrid *hybrid, double before, double after, ShvErr
 /* Of the number of steps: rounding of a quotient, which must make no step more. */
 static const double rounding_of_steps = 1e-12;
 
-/* No longer than the stable one. */
-double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
+/* Steps that follow strain become shorter at once and longer by no more than this share each: what vibrates strains up and down, and steps
+   that did so with it would feed it. */
+static const double growth_of_steps = 1e-3;
+
+static void follow_strain(ShvHybrid *hybrid)
+{
+    ShvSteps *steps = &hybrid->steps;
+    steps->strained = fmin(shv_solid_strained_step(&hybrid->solid), (1.0 + growth_of_steps) * steps->strained);
+}
+
+static double longest_step(const ShvHybrid *hybrid)
 {
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double longest = isnan(fracture->time_step) ? fracture->safety * hybrid->steps.bulk : fracture->time_step;
+    if (!isnan(fracture->time_step)) return fracture->time_step;
+    return fracture->safety * fmin(hybrid->steps.bulk, hybrid->steps.strained);
+}
+
+/* No longer than the stable one, of the shape at rest and of the strained one. */
+double shv_hybrid_choose_step(const ShvHybrid *hybrid, double limit)
+{
+    const double longest = longest_step(hybrid);
     return limit / fmax(1.0, ceil(limit / longest * (1.0 - rounding_of_steps)));
 }
 
@@ -130,10 +146,11 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     shv_hybrid_choose_threads(hybrid);
     SHV_TRY(observe_now_and_then(hybrid, error));
     SHV_TRY(shv_hybrid_check(hybrid, error));
-    const double step = shv_hybrid_choose_step(hybrid, limit);
-    shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(shv_hybrid_forces(hybrid, error));
     SHV_TRY(shv_hybrid_split(hybrid, error));
+    follow_strain(hybrid);
+    const double step = shv_hybrid_choose_step(hybrid, limit);
+    shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(sampled_kick(hybrid, step, error));
     count_contact(hybrid, step);
     shv_waking_contact_follow(hybrid);

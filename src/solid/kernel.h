@@ -104,6 +104,21 @@ static inline void shv_wide_twice_green_strain(ShvWide h[3][3], ShvWide e[3][3])
         }
 }
 
+/* Length of 2 E below which strain counts for nothing in the stable step. */
+static const double shv_little_strain = 0.0125;
+
+/* step.c: the strained step of a batch of which some tet is strained more than a little. */
+double shv_batch_strained_step(const ShvSolid *solid, int32_t batch, ShvWide h[3][3]);
+
+static inline void shv_batch_note_strain(const ShvSolid *solid, int32_t batch, ShvWide h[3][3])
+{
+    ShvWide e[3][3];
+    shv_wide_twice_green_strain(h, e);
+    const ShvWide little = shv_wide_set1(shv_little_strain * shv_little_strain);
+    const bool strained = shv_wide_bits(shv_wide_less(little, shv_wide_squared_norm(e))) != 0;
+    solid->batch_strained[batch] = strained ? shv_batch_strained_step(solid, batch, h) : HUGE_VAL;
+}
+
 static inline ShvWide shv_wide_trace(ShvWide a[3][3])
 {
     return shv_wide_add(shv_wide_add(a[0][0], a[1][1]), a[2][2]);
@@ -341,6 +356,7 @@ static inline void shv_batch_add_force(const ShvSolid *solid, ShvState *state, i
     }
     ShvWide h[3][3], p[3][3];
     shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_note_strain(solid, batch, h);
     shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
 }
@@ -421,6 +437,7 @@ static inline bool shv_batch_add_force_and_find_faces(const ShvSolid *solid, Shv
     ShvWide h[3][3], p[3][3];
     bool inverted;
     shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_note_strain(solid, batch, h);
     shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
     faces[batch] = shv_batch_faces(solid, batch, h, p, weight, floor, &inverted);

@@ -24,6 +24,7 @@ static void find_gradient(const ShvSolid *solid, const ShvState *state, int32_t 
     const ShvWide volume = shv_wide_load(solid->volumes + (int64_t)batch * SHV_LANES);
     ShvWide h[3][3];
     shv_batch_displacement_gradient(solid, state, batch, h);
+    shv_batch_note_strain(solid, batch, h);
     for (int c = 0; c < 9; c++) h[c / 3][c % 3] = shv_wide_mul(volume, h[c / 3][c % 3]);
     write_matrices(h, smoothing->gradient + 8 * first);
     shv_wide_store(smoothing->gradient_zz + first, h[2][2]);

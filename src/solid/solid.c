@@ -66,6 +66,7 @@ static void fill_steps(ShvSolid *solid)
         const int32_t begin = batch * SHV_LANES;
         solid->batch_safe[batch] = HUGE_VAL;
         solid->batch_exact[batch] = nan("");
+        solid->batch_strained[batch] = HUGE_VAL;
         for (int32_t e = begin; e < begin + SHV_LANES && e < solid->model->mesh.element_count; e++)
             solid->batch_safe[batch] = fmin(solid->batch_safe[batch], shv_solid_safe_step(solid, e));
     }
@@ -81,10 +82,11 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     solid->batch_active = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_active);
     solid->batch_safe = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_safe);
     solid->batch_exact = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_exact);
+    solid->batch_strained = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_strained);
     if (!solid->gradients || !solid->volumes || !solid->batch_material || !solid->batch_active || !solid->batch_safe ||
-        !solid->batch_exact)
+        !solid->batch_exact || !solid->batch_strained)
         return shv_fail_memory(error, "the constants of elements",
-                               10 * lanes * sizeof *solid->gradients + 19 * batches);
+                               10 * lanes * sizeof *solid->gradients + 27 * batches);
     SHV_TRY(fill_gradients(solid, error));
     fill_batches(solid);
     fill_steps(solid);
@@ -108,6 +110,7 @@ void shv_solid_release(ShvSolid *solid)
     shv_release(solid->batch_active);
     shv_release(solid->batch_safe);
     shv_release(solid->batch_exact);
+    shv_release(solid->batch_strained);
     shv_release(solid->colour_start);
     shv_release(solid->chunk_order);
     shv_release(solid->chunk_colour);

@@ -26,6 +26,8 @@ typedef struct ShvSolid {
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
+    double *
+        batch_strained; /* batch_count: safe step as its forces were found last, s; infinity where strain counts for nothing */
     ShvSmoothedEdges smoothing;
 } ShvSolid;
 
@@ -88,6 +90,9 @@ double shv_solid_exact_step(const ShvSolid *solid, int32_t element);
 /* Smallest exact step over active batches and the element that sets it (may be NULL; infinity and −1 without any).
    Irons: safe for the assembly. Node duplication lowers no node's mass share, so the bound holds through fracture. */
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element);
+/* A step that is stable for the active batches' elements of Green strain as they were when forces were found last, infinity where none is
+   strained so much that it counts: this strain measure stiffens with stretch. */
+double shv_solid_strained_step(const ShvSolid *solid);
 /* Elements of active batches whose current volume is not positive: their number, and the first of them (−1: none). */
 int32_t shv_solid_inverted(const ShvSolid *solid, const ShvState *state, int32_t *first);
 

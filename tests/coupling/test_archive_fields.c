@@ -36,8 +36,8 @@ static const Size sizes[] = {
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
-    SIZE(ShvSolid, "coupling/hybrid_archive.c", 392),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5184),
+    SIZE(ShvSolid, "coupling/hybrid_archive.c", 400),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5200),
 };
 
 static void test_no_field_is_new(void **state)

@@ -59,19 +59,27 @@ static double largest_eigenvalue(double matrix[N][N])
     return value / size;
 }
 
-/* 2/ω of the whole 12 × 12 stiffness, column by column from the internal force at tiny displacements; the four
+/* 2/ω of the whole 12 × 12 tangent stiffness at some displacements, column by column from the internal force beside them; the four
    masses are equal, so that K/m is symmetric. */
+static double tangent_step(Block *block, const double displacement[N], double tiny)
+{
+    double stiffness[N][N];
+    for (int j = 0; j < N; j++)
+        for (int side = -1; side <= 1; side += 2) {
+            memcpy(block->state.displacement, displacement, N * sizeof(double));
+            block->state.displacement[j] += side * tiny;
+            block_force(block);
+            for (int i = 0; i < N; i++) {
+                const double slope = -side * block->state.force[i] / (2.0 * tiny) / block->state.mass[i / 3];
+                stiffness[i][j] = side < 0 ? slope : stiffness[i][j] + slope;
+            }
+        }
+    return 2.0 / sqrt(largest_eigenvalue(stiffness));
+}
+
 static double dense_step(Block *block, double edge)
 {
-    const double tiny = 1e-9 * edge;
-    double stiffness[N][N];
-    for (int j = 0; j < N; j++) {
-        memset(block->state.displacement, 0, N * sizeof(double));
-        block->state.displacement[j] = tiny;
-        block_force(block);
-        for (int i = 0; i < N; i++) stiffness[i][j] = -block->state.force[i] / tiny / block->state.mass[i / 3];
-    }
-    return 2.0 / sqrt(largest_eigenvalue(stiffness));
+    return tangent_step(block, (const double[N]){0.0}, 1e-9 * edge);
 }
 
 static void random_tet(double corners[12], uint64_t seed)
@@ -97,6 +105,67 @@ static void exact_step_is_that_of_the_dense_matrix(void **unused)
         const double dense = dense_step(&block, shape.edge);
         check_near(exact / dense, 1.0, 1e-8);
         assert_true(safe <= exact);
+        block_release(&block);
+    }
+}
+
+/* Displacements of a tet's nodes with a random gradient, whose nine numbers reach `size`. */
+static void deform(const Block *block, double size, uint64_t seed, double displacement[N])
+{
+    for (int node = 0; node < 4; node++)
+        for (int i = 0; i < 3; i++) {
+            displacement[3 * node + i] = 0.0;
+            for (int j = 0; j < 3; j++)
+                displacement[3 * node + i] += size *
+                                              (2.0 * shv_random_uniform(seed, (uint64_t)(100 + 3 * i + j)) - 1.0) *
+                                              block->model.mesh.positions[3 * node + j];
+        }
+}
+
+/* Of what ω² is more than at rest, the first twentieth is left to safety. */
+static void strained_step_is_stable_for_the_tangent(void **unused)
+{
+    (void)unused;
+    static const double ratios[4] = {0.0, 0.2, 0.4, 0.49};
+    int counted = 0;
+    for (uint64_t seed = 0; seed < 80; seed++) {
+        BlockShape shape = block_shape(1, 1, 1);
+        shape.poissons_ratio = ratios[seed % 4];
+        double corners[12], displacement[N];
+        random_tet(corners, seed);
+        Block block;
+        block_create_tet(&block, &shape, corners);
+        deform(&block, 0.003 * (double)(1 + seed), seed, displacement);
+        memcpy(block.state.displacement, displacement, sizeof displacement);
+        block_force(&block);
+        const double exact = shv_solid_exact_step(&block.solid, 0), found = shv_solid_strained_step(&block.solid);
+        const double tangent = tangent_step(&block, displacement, 1e-6 * shape.edge);
+        const double bound = 1.0 / sqrt(1.0 / (found * found) + 0.05 / (exact * exact));
+        assert_true(fmin(bound, exact / sqrt(1.05)) <= tangent * (1.0 + 1e-6));
+        assert_true(found >= 0.6 * fmin(tangent, exact));
+        counted += isfinite(found);
+        block_release(&block);
+    }
+    assert_true(counted >= 40);
+}
+
+/* Of elements in whose rotated frame all is linear, no strain counts, and need not. */
+static void corotational_step_is_that_at_rest(void **unused)
+{
+    (void)unused;
+    for (uint64_t seed = 0; seed < 80; seed++) {
+        BlockShape shape = block_shape(1, 1, 1);
+        shape.kinematics = SHV_COROTATIONAL;
+        double corners[12], displacement[N];
+        random_tet(corners, seed);
+        Block block;
+        block_create_tet(&block, &shape, corners);
+        deform(&block, 0.003 * (double)(1 + seed), seed, displacement);
+        memcpy(block.state.displacement, displacement, sizeof displacement);
+        block_force(&block);
+        assert_true(shv_solid_strained_step(&block.solid) == HUGE_VAL);
+        const double exact = shv_solid_exact_step(&block.solid, 0);
+        assert_true(exact <= tangent_step(&block, displacement, 1e-6 * shape.edge) * (1.0 + 1e-6));
         block_release(&block);
     }
 }
@@ -203,7 +272,7 @@ static void failed_allocations_release_everything(void **unused)
         }
         assert_int_equal(shv_memory_bytes(block.memory, SHV_PART_COUNT), bytes);
     }
-    assert_int_equal(failures, 11);
+    assert_int_equal(failures, 12);
     block_release(&block);
 }
 
@@ -212,6 +281,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(regular_tet_has_the_known_step),
         cmocka_unit_test(exact_step_is_that_of_the_dense_matrix),
+        cmocka_unit_test(strained_step_is_stable_for_the_tangent),
+        cmocka_unit_test(corotational_step_is_that_at_rest),
         cmocka_unit_test(safe_step_is_below_the_exact_one),
         cmocka_unit_test(step_scales_with_stiffness_and_size),
         cmocka_unit_test(sliver_sets_the_step),
