@@ -13,12 +13,12 @@
 enum { LONGEST_INTERVAL = 16 };
 static const double per_transit = 8.0;
 
-/* Crumbs: pieces of one or two tets. In a body a wave of the shortest length leaves its tet; in these it stays, and where √3/ω, 0.866 of
-   their stable step, is about the step taken the slightest cubic term of their energy feeds it: central difference's resonance of third order
-   (docs/decisions.md), which pieces of four tets were not seen to have. No mesh resolves what such a tet does beside its rigid motion, and
-   it cannot break; it fades at this rate by the tet's safe step, in which strains of 4 % do not grow. */
+/* Crumbs: pieces of one or two tets. In a body a wave of the shortest length leaves its tet; in these it stays, and where the step is
+   about √3/ω, 0.866 of their stable one, the cubic term of Green strain's energy feeds it: central difference's resonance of third order
+   (docs/decisions.md), which pieces of four tets were not seen to have. It grows in proportion to the strain, and so do they fade
+   where their step is that near to the stable one: by this share a step and unit of strain, of which half is enough. */
 enum { CRUMB = 2 };
-static const double rate_of_crumbs = 0.15;
+static const double crumb_rate = 8.0, largest_crumb_share = 0.3, near_resonance = 0.75;
 
 /* Half a period of the slowest mode, s: that of a bar or beam of the fragment's inertia, or that in which a square plate as wide as
    it is, and as thick as its walls, twists (f = √(G/E) c₀ t/b²), which is near that of tubes and vessels too. 2V/S is the thickness of
@@ -49,14 +49,25 @@ static bool is_due(const ShvHybrid *hybrid, int32_t index, double step)
            hybrid->state.step % interval_of(slowest_transit(hybrid, fragment), step) == 0;
 }
 
+/* The length of its Green strain, or a little more: from µ |E|² + λ/2 (tr E)², its energy by volume. */
+static double strain_of(const ShvHybrid *hybrid, int32_t element, const ShvMaterial *material)
+{
+    const double volume = hybrid->state.element_mass[element] / material->density;
+    return sqrt(shv_solid_element_energy(&hybrid->solid, &hybrid->state, element) / (material->mu * volume));
+}
+
 static double crumb_share(const ShvHybrid *hybrid, const ShvFragment *fragment, double kick)
 {
-    double safe = HUGE_VAL;
+    double share = 0.0;
     for (int32_t i = 0; i < fragment->element_count; i++) {
         const int32_t element = hybrid->fragments.elements[fragment->element_begin + i];
-        safe = fmin(safe, shv_solid_safe_step(&hybrid->solid, element));
+        const ShvMaterial *material = shv_model_material(&hybrid->model, element);
+        if (material->kinematics != SHV_GREEN_STRAIN) continue;
+        if (kick < near_resonance * shv_solid_safe_step(&hybrid->solid, element)) continue; /* the smaller one */
+        if (kick < near_resonance * shv_solid_exact_step(&hybrid->solid, element)) continue;
+        share = fmax(share, crumb_rate * strain_of(hybrid, element, material));
     }
-    return 1.0 - shv_exp(-rate_of_crumbs * kick / safe);
+    return fmin(share, largest_crumb_share);
 }
 
 /* Of the velocities beside the rigid motion, what goes in a step. */

@@ -850,7 +850,8 @@ static const ShvKey fracture_keys[] = {
          "the stable one; `bars` along all edges bear a few times that, and do work that is not the material's."},
     {"time_step", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &positive, .offset = SCENE(fracture.time_step),
      .absent = "auto",
-     .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step, with bars as without them."},
+     .sentence = "Time step of fracture mode; `auto` takes `safety` times the stable step, with bars as without them: "
+                 "that of the tets as they are, where Green strain has stiffened them."},
     {"safety", SHV_KEY_NUMBER, .range = &positive_share, .offset = SCENE(fracture.safety),
      .sentence = "Share of the stable step that the automatic step takes."},
     {"check_every", SHV_KEY_INT32, .flags = SHV_KEY_AUTOMATIC, .range = &not_negative,
