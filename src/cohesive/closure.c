@@ -18,7 +18,7 @@ typedef struct Closing {
 } Closing;
 
 /* Of opening, seen by one who turns with the facet. */
-static ShvVec3 rate_of(Closing *closing, const ShvState *state)
+static ShvVec3 opening_rate(Closing *closing, const ShvState *state)
 {
     ShvFacetRotation *rotation = closing->rotation;
     const int i = closing->corner;
@@ -37,7 +37,7 @@ static double response(const Closing *closing, const ShvState *state, ShvVec3 di
 
 /* Impulse on a pair, taken by the whole masses of its nodes: pairs are served one after another, each impulse for itself
    inelastic, so that kinetic energy falls with every one of them. Returns the force on the first node. */
-static ShvVec3 strike(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
+static ShvVec3 apply_impulse(Closing *closing, ShvState *state, ShvVec3 impulse, double kick)
 {
     const int i = closing->corner;
     const int32_t first = closing->rotation->first[i], second = closing->rotation->second[i];
@@ -51,10 +51,10 @@ static ShvVec3 strike(Closing *closing, ShvState *state, ShvVec3 impulse, double
     return force;
 }
 
-static void press(Closing *closing, ShvState *state, double impulse, double kick)
+static void apply_normal_impulse(Closing *closing, ShvState *state, double impulse, double kick)
 {
     ShvVec3 *push = &closing->gaps->push[closing->corner];
-    *push = shv_add(*push, strike(closing, state, shv_scale(closing->rotation->normal, impulse), kick));
+    *push = shv_add(*push, apply_impulse(closing, state, shv_scale(closing->rotation->normal, impulse), kick));
 }
 
 /* Faces part when they do so faster than by this share of the speed that what they hold would give them: slower is noise of
@@ -69,13 +69,13 @@ static void change_push(Closing *closing, ShvState *state, double kick, double i
                         double inverse_mass)
 {
     closing->gaps->freed[closing->corner] += impulse * (speed + 0.5 * impulse * inverse_mass);
-    press(closing, state, impulse, kick);
+    apply_normal_impulse(closing, state, impulse, kick);
 }
 
 /* Of a pair that nothing has pressed in this step all that is held comes back over the way from n − 1/2 to n + 1/2:
    push × (way without it + yield × push) = held. That is what is booked; besides, kinetic energy rises by no more than that,
    so that impulses of neighbours, each counting on the others as they are, together never give more than is held. */
-static bool rebound(Closing *closing, ShvState *state, double kick, double step, double speed)
+static bool restitute(Closing *closing, ShvState *state, double kick, double step, double speed)
 {
     const ShvVec3 normal = closing->rotation->normal;
     const ShvFacetGaps *gaps = closing->gaps;
@@ -95,7 +95,7 @@ static bool rebound(Closing *closing, ShvState *state, double kick, double step,
 }
 
 /* A pair that others have moved on since does not push its faces apart. */
-static bool yield_back(Closing *closing, ShvState *state, double kick, double speed)
+static bool reduce_push(Closing *closing, ShvState *state, double kick, double speed)
 {
     const ShvVec3 normal = closing->rotation->normal;
     const double inverse_mass = response(closing, state, normal);
@@ -109,10 +109,10 @@ static bool yield_back(Closing *closing, ShvState *state, double kick, double sp
 /* Coulomb friction of a pair that is pushed: what stops the slip, at most tan φ × push. It takes energy on the way from n − 1/2
    to n + 1/2, on which it is booked: in a step in which the slip turns round it is less. Cohesion has been pulled before, so
    that friction bears what is left of the load; the pull after contact then finds what cohesion has to bear beside it. */
-static bool rub(Closing *closing, ShvState *state, double kick, double step)
+static bool apply_friction(Closing *closing, ShvState *state, double kick, double step)
 {
-    const ShvVec3 rate = rate_of(closing, state), normal = closing->rotation->normal;
-    ShvVec3 *sum = &closing->gaps->rub[closing->corner];
+    const ShvVec3 rate = opening_rate(closing, state), normal = closing->rotation->normal;
+    ShvVec3 *sum = &closing->gaps->friction[closing->corner];
     const double most = -closing->friction * shv_dot(closing->gaps->push[closing->corner], normal);
     const ShvVec3 slip = shv_madd(rate, -shv_dot(rate, normal), normal);
     const double speed = shv_norm(slip);
@@ -124,7 +124,7 @@ static bool rub(Closing *closing, ShvState *state, double kick, double step)
     const double share = shv_dot(wanted, free) / (0.5 * step * yield * shv_dot(wanted, wanted));
     const ShvVec3 force = shv_scale(wanted, shv_smaller(shv_larger(share, 0.0), 1.0)), change = shv_sub(force, *sum);
     if (!(shv_norm(change) > settled_share * most)) return false;
-    *sum = shv_add(*sum, strike(closing, state, shv_scale(change, -kick), kick));
+    *sum = shv_add(*sum, apply_impulse(closing, state, shv_scale(change, -kick), kick));
     return true;
 }
 
@@ -133,13 +133,13 @@ static bool close_pair(Closing *closing, ShvState *state, double kick, double st
     const ShvVec3 normal = closing->rotation->normal;
     bool *pressed = &closing->gaps->pressed[closing->corner];
     const double gap = shv_dot(closing->gaps->opening[closing->corner], normal);
-    const double speed = shv_dot(rate_of(closing, state), normal);
+    const double speed = shv_dot(opening_rate(closing, state), normal);
     const double allowed = gap > 0.0 ? -gap / step : 0.0;
-    if (*pressed && speed > 0.0 && closing->elastic) return yield_back(closing, state, kick, speed);
-    if (speed > 0.0 && closing->held > 0.0) return rebound(closing, state, kick, step, speed);
+    if (*pressed && speed > 0.0 && closing->elastic) return reduce_push(closing, state, kick, speed);
+    if (speed > 0.0 && closing->held > 0.0) return restitute(closing, state, kick, step, speed);
     if (!(speed < allowed)) return false;
     const double impulse = (allowed - speed) / response(closing, state, normal);
-    press(closing, state, impulse, kick);
+    apply_normal_impulse(closing, state, impulse, kick);
     *pressed = true;
     return true;
 }
@@ -155,7 +155,7 @@ static bool close_facet(ShvCohesive *cohesive, ShvState *state, int32_t k, doubl
         if (closing.rotation->first[closing.corner] == closing.rotation->second[closing.corner]) continue;
         if (closing.elastic) closing.held = shv_cohesive_releasable(cohesive, state, closing.rotation, closing.corner);
         any = close_pair(&closing, state, kick, step) || any;
-        if (closing.friction > 0.0) any = rub(&closing, state, kick, step) || any;
+        if (closing.friction > 0.0) any = apply_friction(&closing, state, kick, step) || any;
     }
     return any;
 }

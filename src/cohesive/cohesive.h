@@ -92,13 +92,13 @@ typedef struct ShvFacetRotation {
 
 /* Of the three pairs of a facet; zero where they are not split. */
 typedef struct ShvFacetGaps {
-    ShvVec3 opening[3]; /* second − first, of n, m */
-    ShvVec3 before[3];  /* way of the opening from n − 1/2 to n, seen by one who turns with the facet, m */
-    ShvVec3 push[3];    /* closing force on the first node, N */
-    bool pressed[3];    /* it keeps them from closing further, and does not give back what they hold */
-    double freed[3];    /* kinetic energy that giving back has brought so far, J */
-    double taken[3];    /* by the push from the nodes in the step, as booked, J */
-    ShvVec3 rub[3];     /* friction on the first node, N */
+    ShvVec3 opening[3];  /* second − first, of n, m */
+    ShvVec3 before[3];   /* way of the opening from n − 1/2 to n, seen by one who turns with the facet, m */
+    ShvVec3 push[3];     /* closing force on the first node, N */
+    bool pressed[3];     /* it keeps them from closing further, and does not give back what they hold */
+    double freed[3];     /* kinetic energy that giving back has brought so far, J */
+    double taken[3];     /* by the push from the nodes in the step, as booked, J */
+    ShvVec3 friction[3]; /* friction on the first node, N */
 } ShvFacetGaps;
 
 /* What pulls of a cluster may still give, and how much of that changes of velocities may take at most. */

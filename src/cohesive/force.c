@@ -347,26 +347,26 @@ static PointWork work_of(ShvVec3 force, ShvVec3 before, ShvVec3 after)
 
 static void book_pushes(ShvCohesive *cohesive, const ShvState *state, double step, ShvLedger *ledger)
 {
-    PointWork closing = {0.0, 0.0}, rubbing = {0.0, 0.0};
+    PointWork closing = {0.0, 0.0}, sliding = {0.0, 0.0};
     for (int32_t k = 0; cohesive->pushed && k < cohesive->rotation_count; k++) {
         if (!shv_cohesive_is_pushed(cohesive, k)) continue;
         const ShvFacetRotation *rotation = &cohesive->rotations[k];
         ShvFacetGaps *gaps = &cohesive->gaps[k];
         for (int i = 0; i < 3; i++) {
-            if (!acts(gaps->push[i]) && !acts(gaps->rub[i])) continue;
+            if (!acts(gaps->push[i]) && !acts(gaps->friction[i])) continue;
             const ShvVec3 velocity = shv_sub(shv_load3(state->velocity + 3 * (int64_t)rotation->second[i]),
                                              shv_load3(state->velocity + 3 * (int64_t)rotation->first[i]));
             const ShvVec3 after = shv_scale(shv_sub(velocity, shv_cross(rotation->rate, gaps->opening[i])), 0.5 * step);
             const PointWork push = work_of(gaps->push[i], gaps->before[i], after);
-            const PointWork rub = work_of(gaps->rub[i], gaps->before[i], after);
+            const PointWork friction = work_of(gaps->friction[i], gaps->before[i], after);
             gaps->taken[i] = -(push.before + push.after);
             closing = (PointWork){closing.before + push.before, closing.after + push.after};
-            rubbing = (PointWork){rubbing.before + rub.before, rubbing.after + rub.after};
+            sliding = (PointWork){sliding.before + friction.before, sliding.after + friction.after};
         }
     }
     cohesive->booked_time = state->time;
     shv_ledger_book(ledger, SHV_WORK_CLOSURE, closing.before, closing.after);
-    shv_ledger_book(ledger, SHV_WORK_CRACK_FRICTION, rubbing.before, rubbing.after);
+    shv_ledger_book(ledger, SHV_WORK_CRACK_FRICTION, sliding.before, sliding.after);
 }
 
 /* Sums over blocks of points, then over the blocks: the same for any number of threads. */

@@ -10,7 +10,7 @@ enum { MOST_SWEEPS = 32, MOST_ROUNDS = 8 };
 static const double settled_share = 5e-3;
 /* A point is looked at again when its neighbours' news may change its force by more than this share of its peak. */
 static const double news_share = 1e-3;
-/* Changes of two sweeps lead on (still_to_come) where their cosine and their ratio are larger than these; the ratio counts as no larger
+/* Changes of two sweeps lead on (extrapolation_factor) where their cosine and their ratio are larger than these; the ratio counts as no larger
    than the last. */
 static const double least_cosine = 0.6, least_ratio = 0.2, largest_ratio = 0.9;
 
@@ -35,7 +35,7 @@ static void share_masses(const ShvState *state, ShvCohesivePoint *points)
         if (points[i].peak > 0.0) points[i].response = whole * (sum / (points[i].weight * points[i].peak));
 }
 
-static void move(const Pull *pull, const ShvCohesivePoint *point, ShvVec3 change)
+static void apply_force(const Pull *pull, const ShvCohesivePoint *point, ShvVec3 change)
 {
     ShvState *state = pull->state;
     const int64_t first = point->first, second = point->second;
@@ -69,7 +69,7 @@ static void repeat_last(const Pull *pull, int32_t start, int32_t end)
         ShvCohesivePoint *point = &pull->cohesive->points[i];
         if (!(point->peak > 0.0)) continue;
         point->pull = point->last;
-        move(pull, point, point->last);
+        apply_force(pull, point, point->last);
     }
 }
 
@@ -83,7 +83,7 @@ static void note_rotation(const ShvCohesive *cohesive, int32_t cluster)
 }
 
 /* Of opening, seen by one who turns with the facet. */
-static ShvVec3 rate_of(const Pull *pull, const ShvCohesivePoint *point)
+static ShvVec3 opening_rate(const Pull *pull, const ShvCohesivePoint *point)
 {
     const double *velocity = pull->state->velocity;
     const ShvVec3 rate =
@@ -101,10 +101,10 @@ typedef struct Sweep {
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
    neighbours that have hardly moved, needs no new evaluation. */
-static double want(const Pull *pull, int32_t index)
+static double solve_point(const Pull *pull, int32_t index)
 {
     ShvCohesivePoint *point = &pull->cohesive->points[index];
-    const ShvVec3 rate = rate_of(pull, point), news = shv_sub(rate, point->settled);
+    const ShvVec3 rate = opening_rate(pull, point), news = shv_sub(rate, point->settled);
     const double peak = point->weight * point->peak, response = pull->kick * point->response;
     const double slight = news_share * peak * response;
     point->change = shv_vec3(0.0, 0.0, 0.0);
@@ -121,11 +121,11 @@ static double want(const Pull *pull, int32_t index)
 }
 
 /* The same, where the changes of the sweep before still stand. */
-static double want_again(const Pull *pull, int32_t index, Sweep *sums)
+static double solve_point_again(const Pull *pull, int32_t index, Sweep *sums)
 {
     const ShvCohesivePoint *point = &pull->cohesive->points[index];
     const ShvVec3 before = point->change;
-    const double change = want(pull, index);
+    const double change = solve_point(pull, index);
     sums->before += shv_dot(before, before);
     sums->product += shv_dot(point->change, before);
     sums->square += shv_dot(point->change, point->change);
@@ -135,7 +135,7 @@ static double want_again(const Pull *pull, int32_t index, Sweep *sums)
 static void change_pull(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
 {
     point->pull = shv_add(point->pull, change);
-    move(pull, point, change);
+    apply_force(pull, point, change);
 }
 
 /* Pairs one after another, each with the others' forces as they are. */
@@ -147,7 +147,7 @@ static Sweep sweep(const Pull *pull, int32_t start, int32_t end, bool again)
         stop = block + points[block].block;
         double change = 0.0;
         for (int32_t i = block; i < stop; i++)
-            change = shv_larger(change, again ? want_again(pull, i, &sums) : want(pull, i));
+            change = shv_larger(change, again ? solve_point_again(pull, i, &sums) : solve_point(pull, i));
         if (!(change > 0.0)) continue;
         for (int32_t i = block; i < stop; i++) change_pull(pull, &points[i], points[i].change);
         sums.largest = shv_larger(sums.largest, change);
@@ -157,7 +157,7 @@ static Sweep sweep(const Pull *pull, int32_t start, int32_t end, bool again)
 
 /* Changes of two sweeps that point the same way fall by a ratio, and by it in the sweeps to come: how much of the last change is
    still to come; 0 where they do not fall like that. */
-static double still_to_come(const Sweep *sums)
+static double extrapolation_factor(const Sweep *sums)
 {
     const double product = sums->product, least = least_cosine * least_cosine * sums->square * sums->before;
     if (!(product > least_ratio * sums->before && product * product > least)) return 0.0;
@@ -166,7 +166,7 @@ static double still_to_come(const Sweep *sums)
 }
 
 /* Goes on by a multiple of the last change. */
-static void go_on(const Pull *pull, int32_t start, int32_t end, double more)
+static void extrapolate(const Pull *pull, int32_t start, int32_t end, double more)
 {
     ShvCohesivePoint *points = pull->cohesive->points;
     for (int32_t i = start; i < end; i++)
@@ -182,8 +182,8 @@ static int32_t settle(const Pull *pull, int32_t start, int32_t end)
         const Sweep sums = sweep(pull, start, end, plain > 0);
         sweeps += sums.largest > 0.0;
         if (end - start == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
-        const double more = plain > 0 ? still_to_come(&sums) : 0.0;
-        if (more > 0.0) go_on(pull, start, end, more);
+        const double more = plain > 0 ? extrapolation_factor(&sums) : 0.0;
+        if (more > 0.0) extrapolate(pull, start, end, more);
         plain = more > 0.0 ? 0 : plain + 1;
     }
 }
@@ -206,7 +206,7 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
     *stored = 0.0;
     for (int32_t i = start; i < end; i++) {
         const ShvCohesivePoint *point = &pull->cohesive->points[i];
-        const ShvVec3 rate = rate_of(pull, point);
+        const ShvVec3 rate = opening_rate(pull, point);
         const ShvVec3 displacement = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
         const double own = shv_dot(point->pull, displacement), force = shv_norm(point->pull);
         *stored += point->stored;
@@ -224,7 +224,7 @@ static void let_go(const Pull *pull, int32_t start, int32_t end)
     for (int32_t i = start; i < end; i++) {
         ShvCohesivePoint *point = &pull->cohesive->points[i];
         point->change = point->pull;
-        move(pull, point, shv_scale(point->pull, -1.0));
+        apply_force(pull, point, shv_scale(point->pull, -1.0));
         point->pull = shv_vec3(0.0, 0.0, 0.0);
         point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     }
@@ -243,7 +243,7 @@ static bool limit_given(const Pull *pull, int32_t cluster)
     if (budget->left >= 0.0) return false;
     let_go(pull, start, end);
     for (int32_t i = start; i < end; i++) {
-        const ShvVec3 rate = rate_of(pull, &points[i]);
+        const ShvVec3 rate = opening_rate(pull, &points[i]);
         const ShvVec3 free = shv_madd(points[i].opening, 0.5 * pull->step, rate);
         a += shv_dot(points[i].change, shv_sub(free, points[i].from));
     }
@@ -252,7 +252,7 @@ static bool limit_given(const Pull *pull, int32_t cluster)
     const double scale = whole * (1.0 - limit_margin);
     for (int32_t i = start; i < end; i++) {
         points[i].pull = shv_scale(points[i].change, scale);
-        move(pull, &points[i], points[i].pull);
+        apply_force(pull, &points[i], points[i].pull);
     }
     budget->left = 0.0;
     return true;

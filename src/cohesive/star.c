@@ -115,7 +115,7 @@ static void add_joint(ShvStar *star, const ShvCohesive *cohesive, const ShvState
     const bool leans = joint->tip.lowered && cohesive->facet_cohesive[facet] >= 0;
     joint->shear_ratio = material && !leans ? shv_shear_ratio(material) : 1.0;
     joint->share = share_of_strength(cohesive, facet, elements);
-    joint->rubbing =
+    joint->friction =
         material ? material->friction * shv_larger(-shv_dot(joint->force, joint->area) / joint->size, 0.0) : 0.0;
     star->cut.joints[number].member[0] = first;
     star->cut.joints[number].member[1] = second;
@@ -164,10 +164,10 @@ static void gather(ShvStar *star, const ShvCohesive *cohesive, const ShvState *s
 /* `along`: cosine between what a group leaves behind, outward, and where it goes. */
 static double capacity(const ShvStarFacet *facet, double size, double along, bool goes_on)
 {
-    if (along > (facet->rubbing > 0.0 ? strained_overhang : overhang)) return (double)INFINITY;
+    if (along > (facet->friction > 0.0 ? strained_overhang : overhang)) return (double)INFINITY;
     if (goes_on && facet->tip.lowered) return size * facet->share * facet->tip.strength;
     const double cohesion = size * facet->share * facet->strength * shv_strength_share(along, facet->shear_ratio);
-    return cohesion + facet->rubbing * sqrt(shv_larger(1.0 - along * along, 0.0));
+    return cohesion + facet->friction * sqrt(shv_larger(1.0 - along * along, 0.0));
 }
 
 /* Returns the most that a facet passes on of what it could hold: no group is pulled harder against what holds it. */
@@ -266,8 +266,8 @@ static ShvVec3 weakest_direction(const ShvStar *star)
         const double tension = shv_dot(traction, normal);
         const ShvVec3 shear = shv_scale(shv_madd(traction, -tension, normal), soft);
         const ShvVec3 opening = shv_madd(shear, shv_larger(tension, 0.0), normal);
-        const double rubbing = facet->rubbing > 0.0 ? facet->rubbing / (facet->shear_ratio * facet->size) : 0.0;
-        const double held = facet->strength + rubbing;
+        const double friction = facet->friction > 0.0 ? facet->friction / (facet->shear_ratio * facet->size) : 0.0;
+        const double held = facet->strength + friction;
         const double value = shv_dot(traction, opening) / (held * held);
         if (!(value > largest)) continue;
         largest = value;

@@ -23,8 +23,8 @@ double shv_facet_overstress(const ShvMaterial *material, double strength, ShvFac
     if (isinf(material->strength[SHV_NORMAL])) return 0.0;
     const double scale = material->strength[SHV_NORMAL] > 0.0 ? strength / material->strength[SHV_NORMAL] : 1.0;
     const double tension = against(traction.normal, strength);
-    const double rubbing = material->friction * shv_larger(-traction.normal, 0.0);
-    const double shear = against(traction.shear, scale * material->strength[SHV_SHEAR] + rubbing);
+    const double friction = material->friction * shv_larger(-traction.normal, 0.0);
+    const double shear = against(traction.shear, scale * material->strength[SHV_SHEAR] + friction);
     return sqrt(tension * tension + shear * shear);
 }
 

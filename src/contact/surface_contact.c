@@ -180,7 +180,7 @@ static double excess(const ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
 }
 
 /* The normal impulse so far becomes the one that leaves no excess, or none. Returns by how much velocities change. */
-static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
+static double apply_normal_impulse(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 {
     const double wanted = pair->normal_impulse + excess(pair, bodies) / pair->inverse_mass;
     const double change = (wanted > 0.0 ? wanted : 0.0) - pair->normal_impulse;
@@ -191,7 +191,7 @@ static double press(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 }
 
 /* Friction so far goes against the slip, up to its bound. */
-static double rub(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
+static double apply_friction(const ShvSurfaceBodies *bodies, ShvFacetPair *pair)
 {
     if (!(pair->friction_bound > 0.0)) return 0.0;
     const ShvVec3 relative = shv_facet_pair_velocity(pair, bodies);
@@ -266,9 +266,10 @@ static void relax(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, do
         for (int32_t k = 0; k < contact->pair_count; k++) {
             ShvFacetPair *pair = &contact->pairs[k];
             if (!is_moved(contact, pair) || (pass >= MOST_SWEEPS && !is_exact(pair))) continue;
-            const double pressed = press(bodies, pair), rubbed = rub(bodies, pair), good = settled(pair, largest);
+            const double pressed = apply_normal_impulse(bodies, pair), sliding = apply_friction(bodies, pair),
+                         good = settled(pair, largest);
             pair->visit = ++contact->visit;
-            if (!(pressed > good) && !(rubbed > good)) continue;
+            if (!(pressed > good) && !(sliding > good)) continue;
             pass_on(contact, pair);
             again = true;
         }

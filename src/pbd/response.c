@@ -293,7 +293,7 @@ static void restore(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, doub
     touch->impulse = shv_madd(shv_scale(touch->pushed, 1.0 / step->step), impulse, touch->normal);
 }
 
-static void rub(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, const ShvRelaxStep *step)
+static void apply_friction(ShvRelax *relax, ShvState *state, ShvRelaxTouch *touch, const ShvRelaxStep *step)
 {
     const ShvObstacle *later = &relax->later[touch->obstacle];
     const ShvVec3 given = shv_scale(touch->drag, 1.0 / step->step);
@@ -330,7 +330,7 @@ void shv_response_apply(ShvRelax *relax, ShvState *state, ShvObstacles *obstacle
         ShvRelaxTouch *touch = &relax->touches[t];
         if (!(touch->push > 0.0)) continue;
         restore(relax, state, touch, undisturbed_speed(relax, state, touch, step), step);
-        rub(relax, state, touch, step);
+        apply_friction(relax, state, touch, step);
     }
     release_obstacles(relax, obstacles);
 }
