@@ -77,10 +77,21 @@ static const double rounding_of_steps = 1e-12;
    that did so with it would feed it. */
 static const double growth_of_steps = 1e-3;
 
-static void follow_strain(ShvHybrid *hybrid)
+/* Of the stable step at rest: a shorter one is of tets stretched twentyfold, which nothing solid bears. */
+static const double least_strained = 0.05;
+
+static ShvStatus follow_strain(ShvHybrid *hybrid, ShvError *error)
 {
     ShvSteps *steps = &hybrid->steps;
     steps->strained = fmin(shv_solid_strained_step(&hybrid->solid), (1.0 + growth_of_steps) * steps->strained);
+    const bool chosen = !isnan(hybrid->scene->fracture.time_step); /* which strain does not change */
+    if (chosen || !(steps->strained < least_strained * steps->bulk)) return SHV_OK;
+    return shv_fail(
+        error, SHV_DIVERGED,
+        "at %g s strain has made the stable step %.3g times as long as at rest: tets are stretched beyond what a "
+        "solid bears, or the motion has become unstable; look for speeds out of all proportion, or give a smaller "
+        "fracture.safety",
+        hybrid->state.time, steps->strained / steps->bulk);
 }
 
 static double longest_step(const ShvHybrid *hybrid)
@@ -148,7 +159,7 @@ ShvStatus shv_hybrid_substep(ShvHybrid *hybrid, double limit, ShvError *error)
     SHV_TRY(shv_hybrid_check(hybrid, error));
     SHV_TRY(shv_hybrid_forces(hybrid, error));
     SHV_TRY(shv_hybrid_split(hybrid, error));
-    follow_strain(hybrid);
+    SHV_TRY(follow_strain(hybrid, error));
     const double step = shv_hybrid_choose_step(hybrid, limit);
     shv_obstacles_script_step(&hybrid->obstacles, state->time, step);
     SHV_TRY(sampled_kick(hybrid, step, error));

@@ -599,6 +599,26 @@ static void vibrate_alone(uint64_t seed)
     shv_simulation_destroy(simulation);
 }
 
+/* Where tets are torn to nothing that a solid bears the step does not go to nothing with them: the run ends. */
+static void test_torn_tet(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    ShvObjectDefinition *box = stage_box(&stage, "box", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.0);
+    for (int i = 0; i < 3; i++) box->placement.stretch_rate[i] = 1e7;
+    stage.material.breakable = false;
+    stage.scene.gravity[2] = 0.0;
+    ShvSimulation *simulation = stage_start(&stage);
+    ShvError error;
+    ShvStatus status = SHV_OK;
+    while (status == SHV_OK && !shv_simulation_finished(simulation))
+        status = shv_simulation_advance(simulation, &error);
+    assert_int_equal(status, SHV_DIVERGED);
+    assert_non_null(strstr(error.message, "stretched beyond what a solid bears"));
+    shv_simulation_destroy(simulation);
+}
+
 /* Central difference's resonance of third order feeds what has nobody to pass its shortest waves on to. */
 static void test_lone_tet(void **state)
 {
@@ -627,6 +647,7 @@ int main(void)
         cmocka_unit_test(test_rest_on_the_floor),
         cmocka_unit_test(test_rest_from_the_start),
         cmocka_unit_test(test_momentum_with_a_free_body),
+        cmocka_unit_test(test_torn_tet),
         cmocka_unit_test(test_lone_tet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
