@@ -47,7 +47,10 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)
     mark_batches(hybrid);
     if (hybrid->model.can_break) shv_cohesive_watch(&hybrid->cohesive, &hybrid->state, hybrid->awake.flags);
     hybrid->stabiliser.stale = true;
-    if (hybrid->awake.count > 0) hybrid->steps.bulk = shv_solid_stable_step(&hybrid->solid, NULL);
+    if (hybrid->awake.count > 0)
+        hybrid->steps.bulk = shv_solid_stable_step(&hybrid->solid, NULL);
+    else
+        hybrid->steps.strained = HUGE_VAL;
     hybrid->awake.stale = false;
     return SHV_OK;
 }
