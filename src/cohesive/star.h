@@ -29,7 +29,7 @@ typedef struct ShvStarFacet {
     double size;                  /* its length */
     ShvVec3 force;                /* mean stress on it, N: of the second member on the first */
     double strength, shear_ratio; /* Pa, β */
-    double friction;               /* tan φ × what presses it, N */
+    double friction;              /* tan φ × what presses it, N */
     ShvTip tip;                   /* what it counts with where a crack goes on */
     double share;                 /* of its strength that counts: above 1 where a tet would lose its last bonds */
 } ShvStarFacet;

@@ -15,7 +15,7 @@ static const double per_transit = 8.0;
 
 /* Crumbs: pieces of one or two tets. In a body a wave of the shortest length leaves its tet; in these it stays, and where the step is
    about √3/ω, 0.866 of their stable one, the cubic term of Green strain's energy feeds it: central difference's resonance of third order
-   (docs/decisions.md), which pieces of four tets were not seen to have. It grows in proportion to the strain, and so do they fade
+   (docs/decisions.md), which pieces of four tets hardly have. It grows in proportion to the strain, and so do they fade
    where their step is that near to the stable one: by this share a step and unit of strain, of which half is enough. */
 enum { CRUMB = 2 };
 static const double crumb_rate = 8.0, largest_crumb_share = 0.3, near_resonance = 0.75;
