@@ -209,11 +209,11 @@ static void print_inversions(const History *history, const ShvFrameView *frame, 
     if (history->inversions == 0) return;
     const ShvMeshView mesh = shv_simulation_mesh(simulation);
     const ShvFragmentView *fragment = &frame->fragments[history->inversion.fragment];
-    printf("  warning: tets were turned inside out, first at %.6g s tet %.0f of '%s' (events 'inversion'); no material "
-           "law "
-           "holds there. A finer mesh or a milder impact may bear it; where a body is to be soft, kinematics: "
-           "corotational resists more than green when pressed flat\n",
-           history->inversion.time, history->inversion.value, mesh.objects[fragment->object].name);
+    printf(
+        "  warning: tets were turned inside out, first at %.6g s tet %.0f of '%s' (events 'inversion'); no law holds "
+        "there. A finer mesh or a milder impact may bear it; where a body is to be soft, kinematics: corotational "
+        "resists more than green when pressed flat\n",
+        history->inversion.time, history->inversion.value, mesh.objects[fragment->object].name);
 }
 
 static void remember(History *history, const ShvFrameView *frame)

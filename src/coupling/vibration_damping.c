@@ -13,7 +13,7 @@
 enum { LONGEST_INTERVAL = 16 };
 static const double per_transit = 8.0;
 
-/* Crumbs: pieces of one or two tets. In a body a wave of the shortest length leaves its tet; in these it stays, and where the step is
+/* Crumbs: pieces of one or two tets, isolated elements. In a body a wave of the shortest length leaves its tet; in these it stays, and where the step is
    about √3/ω, 0.866 of their stable one, the cubic term of Green strain's energy feeds it: central difference's resonance of third order
    (docs/decisions.md), which pieces of four tets hardly have. It grows in proportion to the strain, and so do they fade
    where their step is that near to the stable one: by this share a step and unit of strain, of which half is enough. */
@@ -32,9 +32,16 @@ static double slowest_transit(const ShvHybrid *hybrid, const ShvFragment *fragme
     return fmax(bending, 0.5 * width * width / (material->shear_speed * thickness));
 }
 
-/* `step`: the one to come. */
-static int interval_of(double transit, double step)
+static bool is_crumb(const ShvFragment *fragment)
 {
+    return fragment->element_count <= CRUMB;
+}
+
+/* In steps of the length of `step`, the one to come. */
+static int interval_of(const ShvHybrid *hybrid, const ShvFragment *fragment, double step)
+{
+    if (is_crumb(fragment)) return 1;
+    const double transit = slowest_transit(hybrid, fragment);
     int interval = LONGEST_INTERVAL;
     while (interval > 1 && interval * step * per_transit > transit) interval /= 2;
     return interval;
@@ -43,10 +50,8 @@ static int interval_of(double transit, double step)
 static bool is_due(const ShvHybrid *hybrid, int32_t index, double step)
 {
     const ShvFragment *fragment = &hybrid->fragments.items[index];
-    if (!hybrid->awake.flags[index]) return false;
-    if (fragment->element_count <= CRUMB) return true;
-    return fragment->loss_factor > 0.0 &&
-           hybrid->state.step % interval_of(slowest_transit(hybrid, fragment), step) == 0;
+    return hybrid->awake.flags[index] && (fragment->loss_factor > 0.0 || is_crumb(fragment)) &&
+           hybrid->state.step % interval_of(hybrid, fragment, step) == 0;
 }
 
 /* The length of its Green strain, or a little more: from µ |E|² + λ/2 (tr E)², its energy by volume. */
@@ -73,10 +78,9 @@ static double crumb_share(const ShvHybrid *hybrid, const ShvFragment *fragment, 
 /* Of the velocities beside the rigid motion, what goes in a step. */
 static double lost_share(const ShvHybrid *hybrid, const ShvFragment *fragment, double kick, double step)
 {
-    const bool crumb = fragment->element_count <= CRUMB;
-    const double transit = slowest_transit(hybrid, fragment), rate = fragment->loss_factor * SHV_PI / transit;
-    const double material = 1.0 - shv_exp(-rate * (crumb ? 1 : interval_of(transit, step)) * kick);
-    return crumb ? fmax(material, crumb_share(hybrid, fragment, kick)) : material;
+    const double rate = fragment->loss_factor * SHV_PI / slowest_transit(hybrid, fragment);
+    const double share = 1.0 - shv_exp(-rate * interval_of(hybrid, fragment, step) * kick);
+    return is_crumb(fragment) ? fmax(share, crumb_share(hybrid, fragment, kick)) : share;
 }
 
 static ShvStatus reserve(ShvHybrid *hybrid, ShvError *error)

@@ -437,7 +437,8 @@ static inline bool shv_batch_add_force_and_find_faces(const ShvSolid *solid, Shv
     ShvWide h[3][3], p[3][3];
     bool inverted;
     shv_batch_displacement_gradient(solid, state, batch, h);
-    shv_batch_note_strain(solid, batch, h);
+    if (shv_batch_block(solid, batch) < 0)
+        shv_batch_note_strain(solid, batch, h); /* smoothed: found with their edges */
     shv_batch_stress(solid, batch, h, p);
     shv_batch_scatter(solid, state, batch, p);
     faces[batch] = shv_batch_faces(solid, batch, h, p, weight, floor, &inverted);

@@ -26,8 +26,8 @@ typedef struct ShvSolid {
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
-    double *
-        batch_strained; /* batch_count: safe step as its forces were found last, s; infinity where strain counts for nothing */
+    /* batch_count: safe step as forces were found last, s; infinity where strain counts for nothing */
+    double *batch_strained;
     ShvSmoothedEdges smoothing;
 } ShvSolid;
 
