@@ -212,7 +212,7 @@ static void print_inversions(const History *history, const ShvFrameView *frame, 
     printf(
         "  warning: tets were turned inside out, first at %.6g s tet %.0f of '%s' (events 'inversion'); no law holds "
         "there. A finer mesh or a milder impact may bear it; where a body is to be soft, kinematics: corotational "
-        "resists more than green when pressed flat\n",
+        "resists more than green when squeezed\n",
         history->inversion.time, history->inversion.value, mesh.objects[fragment->object].name);
 }
 
