@@ -107,8 +107,16 @@ static inline void shv_wide_twice_green_strain(ShvWide h[3][3], ShvWide e[3][3])
 /* Length of 2 E below which strain counts for nothing in the stable step. */
 static const double shv_little_strain = 0.0125;
 
-/* step.c: the strained step of a batch of which some tet is strained more than a little. */
-double shv_batch_strained_step(const ShvSolid *solid, int32_t batch, ShvWide h[3][3]);
+/* step.c: the strained step of a batch of which some tet is strained more than a little. The displacement gradient comes as plain lanes,
+   component by component: what is linked must not depend on the width that this header was compiled for. */
+double shv_batch_strained_step(const ShvSolid *solid, int32_t batch, const double *gradient);
+
+static inline double shv_batch_gradient_step(const ShvSolid *solid, int32_t batch, ShvWide h[3][3])
+{
+    _Alignas(64) double gradient[9 * SHV_LANES];
+    for (int c = 0; c < 9; c++) shv_wide_store(gradient + c * SHV_LANES, h[c / 3][c % 3]);
+    return shv_batch_strained_step(solid, batch, gradient);
+}
 
 static inline void shv_batch_note_strain(const ShvSolid *solid, int32_t batch, ShvWide h[3][3])
 {
@@ -116,7 +124,7 @@ static inline void shv_batch_note_strain(const ShvSolid *solid, int32_t batch, S
     shv_wide_twice_green_strain(h, e);
     const ShvWide little = shv_wide_set1(shv_little_strain * shv_little_strain);
     const bool strained = shv_wide_bits(shv_wide_less(little, shv_wide_squared_norm(e))) != 0;
-    solid->batch_strained[batch] = strained ? shv_batch_strained_step(solid, batch, h) : HUGE_VAL;
+    solid->batch_strained[batch] = strained ? shv_batch_gradient_step(solid, batch, h) : HUGE_VAL;
 }
 
 static inline ShvWide shv_wide_trace(ShvWide a[3][3])

@@ -197,8 +197,10 @@ static ShvWideStrained find_strained(const ShvElasticity *elasticity, ShvWide h[
    that at rest without a jump: by shv_little_strain, ω² has grown by at most 3.6 times as much. */
 static const double little_growth = 0.05;
 
-double shv_batch_strained_step(const ShvSolid *solid, int32_t batch, ShvWide h[3][3])
+double shv_batch_strained_step(const ShvSolid *solid, int32_t batch, const double *gradient)
 {
+    ShvWide h[3][3];
+    for (int c = 0; c < 9; c++) h[c / 3][c % 3] = shv_wide_load(gradient + c * SHV_LANES);
     ShvElasticity elasticity;
     shv_batch_elasticity(solid, batch, &elasticity);
     if (elasticity.kind == SHV_BATCH_COROTATIONAL) return HUGE_VAL;
