@@ -47,19 +47,24 @@ typedef struct ShvCohesivePoint {
     double weight;         /* area/3, m² */
     double start_energy;   /* of the rigid start of its law: strength × normal opening, J */
     double peak;           /* largest traction it may still show, Pa */
-    double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
-    double yield[2];       /* kick/mass of both nodes: change of velocity per force, s/kg */
     double stored;         /* recoverable energy at n − 1/2, J */
     double work;           /* of the pull on the way from n − 1/2 to n + 1/2, as booked, J */
     ShvOpening reached;    /* at n + 1/2, as booked */
     ShvLawSprings springs; /* of its history (force.c) */
     ShvVec3 opening, from; /* of n and, seen by one who turns with the facet, n − 1/2, second − first, m */
-    ShvVec3 rotation_rate; /* rate of opening that is the facet's turn alone, in the present pull, m/s */
     ShvVec3 pull;          /* cohesive force on the first node, N */
     ShvVec3 last;          /* the same in the last step that was taken */
-    ShvVec3 change;        /* of pull, in the present sweep, N */
     ShvVec3 settled;       /* rate of opening that the pull was to lead to, m/s; not finite: none yet */
 } ShvCohesivePoint;
+
+/* What the pull of a point needs besides, as long as its cluster is solved. */
+typedef struct ShvPointSolve {
+    ShvPair pair;
+    double response;       /* 1/kg: change of relative velocity per impulse, masses shared among the points of a pair */
+    double yield[2];       /* kick/mass of both nodes: change of velocity per force, s/kg */
+    ShvVec3 rotation_rate; /* rate of opening that is the facet's turn alone, m/s */
+    ShvVec3 change;        /* of pull, in the present sweep, N */
+} ShvPointSolve;
 
 /* A corner of a facet that carries, split or not: where answers to couples go. */
 typedef struct ShvCohesiveCorner {
@@ -192,8 +197,9 @@ typedef struct ShvCohesive {
     double booked_time;  /* s: of the time whose step was booked last */
     int32_t point_count; /* of facets that carry: */
     ShvCohesivePoint *points;
-    ShvPair *pairs;     /* as `points`: what the pull of the step asks again and again */
-    int32_t pair_count; /* split corners of all facets in the lists */
+    int32_t most_facets;   /* round one node of the mesh */
+    ShvPointSolve *solves; /* so many for each thread */
+    int32_t pair_count;    /* split corners of all facets in the lists */
     int32_t cluster_count;
     int32_t *cluster;        /* cluster_count + 1, into `points`: those between copies of one node of the mesh */
     int32_t *cluster_corner; /* cluster_count + 1, into `corners` */
@@ -202,7 +208,7 @@ typedef struct ShvCohesive {
     int32_t kicked_count,
         rotated_count; /* as far as `cluster_count`, in one pull: clusters whose nodes answers to couples have kicked, */
     int32_t *kicked_clusters, *rotated_clusters; /* and those of whose facets some rotate otherwise since */
-    double pull_kick, pull_step;                 /* what `pairs` were made for; 0: nothing yet */
+    double pull_kick, pull_step;                 /* of the last pull; 0: none yet */
     double *pulled_velocity;                     /* 3 × node_capacity: as the last pull left it */
     uint8_t *node_news;                          /* node_capacity: it has another velocity since */
     int32_t *corner_nodes;                       /* node_capacity: nodes of `corners`, each once, */

@@ -49,8 +49,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, watched, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, watched_nodes, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, node_value, SHV_FIELD_BLOCK),
-    /* made by the first pull of a step, and by each closing */
-    SHV_FIELD_OF(ShvCohesive, pairs, SHV_FIELD_ROOM),
+    /* made by each pull and closing */
     SHV_FIELD_OF(ShvCohesive, closed, SHV_FIELD_ROOM),
     SHV_FIELD_OF(ShvCohesive, struck, SHV_FIELD_ROOM),
     SHV_FIELD_OF(ShvCohesive, kicked_clusters, SHV_FIELD_ROOM),
@@ -63,6 +62,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, corner_label, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_queue, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, corner_copy, SHV_FIELD_KEPT),
+    SHV_FIELD_OF(ShvCohesive, solves, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, search.stars, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, initiation.strength, SHV_FIELD_KEPT),
     SHV_FIELD_OF(ShvCohesive, initiation.tension, SHV_FIELD_KEPT),

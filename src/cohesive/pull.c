@@ -1,4 +1,5 @@
 #include <math.h>
+#include <omp.h>
 
 #include "cohesive/facet_rotation.h"
 #include "cohesive/solve.h"
@@ -23,72 +24,91 @@ typedef struct Pull {
 
 /* ---- a cluster ---- */
 
+/* Points between the copies of one node of the mesh, and what their pull needs besides, in the room of a thread. */
+typedef struct Cluster {
+    const Pull *pull;
+    ShvCohesivePoint *points;
+    ShvPointSolve *solves; /* as `points` */
+    int32_t count;
+} Cluster;
+
+/* Turns of facets stand still while clusters settle. */
+static Cluster begin_cluster(const Pull *pull, int32_t cluster)
+{
+    const ShvCohesive *cohesive = pull->cohesive;
+    const int32_t start = cohesive->cluster[cluster];
+    const Cluster made = {pull, cohesive->points + start,
+                          cohesive->solves + (int64_t)omp_get_thread_num() * cohesive->most_facets,
+                          cohesive->cluster[cluster + 1] - start};
+    for (int32_t i = 0; i < made.count; i++) {
+        const ShvCohesivePoint *point = &made.points[i];
+        ShvPointSolve *solve = &made.solves[i];
+        solve->yield[0] = pull->kick / pull->state->mass[point->first];
+        solve->yield[1] = pull->kick / pull->state->mass[point->second];
+        solve->rotation_rate = shv_cross(cohesive->rotations[point->rotation].rate, point->opening);
+    }
+    return made;
+}
+
 /* Points of one pair of nodes, as in a plane crack, move together: each with its share of the nodes' masses in proportion
    to what it may pull. As the shares sum to the masses, that takes no less energy than each would by itself, and where the
    points are alike it is exact at once. */
-static void share_masses(const ShvState *state, ShvCohesivePoint *points)
+static void share_masses(const ShvState *state, const ShvCohesivePoint *points, ShvPointSolve *solves)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < points->block; i++) sum += points[i].weight * points[i].peak;
     const double whole = 1.0 / state->mass[points->first] + 1.0 / state->mass[points->second];
     for (int32_t i = 0; i < points->block; i++)
-        if (points[i].peak > 0.0) points[i].response = whole * (sum / (points[i].weight * points[i].peak));
+        if (points[i].peak > 0.0) solves[i].response = whole * (sum / (points[i].weight * points[i].peak));
 }
 
-static void apply_force(const Pull *pull, const ShvCohesivePoint *point, ShvVec3 change)
+static void make_pairs(const Cluster *cluster)
 {
-    ShvState *state = pull->state;
-    const int64_t first = point->first, second = point->second;
-    shv_add_to3(state->velocity + 3 * first, shv_scale(change, point->yield[0]));
-    shv_add_to3(state->velocity + 3 * second, shv_scale(change, -point->yield[1]));
+    const Pull *pull = cluster->pull;
+    const ShvCohesive *cohesive = pull->cohesive;
+    for (int32_t i = 0; i < cluster->count; i += cluster->points[i].block)
+        share_masses(pull->state, cluster->points + i, cluster->solves + i);
+    for (int32_t i = 0; i < cluster->count; i++) {
+        ShvCohesivePoint *point = &cluster->points[i];
+        ShvPointSolve *solve = &cluster->solves[i];
+        if (!(point->peak > 0.0)) continue;
+        const ShvLaw *law = &cohesive->law[point->point / 3];
+        const ShvLawSprings *springs = shv_law_follow(law, cohesive->internal[point->point].history, &point->springs);
+        solve->pair = shv_pair_make(law, springs, cohesive->rotations[point->rotation].normal, point->from,
+                                    point->opening, 0.5 * pull->step * pull->kick * solve->response * point->weight);
+    }
+}
+
+static void apply_force(const Cluster *cluster, int32_t i, ShvVec3 change)
+{
+    ShvState *state = cluster->pull->state;
+    const ShvPointSolve *solve = &cluster->solves[i];
+    const int64_t first = cluster->points[i].first, second = cluster->points[i].second;
+    shv_add_to3(state->velocity + 3 * first, shv_scale(change, solve->yield[0]));
+    shv_add_to3(state->velocity + 3 * second, shv_scale(change, -solve->yield[1]));
     shv_add_to3(state->force + 3 * first, change);
     shv_add_to3(state->force + 3 * second, shv_scale(change, -1.0));
 }
 
-static void prepare(const Pull *pull, int32_t start, int32_t end)
-{
-    ShvCohesive *cohesive = pull->cohesive;
-    for (int32_t i = start; i < end; i += cohesive->points[i].block) share_masses(pull->state, cohesive->points + i);
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &cohesive->points[i];
-        point->yield[0] = pull->kick / pull->state->mass[point->first];
-        point->yield[1] = pull->kick / pull->state->mass[point->second];
-        if (!(point->peak > 0.0)) continue;
-        const ShvLaw *law = &cohesive->law[point->point / 3];
-        const ShvLawSprings *springs = shv_law_follow(law, cohesive->internal[point->point].history, &point->springs);
-        cohesive->pairs[i] =
-            shv_pair_make(law, springs, cohesive->rotations[point->rotation].normal, point->from, point->opening,
-                          0.5 * pull->step * pull->kick * point->response * point->weight);
-    }
-}
-
 /* The forces of the last step are where the sweeps begin. */
-static void repeat_last(const Pull *pull, int32_t start, int32_t end)
+static void repeat_last(const Cluster *cluster)
 {
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &pull->cohesive->points[i];
+    for (int32_t i = 0; i < cluster->count; i++) {
+        ShvCohesivePoint *point = &cluster->points[i];
         if (!(point->peak > 0.0)) continue;
         point->pull = point->last;
-        apply_force(pull, point, point->last);
-    }
-}
-
-/* Turns of facets stand still while clusters settle. */
-static void note_rotation(const ShvCohesive *cohesive, int32_t cluster)
-{
-    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        ShvCohesivePoint *point = &cohesive->points[i];
-        point->rotation_rate = shv_cross(cohesive->rotations[point->rotation].rate, point->opening);
+        apply_force(cluster, i, point->last);
     }
 }
 
 /* Of opening, seen by one who turns with the facet. */
-static ShvVec3 opening_rate(const Pull *pull, const ShvCohesivePoint *point)
+static ShvVec3 opening_rate(const Cluster *cluster, int32_t i)
 {
-    const double *velocity = pull->state->velocity;
+    const double *velocity = cluster->pull->state->velocity;
+    const ShvCohesivePoint *point = &cluster->points[i];
     const ShvVec3 rate =
         shv_sub(shv_load3(velocity + 3 * (int64_t)point->second), shv_load3(velocity + 3 * (int64_t)point->first));
-    return shv_sub(rate, point->rotation_rate);
+    return shv_sub(rate, cluster->solves[i].rotation_rate);
 }
 
 /* What a sweep did, and how its changes of forces lie to those of the sweep before. */
@@ -101,55 +121,55 @@ typedef struct Sweep {
 /* The force that the point would want, the others held; returns its change in units of the point's peak. As traction never
    rises faster than free opening/compliance, a point whose rate is what its own change was to lead to, but for
    neighbours that have hardly moved, needs no new evaluation. */
-static double solve_point(const Pull *pull, int32_t index)
+static double solve_point(const Cluster *cluster, int32_t i)
 {
-    ShvCohesivePoint *point = &pull->cohesive->points[index];
-    const ShvVec3 rate = opening_rate(pull, point), news = shv_sub(rate, point->settled);
-    const double peak = point->weight * point->peak, response = pull->kick * point->response;
+    const Pull *pull = cluster->pull;
+    ShvCohesivePoint *point = &cluster->points[i];
+    ShvPointSolve *solve = &cluster->solves[i];
+    const ShvVec3 rate = opening_rate(cluster, i), news = shv_sub(rate, point->settled);
+    const double peak = point->weight * point->peak, response = pull->kick * solve->response;
     const double slight = news_share * peak * response;
-    point->change = shv_vec3(0.0, 0.0, 0.0);
+    solve->change = shv_vec3(0.0, 0.0, 0.0);
     if (!(peak > 0.0) || shv_dot(news, news) <= slight * slight) return 0.0;
     const ShvVec3 without = shv_madd(rate, response, point->pull);
     const ShvVec3 free = shv_madd(point->opening, 0.5 * pull->step, without);
-    const ShvPair *pair = &pull->cohesive->pairs[index];
     ShvVec3 traction;
-    if (!shv_pair_stays(pair, free, &traction)) traction = shv_pair_traction(pair, free);
+    if (!shv_pair_stays(&solve->pair, free, &traction)) traction = shv_pair_traction(&solve->pair, free);
     const ShvVec3 force = shv_scale(traction, point->weight);
-    point->change = shv_sub(force, point->pull);
+    solve->change = shv_sub(force, point->pull);
     point->settled = shv_madd(without, -response, force);
-    return shv_norm(point->change) / peak;
+    return shv_norm(solve->change) / peak;
 }
 
 /* The same, where the changes of the sweep before still stand. */
-static double solve_point_again(const Pull *pull, int32_t index, Sweep *sums)
+static double solve_point_again(const Cluster *cluster, int32_t i, Sweep *sums)
 {
-    const ShvCohesivePoint *point = &pull->cohesive->points[index];
-    const ShvVec3 before = point->change;
-    const double change = solve_point(pull, index);
+    const ShvPointSolve *solve = &cluster->solves[i];
+    const ShvVec3 before = solve->change;
+    const double change = solve_point(cluster, i);
     sums->before += shv_dot(before, before);
-    sums->product += shv_dot(point->change, before);
-    sums->square += shv_dot(point->change, point->change);
+    sums->product += shv_dot(solve->change, before);
+    sums->square += shv_dot(solve->change, solve->change);
     return change;
 }
 
-static void change_pull(const Pull *pull, ShvCohesivePoint *point, ShvVec3 change)
+static void change_pull(const Cluster *cluster, int32_t i, ShvVec3 change)
 {
-    point->pull = shv_add(point->pull, change);
-    apply_force(pull, point, change);
+    cluster->points[i].pull = shv_add(cluster->points[i].pull, change);
+    apply_force(cluster, i, change);
 }
 
 /* Pairs one after another, each with the others' forces as they are. */
-static Sweep sweep(const Pull *pull, int32_t start, int32_t end, bool again)
+static Sweep sweep(const Cluster *cluster, bool again)
 {
-    ShvCohesivePoint *points = pull->cohesive->points;
     Sweep sums = {0.0, 0.0, 0.0, 0.0};
-    for (int32_t block = start, stop; block < end; block = stop) {
-        stop = block + points[block].block;
+    for (int32_t block = 0, stop; block < cluster->count; block = stop) {
+        stop = block + cluster->points[block].block;
         double change = 0.0;
         for (int32_t i = block; i < stop; i++)
-            change = shv_larger(change, again ? solve_point_again(pull, i, &sums) : solve_point(pull, i));
+            change = shv_larger(change, again ? solve_point_again(cluster, i, &sums) : solve_point(cluster, i));
         if (!(change > 0.0)) continue;
-        for (int32_t i = block; i < stop; i++) change_pull(pull, &points[i], points[i].change);
+        for (int32_t i = block; i < stop; i++) change_pull(cluster, i, cluster->solves[i].change);
         sums.largest = shv_larger(sums.largest, change);
     }
     return sums;
@@ -166,24 +186,23 @@ static double extrapolation_factor(const Sweep *sums)
 }
 
 /* Goes on by a multiple of the last change. */
-static void extrapolate(const Pull *pull, int32_t start, int32_t end, double more)
+static void extrapolate(const Cluster *cluster, double more)
 {
-    ShvCohesivePoint *points = pull->cohesive->points;
-    for (int32_t i = start; i < end; i++)
-        if (points[i].peak > 0.0) change_pull(pull, &points[i], shv_scale(points[i].change, more));
+    for (int32_t i = 0; i < cluster->count; i++)
+        if (cluster->points[i].peak > 0.0) change_pull(cluster, i, shv_scale(cluster->solves[i].change, more));
 }
 
 /* Sweeps that find less and less to do in one direction are spared by going all that way at once; two plain sweeps lie between.
    Returns the sweeps that found something to do. */
-static int32_t settle(const Pull *pull, int32_t start, int32_t end)
+static int32_t settle(const Cluster *cluster)
 {
     int32_t sweeps = 0, plain = 0;
     for (;;) {
-        const Sweep sums = sweep(pull, start, end, plain > 0);
+        const Sweep sums = sweep(cluster, plain > 0);
         sweeps += sums.largest > 0.0;
-        if (end - start == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
+        if (cluster->count == 1 || !(sums.largest > settled_share) || sweeps >= MOST_SWEEPS) return sweeps;
         const double more = plain > 0 ? extrapolation_factor(&sums) : 0.0;
-        if (more > 0.0) extrapolate(pull, start, end, more);
+        if (more > 0.0) extrapolate(cluster, more);
         plain = more > 0.0 ? 0 : plain + 1;
     }
 }
@@ -199,15 +218,15 @@ static const double noise_share = 1e-6;
 static const double limit_margin = 1e-14;
 
 /* What pulls do on the way they lead, J. */
-static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClusterBudget *budget, double *stored)
+static double find_budget(const Cluster *cluster, ShvClusterBudget *budget, double *stored)
 {
     double work = 0.0, granted = 0.0;
     *budget = (ShvClusterBudget){0};
     *stored = 0.0;
-    for (int32_t i = start; i < end; i++) {
-        const ShvCohesivePoint *point = &pull->cohesive->points[i];
-        const ShvVec3 rate = opening_rate(pull, point);
-        const ShvVec3 displacement = shv_sub(shv_madd(point->opening, 0.5 * pull->step, rate), point->from);
+    for (int32_t i = 0; i < cluster->count; i++) {
+        const ShvCohesivePoint *point = &cluster->points[i];
+        const ShvVec3 rate = opening_rate(cluster, i);
+        const ShvVec3 displacement = shv_sub(shv_madd(point->opening, 0.5 * cluster->pull->step, rate), point->from);
         const double own = shv_dot(point->pull, displacement), force = shv_norm(point->pull);
         *stored += point->stored;
         work += own;
@@ -219,12 +238,12 @@ static double find_budget(const Pull *pull, int32_t start, int32_t end, ShvClust
     return work;
 }
 
-static void let_go(const Pull *pull, int32_t start, int32_t end)
+static void let_go(const Cluster *cluster)
 {
-    for (int32_t i = start; i < end; i++) {
-        ShvCohesivePoint *point = &pull->cohesive->points[i];
-        point->change = point->pull;
-        apply_force(pull, point, shv_scale(point->pull, -1.0));
+    for (int32_t i = 0; i < cluster->count; i++) {
+        ShvCohesivePoint *point = &cluster->points[i];
+        cluster->solves[i].change = point->pull;
+        apply_force(cluster, i, shv_scale(point->pull, -1.0));
         point->pull = shv_vec3(0.0, 0.0, 0.0);
         point->settled = shv_vec3((double)NAN, 0.0, 0.0);
     }
@@ -233,57 +252,52 @@ static void let_go(const Pull *pull, int32_t start, int32_t end)
 /* Forces that have not settled could give more than the cluster stores. All are then scaled by λ, the largest for which
    stored + Σ λ pull·(to(λ) − from) = stored + λ a − λ² b ≥ 0, a = Σ pull·(free − from), b = Σ pull·(free − to) > 0.
    Returns whether they were. */
-static bool limit_given(const Pull *pull, int32_t cluster)
+static bool limit_given(const Cluster *cluster, ShvClusterBudget *budget)
 {
-    ShvCohesivePoint *points = pull->cohesive->points;
-    const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
-    ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     double stored, a = 0.0;
-    const double work = find_budget(pull, start, end, budget, &stored);
+    const double work = find_budget(cluster, budget, &stored);
     if (budget->left >= 0.0) return false;
-    let_go(pull, start, end);
-    for (int32_t i = start; i < end; i++) {
-        const ShvVec3 rate = opening_rate(pull, &points[i]);
-        const ShvVec3 free = shv_madd(points[i].opening, 0.5 * pull->step, rate);
-        a += shv_dot(points[i].change, shv_sub(free, points[i].from));
+    let_go(cluster);
+    for (int32_t i = 0; i < cluster->count; i++) {
+        const ShvCohesivePoint *point = &cluster->points[i];
+        const ShvVec3 free = shv_madd(point->opening, 0.5 * cluster->pull->step, opening_rate(cluster, i));
+        a += shv_dot(cluster->solves[i].change, shv_sub(free, point->from));
     }
     const double b = a - work, root = sqrt(a * a + 4.0 * b * stored);
     const double whole = shv_smaller(a > 0.0 ? 0.5 * (a + root) / b : 2.0 * stored / (root - a), 1.0);
     const double scale = whole * (1.0 - limit_margin);
-    for (int32_t i = start; i < end; i++) {
-        points[i].pull = shv_scale(points[i].change, scale);
-        apply_force(pull, &points[i], points[i].pull);
+    for (int32_t i = 0; i < cluster->count; i++) {
+        cluster->points[i].pull = shv_scale(cluster->solves[i].change, scale);
+        apply_force(cluster, i, cluster->points[i].pull);
     }
     budget->left = 0.0;
     return true;
 }
 
 /* Of the pulls of a cluster. */
-static void leave_couples(const Pull *pull, int32_t cluster)
+static void leave_couples(const Cluster *cluster)
 {
-    const ShvCohesive *cohesive = pull->cohesive;
-    for (int32_t i = cohesive->cluster[cluster]; i < cohesive->cluster[cluster + 1]; i++) {
-        const ShvCohesivePoint *point = &cohesive->points[i];
-        cohesive->couple[3 * (int64_t)point->rotation + point->point % 3] = shv_cross(point->opening, point->pull);
+    ShvVec3 *couple = cluster->pull->cohesive->couple;
+    for (int32_t i = 0; i < cluster->count; i++) {
+        const ShvCohesivePoint *point = &cluster->points[i];
+        couple[3 * (int64_t)point->rotation + point->point % 3] = shv_cross(point->opening, point->pull);
     }
 }
 
 /* Sweeps settle soonest from the forces of the last step. Where that leads to more than the cluster stores, they begin anew
    without any: that way fewer clusters have to be limited. */
-static int32_t pull_cluster(const Pull *pull, int32_t cluster)
+static int32_t pull_cluster(const Cluster *cluster, ShvClusterBudget *budget)
 {
-    const int32_t start = pull->cohesive->cluster[cluster], end = pull->cohesive->cluster[cluster + 1];
-    ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     double stored;
-    note_rotation(pull->cohesive, cluster);
-    int32_t sweeps = settle(pull, start, end);
-    find_budget(pull, start, end, budget, &stored);
+    make_pairs(cluster);
+    int32_t sweeps = settle(cluster);
+    find_budget(cluster, budget, &stored);
     if (budget->left < 0.0) {
-        let_go(pull, start, end);
-        sweeps += settle(pull, start, end);
-        limit_given(pull, cluster);
+        let_go(cluster);
+        sweeps += settle(cluster);
+        limit_given(cluster, budget);
     }
-    leave_couples(pull, cluster);
+    leave_couples(cluster);
     return sweeps;
 }
 
@@ -361,9 +375,9 @@ static bool check_limit(const Pull *pull, int32_t cluster, double spin)
     budget->shift = 0.0;
     budget->limited = false;
     if (budget->left >= 0.0) return false;
-    note_rotation(pull->cohesive, cluster);
-    budget->limited = limit_given(pull, cluster);
-    if (budget->limited) leave_couples(pull, cluster);
+    const Cluster begun = begin_cluster(pull, cluster);
+    budget->limited = limit_given(&begun, budget);
+    if (budget->limited) leave_couples(&begun);
     return budget->limited;
 }
 
@@ -523,11 +537,10 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(+ : sweeps)
     for (int32_t c = 0; c < count; c++) {
-        const int32_t start = cohesive->cluster[c], end = cohesive->cluster[c + 1];
-        if (start == end || (again && !has_news(cohesive, c))) continue;
-        if (!again) prepare(&pull, start, end);
-        if (first) repeat_last(&pull, start, end);
-        sweeps += pull_cluster(&pull, c);
+        if (cohesive->cluster[c] == cohesive->cluster[c + 1] || (again && !has_news(cohesive, c))) continue;
+        const Cluster cluster = begin_cluster(&pull, c);
+        if (first) repeat_last(&cluster);
+        sweeps += pull_cluster(&cluster, &cohesive->budget[c]);
     }
     answer_within_limits(&pull);
     const int32_t nodes = cohesive->corner_node_count;

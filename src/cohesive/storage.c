@@ -23,7 +23,6 @@
     X(int32_t, closed, 1)                                                                                              \
     X(ShvVec3, couple, 3)                                                                                              \
     X(ShvCohesivePoint, points, 3)                                                                                     \
-    X(ShvPair, pairs, 3)                                                                                               \
     X(ShvCohesiveCorner, corners, 3)
 
 static size_t facet_bytes(void)
@@ -148,6 +147,9 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
     cohesive->kicked_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->kicked_clusters);
     cohesive->rotated_clusters = shv_allocate(memory, SHV_PART_COHESIVE, nodes, sizeof *cohesive->rotated_clusters);
     cohesive->corner_copy = shv_allocate(memory, SHV_PART_COHESIVE, corners, sizeof *cohesive->corner_copy);
+    cohesive->most_facets = (int32_t)(3 * corners / 2); /* of a tet's faces at a node, three, each belongs to two */
+    const size_t solves = (size_t)model->most_threads * (size_t)cohesive->most_facets;
+    cohesive->solves = shv_allocate(memory, SHV_PART_COHESIVE, solves, sizeof *cohesive->solves);
     cohesive->facet_value = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_value);
     cohesive->facet_watch = shv_allocate(memory, SHV_PART_STRESS, facets, sizeof *cohesive->facet_watch);
     cohesive->face_weight = shv_allocate(memory, SHV_PART_STRESS, 4 * SHV_LANES * batches, sizeof(double));
@@ -159,8 +161,10 @@ static ShvStatus allocate(ShvCohesive *cohesive, ShvError *error)
         !cohesive->corner_copy || !cohesive->origin_fill || !cohesive->overdrawn || !cohesive->cluster ||
         !cohesive->cluster_corner || !cohesive->budget || !cohesive->kicked_clusters || !cohesive->rotated_clusters ||
         !cohesive->facet_value || !cohesive->facet_watch || !cohesive->face_weight || !cohesive->faces ||
-        !cohesive->asked || !cohesive->stress_known || !cohesive->watched)
-        return shv_fail_memory(error, "facets that may break", facets * 25 + batches * 265 + corners * 12 + nodes * 52);
+        !cohesive->asked || !cohesive->stress_known || !cohesive->watched || !cohesive->solves)
+        return shv_fail_memory(error, "facets that may break",
+                               facets * 25 + batches * 265 + corners * 12 + nodes * 52 +
+                                   solves * sizeof *cohesive->solves);
     if (cohesive->settings->criterion == SHV_CRITERION_FORCE) {
         ShvStarSearch *search = &cohesive->search;
         SHV_TRY(create_stars(&search->stars, memory, model->most_threads, (int32_t)corners, error));
@@ -217,6 +221,7 @@ void shv_cohesive_release(ShvCohesive *cohesive)
     shv_release(cohesive->corner_label);
     shv_release(cohesive->corner_queue);
     shv_release(cohesive->corner_copy);
+    shv_release(cohesive->solves);
     shv_release(cohesive->origin_fill);
     shv_release(cohesive->overdrawn);
     shv_release(cohesive->cluster);

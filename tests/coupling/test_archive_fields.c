@@ -19,7 +19,7 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 744),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 752),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 328),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1320),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
