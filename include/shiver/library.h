@@ -21,6 +21,7 @@ enum { SHV_LIBRARY_NUMBERS = 12 };
 typedef struct ShvLibraryMaterial {
     const char *name, *title;
     bool breakable;
+    ShvUnresolved unresolved; /* tip_strength where no mesh of a body of centimetres resolves its cohesive zone */
     ShvLibraryNumber numbers[SHV_LIBRARY_NUMBERS];
     const char *remark; /* a sentence on what the numbers stand for */
 } ShvLibraryMaterial;

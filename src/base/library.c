@@ -56,6 +56,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "soda_lime_glass",
      .title = "soda-lime glass, annealed float",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers =
          {{"density", 2500.0, FLOAT_GLASS, false},
           {"youngs_modulus", 70e9, FLOAT_GLASS, false},
@@ -82,6 +83,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "tempered_glass",
      .title = "soda-lime glass, thermally tempered",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers = {{"density", 2500.0, FLOAT_GLASS, false},
                  {"youngs_modulus", 70e9, FLOAT_GLASS, false},
                  {"poissons_ratio", 0.2, FLOAT_GLASS, false},
@@ -97,6 +99,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "alumina",
      .title = "alumina, sintered, 99.5 % and more",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers = {{"density", 3984.0, MUNRO, false},
                  {"youngs_modulus", 416e9, MUNRO, false},
                  {"poissons_ratio", 0.23, "1/2 − E/(6 K) with K = 257 GPa; " MUNRO, false},
@@ -140,6 +143,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "pmma",
      .title = "PMMA (acrylic glass)",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers =
          {{"density", 1200.0, "MakeItFrom.com, PMMA", false},
           {"youngs_modulus", 3.2043e9, SELES, false},
@@ -157,6 +161,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "porcelain",
      .title = "porcelain, hard, of tableware",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers = {{"density", 2400.0, "material-properties.org, porcelain", false},
                  {"youngs_modulus", 70e9, "of 65 to 80 GPa in feldspathic porcelain of teeth; " DENTAL, false},
                  {"poissons_ratio", 0.2, "handbook value", true},
@@ -173,6 +178,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "stoneware",
      .title = "stoneware, pottery",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers =
          {{"density", 2200.0, "handbook value", true},
           {"youngs_modulus", 45e9, "handbook value", true},
@@ -252,6 +258,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "granite",
      .title = "granite",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers =
          {{"density", 2650.0, "of 2650 to 2750; splitenz.ca, density of granite", false},
           {"youngs_modulus", 70e9, GRANITE, false},
@@ -269,6 +276,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "ice",
      .title = "water ice, polycrystalline",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers = {{"density", 917.0, "at 0 °C; newton.dep.anl.gov, density of ice", false},
                  {"youngs_modulus", 9.33e9,
                   GAMMON "; the constants of the crystal in its abstract make it 9.1 (Reuss) to 9.3 GPa (Voigt)",
@@ -327,6 +335,7 @@ ShvMaterialDefinition shv_library_definition(const ShvLibraryMaterial *material)
                    {"weibull_area", &definition.weibull_area}};
     definition.name = material->name;
     definition.breakable = material->breakable;
+    definition.unresolved = material->unresolved;
     for (const ShvLibraryNumber *number = material->numbers; number->key; number++)
         for (size_t i = 0; i < sizeof targets / sizeof targets[0]; i++)
             if (strcmp(targets[i].key, number->key) == 0) *targets[i].value = number->value;

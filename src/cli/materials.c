@@ -60,6 +60,11 @@ static void print_row(bool markdown, const ShvLibraryMaterial *entry)
     print_number(markdown, 3, unit * figures.cohesive_zone);
     print_number(markdown, 2, unit * figures.resolved_edge);
     print_number(markdown, 3, unit * figures.snap_back);
+    const char *unresolved = shv_unresolved_name(entry->unresolved);
+    if (markdown)
+        printf(" `%s` |", unresolved);
+    else
+        shv_cli_print_padded(unresolved, -14);
     if (!markdown) printf("  %s", entry->title);
     printf("\n");
 }
@@ -68,14 +73,19 @@ static void print_table(bool markdown)
 {
     static const char *const lengths[][3] = {{"R, mm", "h, mm", "s, mm"},
                                              {"cohesive zone, mm", "largest resolved edge, mm", "snap-back above, mm"}};
+    static const char unresolved[] = "unresolved";
     if (markdown)
         printf("| name | material |");
     else
         shv_cli_print_padded("name", 15);
     for (int i = 0; i < COLUMNS; i++) print_cell(markdown, columns[i].heading);
     for (int i = 0; i < 3; i++) print_cell(markdown, lengths[markdown][i]);
-    printf(markdown ? "\n|---|---|" : "  material\n");
-    for (int i = 0; i < COLUMNS + 3 && markdown; i++) printf("---|");
+    if (markdown)
+        printf(" `%s` |\n|---|---|", unresolved);
+    else
+        shv_cli_print_padded(unresolved, -14);
+    if (!markdown) printf("  material\n");
+    for (int i = 0; i < COLUMNS + 4 && markdown; i++) printf("---|");
     if (markdown) printf("\n");
     for (int32_t i = 0; i < shv_library_count(); i++) print_row(markdown, shv_library_get(i));
     if (!markdown)
@@ -118,10 +128,11 @@ static const char *const formulas =
     "body goes round by more than 300 degrees); else with all of them.\n"
     "- On a coarser mesh the stress σ has to be reached half an edge h ahead of the tip, so that a tip costs about "
     "π h σ²(1−ν²)/E = (π²/8)(h/R) G. This is an estimate of size.\n\n"
-    "`unresolved` says what to do then, with n = `zone_edges` and h the mean edge of the coarsest object of the "
+    "`unresolved` says what to do then. Unless given it is the library's word, and `keep` for a material of one's own. "
+    "With n = `zone_edges` and h the mean edge of the coarsest object of the "
     "material:\n\n"
     "| value | in effect | cracks begin | a crack costs |\n|---|---|---|---|\n"
-    "| `keep` (default) | σ and G as given | at σ | about (π²/8)(h/R) G at its tip |\n"
+    "| `keep` | σ and G as given | at σ | about (π²/8)(h/R) G at its tip |\n"
     "| `scale_strength` | σ √(R/(n h)) | too early | G |\n"
     "| `scale_energy` | G n h/R | at σ | n h/R times too much |\n"
     "| `tip_strength` | 0.62 √(E G/h) ahead of cracks, h the mean edge of the facet; σ elsewhere | at σ | about G |\n\n"
@@ -167,7 +178,7 @@ static void print_json(void)
         printf(": {\"breakable\": %s", entry->breakable ? "true" : "false");
         for (const ShvLibraryNumber *number = entry->numbers; number->key; number++)
             printf(", \"%s\": %.17g", number->key, number->value);
-        printf(", \"cohesive_zone\": ");
+        printf(", \"unresolved\": \"%s\", \"cohesive_zone\": ", shv_unresolved_name(entry->unresolved));
         shv_cli_print_json_number(figures.cohesive_zone);
         printf(", \"resolved_edge\": ");
         shv_cli_print_json_number(figures.resolved_edge);

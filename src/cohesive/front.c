@@ -391,11 +391,12 @@ static void find_slits(ShvCohesive *cohesive)
         if (adjacency->element_facets[i] >= adjacency->interior_count) find_slit(cohesive, i / 4, i % 4);
 }
 
-static bool wants_tips(const ShvModel *model)
+static const ShvMaterial *wants_tips(const ShvModel *model)
 {
     for (int32_t i = 0; i < model->material_count; i++)
-        if (model->materials[i].unresolved == SHV_UNRESOLVED_TIP_STRENGTH) return true;
-    return false;
+        if (model->materials[i].breakable && model->materials[i].unresolved == SHV_UNRESOLVED_TIP_STRENGTH)
+            return &model->materials[i];
+    return NULL;
 }
 
 ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
@@ -403,13 +404,16 @@ ShvStatus shv_front_create(ShvCohesive *cohesive, ShvError *error)
     ShvFront *front = &cohesive->front;
     const size_t facets = (size_t)cohesive->model->adjacency.interior_count;
     const size_t nodes = (size_t)cohesive->model->mesh.node_count;
-    *front = (ShvFront){.any = wants_tips(cohesive->model)};
-    if (!front->any) return SHV_OK;
+    const ShvMaterial *material = wants_tips(cohesive->model);
+    *front = (ShvFront){.any = material != NULL};
+    if (!material) return SHV_OK;
     if (cohesive->settings->criterion != SHV_CRITERION_FORCE)
-        return shv_fail(
-            error, SHV_BAD_INPUT,
-            "a material has 'unresolved: tip_strength', which needs 'fracture: {criterion: force}': cracks go on "
-            "node by node; give that criterion, or another word");
+        return shv_fail(error, SHV_BAD_INPUT,
+                        "material '%s' has 'unresolved: tip_strength' (as brittle ones of the library do, unless they "
+                        "give it), which "
+                        "needs 'fracture: {criterion: force}': cracks go on node by node; give that criterion, or "
+                        "'unresolved: keep'",
+                        material->name);
     front->ahead = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, facets, sizeof *front->ahead);
     front->slit = shv_allocate(cohesive->memory, SHV_PART_COHESIVE, nodes, sizeof *front->slit);
     if (!front->ahead || !front->slit)

@@ -4,6 +4,7 @@
 
 #include "base/names.h"
 #include "base/text.h"
+#include "scene/schema.h"
 #include "shiver/library.h"
 
 enum { LARGEST_LIBRARY = 64 };
@@ -84,6 +85,9 @@ static ShvNode *expanded(ShvPool *pool, ShvDiagnostics *diagnostics, ShvNode *ma
         shv_format(text, sizeof text, "%.17g", number->value);
         if (!add_number(pool, copy, place, number->key, text)) return NULL;
     }
+    const ShvChoice *words =
+        shv_table_find(shv_table_find(&shv_scene_table, "materials")->table, "unresolved")->choices;
+    if (!add(pool, copy, place, "unresolved", shv_choice_name(words, found->unresolved))) return NULL;
     return found->breakable || add(pool, copy, place, "breakable", "false") ? copy : NULL;
 }
 

@@ -438,6 +438,8 @@ static void the_library_fills_in_what_is_left_out(void **state)
                                "materials:\n"
                                "  a: {library: plaster, density: 1 t/m3}\n"
                                "  b: {library: steel}\n"
+                               "  c: {library: ice}\n"
+                               "  d: {library: ice, unresolved: keep}\n"
                                "objects:\n"
                                "  x: {mesh: {ball: {radius: 1, edge: 0.1}}, material: a}\n"
                                "  y: {mesh: {ball: {radius: 1, edge: 0.1}}, material: b}\n"
@@ -452,8 +454,11 @@ static void the_library_fills_in_what_is_left_out(void **state)
     same(own[0].cohesive_strength_shear, plaster.cohesive_strength_shear);
     same(own[0].fracture_energy_shear, plaster.fracture_energy_shear);
     same(own[0].weibull_modulus, plaster.weibull_modulus);
+    assert_int_equal(own[0].unresolved, SHV_UNRESOLVED_KEEP);
     assert_false(own[1].breakable);
     same(own[1].youngs_modulus, 210e9);
+    assert_int_equal(own[2].unresolved, SHV_UNRESOLVED_TIP_STRENGTH);
+    assert_int_equal(own[3].unresolved, SHV_UNRESOLVED_KEEP);
     release(&parsed);
     assert_null(shv_library_get(-1));
     assert_null(shv_library_get(shv_library_count()));
@@ -463,6 +468,8 @@ static void the_library_fills_in_what_is_left_out(void **state)
         assert_true(shv_is_name(material->name));
         for (const ShvLibraryNumber *number = material->numbers; number->key; number++)
             assert_true(number->value > 0.0 && strlen(number->source) > 10);
+        const bool resolved = !material->breakable || shv_library_figures(material).cohesive_zone > 15e-3;
+        assert_true(!resolved || material->unresolved == SHV_UNRESOLVED_KEEP);
     }
 }
 
