@@ -106,7 +106,7 @@ class _EventView(ctypes.Structure):
 class _LedgerView(ctypes.Structure):
     _fields_ = [(name, c_double) for name in (
         "time kinetic strain gravity_potential cohesive_recoverable fracture_dissipation contact friction closure crack_friction "
-        "constraint traction bars damping handover event cohesive cohesive_released cohesive_defect failed_area inserted_area "
+        "constraint traction bars damping handover event step_change cohesive cohesive_released cohesive_defect failed_area inserted_area "
         "fracture_energy_area").split()] + [("momentum", c_double * 3), ("angular_momentum", c_double * 3),
                                             ("residual", c_double), ("largest", c_double)]
 

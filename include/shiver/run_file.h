@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* docs/run_file.md describes every dataset. */
-#define SHV_RUN_FILE_FORMAT 3
+#define SHV_RUN_FILE_FORMAT 4
 
 typedef struct ShvRecord ShvRecord;
 

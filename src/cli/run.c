@@ -133,8 +133,8 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
            "dropped at mode switches %.4g\n",
            ledger->kinetic, ledger->strain, ledger->fracture_dissipation, ledger->contact, ledger->friction,
            ledger->closure, -ledger->handover);
-    printf("  ledger residual %.2e of the largest energy (%.4g J)\n", share(ledger->residual, ledger->largest),
-           ledger->largest);
+    printf("  ledger residual %.2e of the largest energy (%.4g J); changes of the step's length gave %.2e of it\n",
+           share(ledger->residual, ledger->largest), ledger->largest, share(ledger->step_change, ledger->largest));
     if (frame->bar_work_share >= 0.0)
         printf("  bars did %.1f %% of the work that bars and elastic forces did together; largest edge strain %.3g\n",
                100.0 * frame->bar_work_share, frame->edge_strain);

@@ -145,7 +145,9 @@ static ShvStatus sampled_kick(ShvHybrid *hybrid, double step, ShvError *error)
     const ShvProbeScene scene = {&hybrid->solid, &hybrid->state, &hybrid->fragments, &hybrid->obstacles};
     const bool due = shv_probes_due(&hybrid->probes, &hybrid->state);
     if (due) SHV_TRY(shv_probes_begin(&hybrid->probes, &scene, hybrid->awake.flags, error));
+    SHV_TRY(shv_hybrid_begin_step_change(hybrid, before, step, error));
     SHV_TRY(shv_hybrid_kick(hybrid, before, step, error));
+    shv_hybrid_book_step_change(hybrid, before, step);
     const ShvRelax *relax = hybrid->stabiliser.active ? &hybrid->stabiliser.relax : NULL;
     if (due) shv_probes_end(&hybrid->probes, &scene, before, step, &hybrid->coupling.surface, relax, &hybrid->imposed);
     return SHV_OK;
