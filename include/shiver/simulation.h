@@ -45,7 +45,8 @@ typedef struct ShvObstacleView {
 /* The ledger at one time, J unless said otherwise. Works are signed: energy given to the fragments and free obstacles
    is positive, and each is booked as the force or impulse acts.
      residual = kinetic + strain + gravity_potential − (the same at the start)
-                − (cohesive + contact + friction + closure + crack_friction + constraint + traction + bars + damping + handover + event):
+                − (cohesive + contact + friction + closure + crack_friction + constraint + traction + bars + damping + handover + event +
+                   step_change):
    what the integrator gained or lost.
      cohesive_defect = cohesive + cohesive_recoverable + cohesive_released + fracture_dissipation:
    how far the work of the tractions is from what the cohesive law says for the openings that came about. */
@@ -67,6 +68,7 @@ typedef struct ShvObstacleView {
     WORK(damping, DAMPING)               /* by damping towards rigid motion (pbd, loss factors) */                     \
     WORK(handover, HANDOVER)       /* vibration and strain dropped or given at mode switches, each one in /events */   \
     WORK(event, EVENT)             /* by events of the time line */                                                    \
+    WORK(step_change, STEP_CHANGE) /* by steps of another length: what is kept of vibrations hangs on it */            \
     NUMBER(cohesive, "J")          /* by cohesive tractions on the nodes */                                            \
     NUMBER(cohesive_released, "J") /* recoverable energy of cohesive zones that was let go at mode switches */         \
     NUMBER(cohesive_defect, "J")                                                                                       \
@@ -106,6 +108,7 @@ typedef enum ShvSwitchReason {
     SHV_REASON_CONTACT, /* wakes: every new contact does (rigid.wake: contact) */
     SHV_REASON_IMPACT,  /* wakes: the estimate of impact stress */
     SHV_REASON_LOAD,    /* wakes: the estimate of stress under load */
+    SHV_REASON_SPIN,    /* wakes: the estimate of stress by its own rotation */
     SHV_REASON_AUDIT,   /* wakes: taken for harmless, to see whether that is true (audit_wakes) */
     SHV_REASON_QUIET,   /* rests: nothing has broken for long enough, and what is dropped is little */
     SHV_REASON_CHECKS,  /* rests: enough checks without insertion (rigid.wake: contact) */

@@ -61,6 +61,7 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     hybrid->wakes.count = 0;
     hybrid->wakes.next = 0;
     shv_hybrid_hold_waiting(hybrid);
+    SHV_TRY(shv_hybrid_wake_spinning(hybrid, error));
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     shv_hybrid_end_dormancy(hybrid);
     if (!hybrid->awake.dormant) SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));

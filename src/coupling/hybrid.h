@@ -241,6 +241,8 @@ void shv_hybrid_choose_threads(ShvHybrid *hybrid);
 /* wake.c */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
+/* Wakes what flies and spins faster than its strength may bear. */
+ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error);
 /* audit.c: an event with the fragment's mass and hulls; hulls as they are now; momenta of the rigid motion and of nodes, with
    the sums of magnitudes into `scales` (may be NULL); strain, recoverable energy. `close` finds what was dropped, books and
    logs it, and fails with SHV_DIVERGED above the scene's bounds. */
@@ -351,6 +353,11 @@ ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError 
    latter back again. */
 ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error);
 void shv_hybrid_resume(ShvHybrid *hybrid);
+/* Around a kick whose step is another one than the last. Central difference keeps E = Σ ½ m v₋·v₊ + U, in which v₋ and v₊ stand a step
+   apart. When the step becomes b in place of a, E becomes another by −(b − a)/4 Σ F·(v₊ − v₋) (exact where U is quadratic), F: forces that
+   do their work on the way from n − 1/2 to n + 1/2, as all but contacts do. It is booked as SHV_WORK_STEP_CHANGE. */
+ShvStatus shv_hybrid_begin_step_change(ShvHybrid *hybrid, double before, double after, ShvError *error);
+void shv_hybrid_book_step_change(ShvHybrid *hybrid, double before, double after);
 /* Velocities of the present time for a fragment that leaves the others: with elastic forces and gravity, without the impulses
    of the step that it will not take, which nobody else will get from it either; likewise into state.velocity. */
 ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *error);

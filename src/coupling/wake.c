@@ -50,6 +50,18 @@ static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *con
     return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
+/* Stress of a body that spins: 3 E/V of a thin rod about its middle (ρω²L²/8), a disc about its axis has half of that and a thin ring two
+   thirds. A body that wakes is not stretched yet, and rings to twice the stress of a steady spin. */
+static bool wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double least = hybrid->scene->rigid.wake_fraction * fragment->strength / 3.0; /* J/m³ */
+    const double density = fragment->mass / fragment->volume,
+                 speed = shv_norm(fragment->angular_velocity) * fragment->radius;
+    if (!(0.5 * density * speed * speed >= least)) return false; /* a bound of the energy, soon found */
+    const double energy = shv_fragment_rotational(fragment) / fragment->volume;
+    return energy >= least && energy > beyond_borne * fragment->borne_spin;
+}
+
 /* The rule of the chapter is asked once a rigid step from the touch that woke a body, or from its last insertion. Beside what is awake
    intervals are a tenth of that (advance.c); asked in each of them, the larger pieces of a heap, which something touches at all
    times, would be awake at all times. */
@@ -72,6 +84,7 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
         return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
+    if (wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
     const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
     const bool audit =
         hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh && contact->closing_speed > rest_speed;
@@ -81,6 +94,22 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact)
 {
     return reason_to_wake(hybrid, contact) != SHV_REASON_NONE;
+}
+
+ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        const ShvRigidContact none = {.fragment = i, .obstacle = -1, .other = -1, .time = hybrid->state.time};
+        if (fragment->mode != SHV_MODE_FLIGHT || fragment->coupled) continue;
+        if (reason_to_wake(hybrid, &none) != SHV_REASON_SPIN) continue;
+        if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
+        hybrid->awake.dormant = false;
+        hybrid->backend->functions->remove(hybrid->backend, i);
+        SHV_TRY(shv_hybrid_wake(hybrid, &none, error));
+        SHV_TRY(shv_awake_refresh(hybrid, error));
+    }
+    return SHV_OK;
 }
 
 /* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with

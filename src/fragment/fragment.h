@@ -47,6 +47,7 @@ typedef struct ShvFragment {
     double borne;        /* N: largest such force that did not break it */
     double impact;       /* m/s: severity of the impact that woke it last, 0 once a facet has been inserted since */
     double borne_impact; /* m/s: largest severity that inserted none */
+    double borne_spin;   /* J/m³: density of its energy of rotation when it came to rest */
     /* It stays rigid, but whoever advances the awake moves it in their steps: the backend leaves its pose, and changes its
        velocities by the impulses of what meets it in flight. */
     bool coupled;
@@ -160,6 +161,8 @@ void shv_fragment_momentum(const ShvFragment *fragment, const ShvFragments *frag
 ShvVec3 shv_fragment_shape_position(const ShvFragment *fragment, const ShvState *state, int32_t node);
 /* Inertia about the centre in world axes. */
 ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment);
+/* Kinetic energy of its rotation about its centre, J. */
+double shv_fragment_rotational(const ShvFragment *fragment);
 /* Kinetic energy of the rigid motion, J. */
 double shv_fragment_kinetic(const ShvFragment *fragment);
 /* Of the rigid motion, at a point in space. */

@@ -85,9 +85,13 @@ ShvMat3 shv_fragment_world_inertia(const ShvFragment *fragment)
     return shv_multiply(&turned, &transposed);
 }
 
-double shv_fragment_kinetic(const ShvFragment *fragment)
+double shv_fragment_rotational(const ShvFragment *fragment)
 {
     const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) +
-           0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
+    return 0.5 * shv_dot(fragment->angular_velocity, shv_apply(&inertia, fragment->angular_velocity));
+}
+
+double shv_fragment_kinetic(const ShvFragment *fragment)
+{
+    return 0.5 * fragment->mass * shv_dot(fragment->velocity, fragment->velocity) + shv_fragment_rotational(fragment);
 }

@@ -162,6 +162,7 @@ static const ShvKey material_keys[] = {
      .absent = "`ppr_shape`", .sentence = "Shape β in mode II."},
     {"weibull", SHV_KEY_MAPPING, .table = &weibull_table, .sentence = "Scatter of strength."},
     {"unresolved", SHV_KEY_CHOICE, .choices = unresolved_choices, .offset = MATERIAL(unresolved),
+     .absent = "the library's word (docs/materials.md), else `keep`",
      .sentence =
          "What to do where the cohesive zone is shorter than `zone_edges` mean edges of the mesh. `keep`: nothing; "
          "crack tips are tougher than G. `scale_strength`: lower the strengths so far that the zone is so long; cracks "
@@ -798,7 +799,8 @@ static const ShvKey rigid_keys[] = {
          "than 16 of that mode's steps."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
      .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
-                 "(under Bullet at most one in a rigid time step and body)."},
+                 "(under Bullet at most one in a rigid time step and body). With `stress` what spins faster than it "
+                 "may bear wakes, too."},
     {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),
      .sentence = "Share of the weakest facet's strength that the estimate must reach."},
     {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),
