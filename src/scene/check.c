@@ -502,6 +502,20 @@ static void check_pbd(Checker *checker)
                   of_rigid_mode[i]);
 }
 
+/* Bodies that these engines move meet obstacles alone. */
+static void check_meetings(Checker *checker)
+{
+    const ShvSceneDefinition *scene = &checker->scene->definition;
+    const bool analytic = scene->rigid.engine == SHV_RIGID_ANALYTIC;
+    const ShvItems *objects = &checker->scene->objects;
+    const bool several =
+        objects->count > 1 || (objects->count == 1 && ((const ShvObjectItem *)objects->data)->repeat_count > 1);
+    if ((analytic || scene->rigid.engine == SHV_RIGID_PBD) && several)
+        doubt(checker, checker->scene->head.node, "rigid.engine",
+              "objects that fly under %s go through one another; give 'engine: bullet' where they can meet",
+              analytic ? "analytic" : "pbd");
+}
+
 static void check_bullet_plain(Checker *checker)
 {
     const ShvSceneDefinition *scene = &checker->scene->definition;
@@ -549,6 +563,7 @@ void shv_check_scene(const ShvSceneItem *scene, const ShvAssembly *assembly, con
     check_fracture(&checker);
     check_pbd(&checker);
     check_dust(&checker);
+    check_meetings(&checker);
     check_bullet_plain(&checker);
     check_output(&checker);
 }

@@ -305,6 +305,10 @@ static void objects(void **state)
     check_one(WITH_OBJECT("material: m, mesh: {ball: {radius: 1, edge: 1}}, repeat: {count: 2, offset: [0, 0, 0]}}\n"
                           "  o_2: {material: m, mesh: {ball: {radius: 1, edge: 1}}"),
               "s.yaml:5:3: error: name 'o_2' stands for two bodies, before at line 4; rename one");
+    check_one(WITH_OBJECT("material: m, mesh: {ball: {radius: 1, edge: 1}}, repeat: {count: 2, offset: [0, 0, 9]}}\n"
+                          "rigid: {engine: analytic"),
+              "s.yaml:5:17: warning: objects that fly under analytic go through one another; give 'engine: bullet' "
+              "where they can meet");
 }
 #define REPEATED(name)                                                                                                 \
     name ": {material: m, mesh: {ball: {radius: 1, edge: 1}}, repeat: {count: 40000, offset: [0, 0, 1]}}"
