@@ -140,9 +140,12 @@ static int run(const ShvArguments *arguments)
     ShvStatus status = read_steps(steps ? steps : "1e-2,1e-3,1e-4", &choice, &error);
     if (status == SHV_OK) status = shv_cli_scene_output(folder, arguments, arguments->values[OUTPUT], NULL, "", &error);
     if (status != SHV_OK) return shv_cli_failed(status, &error);
-    /* The engine that the scene names is not used; keys of pbd count. */
+    /* The engine that the scene names is not used; keys of pbd count where it is one of those compared. */
+    char engine[64];
+    const char *first = has_engine(&choice, "pbd") ? "pbd" : choice.engines;
+    shv_format(engine, sizeof engine, "rigid.engine=%.*s", (int)strcspn(first, ","), first);
     ShvArguments loading = *arguments;
-    if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = "rigid.engine=pbd";
+    if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = engine;
     ShvScene *scene;
     int result = shv_cli_load_scene(&scene, &loading);
     if (scene) result = compare(arguments, scene, &choice, folder);
