@@ -125,6 +125,11 @@ static void print_nearest(const ShvPreflight *p)
             p->impact_speed, p->overshoot_each_step);
     else if (p->clearance > 0.0)
         printf("  note: it moves towards nothing as the scene begins\n");
+    if (p->wakes_by_spin)
+        printf(
+            "  note: its rotation stresses it by up to %.3g of the strength, and by twice that at first, as it is not\n"
+            "        stretched yet: it wakes by itself, and may burst\n",
+            p->spin_stress / p->cohesion.strength);
 }
 
 static void print_object(const ShvPreflight *p)
@@ -190,6 +195,7 @@ static void print_object_json(const ShvPreflight *p)
                    {"wall_thickness", p->wall_thickness},
                    {"wall_edge", p->wall_edge},
                    {"wall_stiffness", p->wall_stiffness},
+                   {"spin_stress", p->spin_stress},
                    {"bar_transit", p->bar_transit},
                    {"bending_period", p->bending_period}};
     printf("{\"object\": ");

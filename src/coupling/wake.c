@@ -52,14 +52,18 @@ static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *con
 
 /* Stress of a body that spins: 3 E/V of a thin rod about its middle (ρω²L²/8), a disc about its axis has half of that and a thin ring two
    thirds. A body that wakes is not stretched yet, and rings to twice the stress of a steady spin. */
-static bool wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragment)
+double shv_hybrid_spin_stress(const ShvFragment *fragment)
 {
-    const double least = hybrid->scene->rigid.wake_fraction * fragment->strength / 3.0; /* J/m³ */
-    const double density = fragment->mass / fragment->volume,
-                 speed = shv_norm(fragment->angular_velocity) * fragment->radius;
-    if (!(0.5 * density * speed * speed >= least)) return false; /* a bound of the energy, soon found */
-    const double energy = shv_fragment_rotational(fragment) / fragment->volume;
-    return energy >= least && energy > beyond_borne * fragment->borne_spin;
+    return 3.0 * shv_fragment_rotational(fragment) / fragment->volume;
+}
+
+bool shv_hybrid_wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double least = hybrid->scene->rigid.wake_fraction * fragment->strength;
+    const double speed = shv_norm(fragment->angular_velocity) * fragment->radius;
+    if (!(1.5 * fragment->mass * speed * speed >= least * fragment->volume)) return false; /* a bound, soon found */
+    const double stress = shv_hybrid_spin_stress(fragment);
+    return stress >= least && stress > beyond_borne * fragment->borne_spin;
 }
 
 /* The rule of the chapter is asked once a rigid step from the touch that woke a body, or from its last insertion. Beside what is awake
@@ -84,7 +88,7 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
         return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
-    if (wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
+    if (shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
     const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
     const bool audit =
         hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh && contact->closing_speed > rest_speed;

@@ -898,8 +898,9 @@ static const ShvKey fracture_keys[] = {
          "without it in their shape at the start."},
     {"energy_bound", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(fracture.energy_bound),
      .sentence =
-         "The run stops when the residual of the energy ledger exceeds this share of the largest energy, or when "
-         "contacts have given as much and what lifts all bodies by their radius, though no obstacle is driven."},
+         "The run stops when the residual of the energy ledger, and what changes of the step's length made, exceed "
+         "this share of the largest energy together, or when contacts have given as much and what lifts all bodies by "
+         "their radius, though no obstacle is driven."},
 };
 static const ShvTable fracture_table = {.name = "fracture",
                                         .sentence = "Bodies while they may break.",

@@ -130,6 +130,16 @@ static void find_small_obstacle(ShvPreflight *preflight, const ShvObstacles *obs
     }
 }
 
+static void measure_spin(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->object != object || fragment->mode != SHV_MODE_FLIGHT) continue;
+        preflight->spin_stress = fmax(preflight->spin_stress, shv_hybrid_spin_stress(fragment));
+        preflight->wakes_by_spin = preflight->wakes_by_spin || shv_hybrid_wakes_by_spin(hybrid, fragment);
+    }
+}
+
 ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight,
                                    ShvError *error)
 {
@@ -157,5 +167,6 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     SHV_TRY(shv_find_nearest(preflight, hybrid, object, error));
     preflight->overshoot_each_step = overshoot(preflight, material);
     find_small_obstacle(preflight, &hybrid->obstacles);
+    measure_spin(preflight, hybrid, object);
     return SHV_OK;
 }
