@@ -33,6 +33,7 @@ hybrid/bar.yaml --set duration=0.146
 hybrid/bar_on_point.yaml --set duration=0.0015
 hybrid/pane.yaml --set duration=0.0022
 hybrid/second_generation.yaml --set duration=0.0715
+hybrid/spinning_disc.yaml --set duration=0.0002
 hybrid/stack_of_plates.yaml --set duration=0.219
 hybrid/tile_on_brick.yaml --set duration=0.083
 hybrid/tile_on_floor.yaml --set duration=0.2585

@@ -315,9 +315,12 @@ static ShvStatus off_by(const ShvHybrid *hybrid, const char *what, double size, 
     return shv_fail(
         error, SHV_DIVERGED,
         "%s by %.3g J, more than %.3g (fracture.energy_bound × the largest energy), at step %lld, t = %.9g s, "
-        "Courant number %.3g, %s; give a smaller fracture.time_step or fracture.safety, a finer mesh or a milder "
+        "Courant number %.3g, %s; give %sa smaller fracture.time_step or fracture.safety, a finer mesh or a milder "
         "impact, or raise the bound",
-        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), inside_out);
+        what, size, bound, (long long)hybrid->state.step, hybrid->state.time, shv_hybrid_courant(hybrid), inside_out,
+        hybrid->scene->rigid.engine == SHV_RIGID_BULLET_PLAIN
+            ? "'engine: bullet' or a smaller bullet_plain.margin (plain Bullet throws what comes to it overlapping), "
+            : "");
 }
 
 static ShvStatus not_finite(const ShvHybrid *hybrid, ShvError *error)
