@@ -142,7 +142,7 @@ static int run(const ShvArguments *arguments)
     if (status != SHV_OK) return shv_cli_failed(status, &error);
     /* The engine that the scene names is not used; keys of pbd count where it is one of those compared. */
     char engine[64];
-    const char *first = has_engine(&choice, "pbd") ? "pbd" : choice.engines;
+    const char *first = has_engine(&choice, "pbd") || !choice.engines[0] ? "pbd" : choice.engines;
     shv_format(engine, sizeof engine, "rigid.engine=%.*s", (int)strcspn(first, ","), first);
     ShvArguments loading = *arguments;
     if (loading.override_count < SHV_MOST_OVERRIDES) loading.overrides[loading.override_count++] = engine;
