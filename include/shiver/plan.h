@@ -57,11 +57,11 @@ typedef struct ShvPreflight {
                                    by the shortest way; of two objects both fall (NaN: it goes towards none) */
     double
         overshoot_each_step; /* growth of stress / strength in one step when it meets a rigid wall at that speed (NaN) */
-    double spin_stress;      /* Pa: of its rotation at the start, estimated (3 × energy of rotation / volume) */
-    bool wakes_by_spin;      /* that is enough to wake it */
-    double bar_transit;      /* s: longest extent / bar speed */
-    double bending_period;   /* s: of a free plate of its extents */
-    double extent[3];        /* m: bounding box at the start */
+    double centrifugal_stress;  /* Pa: at the start, estimated (3 × energy of rotation / volume) */
+    bool wakes_by_spin;         /* that is enough to wake it */
+    double bar_transit;         /* s: longest extent / bar speed */
+    double bending_period;      /* s: of a free plate of its extents */
+    double extent[3];           /* m: bounding box at the start */
     const char *small_obstacle; /* the smallest that is smaller than a mean edge, NULL: none */
     double small_obstacle_size; /* m: its least extent */
 } ShvPreflight;

@@ -129,7 +129,7 @@ static void print_nearest(const ShvPreflight *p)
         printf(
             "  note: its rotation stresses it by up to %.3g of the strength, and by twice that at first, as it is not\n"
             "        stretched yet: it wakes by itself, and may burst\n",
-            p->spin_stress / p->cohesion.strength);
+            p->centrifugal_stress / p->cohesion.strength);
 }
 
 static void print_object(const ShvPreflight *p)
@@ -195,7 +195,7 @@ static void print_object_json(const ShvPreflight *p)
                    {"wall_thickness", p->wall_thickness},
                    {"wall_edge", p->wall_edge},
                    {"wall_stiffness", p->wall_stiffness},
-                   {"spin_stress", p->spin_stress},
+                   {"centrifugal_stress", p->centrifugal_stress},
                    {"bar_transit", p->bar_transit},
                    {"bending_period", p->bending_period}};
     printf("{\"object\": ");

@@ -241,8 +241,8 @@ void shv_hybrid_choose_threads(ShvHybrid *hybrid);
 /* wake.c */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
-/* Stress of a body by its rotation, estimated, Pa; whether that wakes it; wakes what flies and spins so. */
-double shv_hybrid_spin_stress(const ShvFragment *fragment);
+/* Centrifugal stress of a body, estimated, Pa; whether that wakes it; wakes what flies and spins so. */
+double shv_hybrid_centrifugal_stress(const ShvFragment *fragment);
 bool shv_hybrid_wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error);
 /* audit.c: an event with the fragment's mass and hulls; hulls as they are now; momenta of the rigid motion and of nodes, with

@@ -40,14 +40,22 @@ static void exchange_with_obstacles(ShvHybrid *hybrid)
     if (hybrid->stabiliser.active) ghost->obstacle_exchange += 0.5 * hybrid->stabiliser.relax.obstacle_work;
 }
 
+/* Velocities as they are now, beside which others are to come. */
+static ShvStatus keep_velocities(ShvHybrid *hybrid, ShvError *error)
+{
+    SHV_TRY(reserve_ghost(hybrid, error));
+    memcpy(hybrid->observer.ghost.before, hybrid->state.velocity,
+           3 * (size_t)hybrid->state.node_count * sizeof(double));
+    return SHV_OK;
+}
+
 /* Puts the mean of the velocities before and after a ghost step into state.velocity and keeps the earlier ones in
    ghost.before; first halves of works go to ghost.first; kinetic energy of awake nodes to ghost.kinetic. */
 ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
     ShvGhost *ghost = &hybrid->observer.ghost;
-    SHV_TRY(reserve_ghost(hybrid, error));
-    memcpy(ghost->before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    SHV_TRY(keep_velocities(hybrid, error));
     shv_coupled_bodies_keep(hybrid);
     memset(ghost->first, 0, sizeof ghost->first);
     ghost->obstacle_exchange = 0.0;
@@ -80,8 +88,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
 ShvStatus shv_hybrid_velocities_without_impulses(ShvHybrid *hybrid, ShvError *error)
 {
     ShvState *state = &hybrid->state;
-    SHV_TRY(reserve_ghost(hybrid, error));
-    memcpy(hybrid->observer.ghost.before, state->velocity, 3 * (size_t)state->node_count * sizeof(double));
+    SHV_TRY(keep_velocities(hybrid, error));
     const double half = 0.5 * state->last_step;
     if (half == 0.0) return SHV_OK;
     SHV_TRY(shv_hybrid_forces(hybrid, error));
@@ -99,11 +106,7 @@ static bool changes(const ShvHybrid *hybrid, double before, double after)
 
 ShvStatus shv_hybrid_begin_step_change(ShvHybrid *hybrid, double before, double after, ShvError *error)
 {
-    if (!changes(hybrid, before, after)) return SHV_OK;
-    SHV_TRY(reserve_ghost(hybrid, error));
-    memcpy(hybrid->observer.ghost.before, hybrid->state.velocity,
-           3 * (size_t)hybrid->state.node_count * sizeof(double));
-    return SHV_OK;
+    return changes(hybrid, before, after) ? keep_velocities(hybrid, error) : SHV_OK;
 }
 
 void shv_hybrid_book_step_change(ShvHybrid *hybrid, double before, double after)

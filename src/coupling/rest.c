@@ -249,7 +249,7 @@ static void hand_over(ShvHybrid *hybrid, ShvFragment *fragment, Taker taker, Shv
         fragment->borne = fmax(fragment->borne, fragment->load);
         fragment->borne_impact = fmax(fragment->borne_impact, fragment->impact);
     }
-    fragment->borne_spin = shv_hybrid_spin_stress(fragment);
+    fragment->borne_spin = shv_hybrid_centrifugal_stress(fragment);
     fragment->deformed = taker == TAKER_KEPT;
     fragment->strain = event->strain_after;
     fragment->rest_position = fragment->position;

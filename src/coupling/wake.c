@@ -50,9 +50,9 @@ static bool wakes_under_load(const ShvHybrid *hybrid, const ShvRigidContact *con
     return shv_hybrid_load_stress(fragment, contact->load) >= hybrid->scene->rigid.wake_fraction * fragment->strength;
 }
 
-/* Stress of a body that spins: 3 E/V of a thin rod about its middle (ρω²L²/8), a disc about its axis has half of that and a thin ring two
+/* Centrifugal stress: 3 E/V of a thin rod about its middle (ρω²L²/8), a disc about its axis has half of that and a thin ring two
    thirds. A body that wakes is not stretched yet, and rings to twice the stress of a steady spin. */
-double shv_hybrid_spin_stress(const ShvFragment *fragment)
+double shv_hybrid_centrifugal_stress(const ShvFragment *fragment)
 {
     return 3.0 * shv_fragment_rotational(fragment) / fragment->volume;
 }
@@ -62,7 +62,7 @@ bool shv_hybrid_wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragme
     const double least = hybrid->scene->rigid.wake_fraction * fragment->strength;
     const double speed = shv_norm(fragment->angular_velocity) * fragment->radius;
     if (!(1.5 * fragment->mass * speed * speed >= least * fragment->volume)) return false; /* a bound, soon found */
-    const double stress = shv_hybrid_spin_stress(fragment);
+    const double stress = shv_hybrid_centrifugal_stress(fragment);
     return stress >= least && stress > beyond_borne * fragment->borne_spin;
 }
 
@@ -102,6 +102,7 @@ bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact)
 
 ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error)
 {
+    bool any = false;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         const ShvRigidContact none = {.fragment = i, .obstacle = -1, .other = -1, .time = hybrid->state.time};
@@ -111,9 +112,9 @@ ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error)
         hybrid->awake.dormant = false;
         hybrid->backend->functions->remove(hybrid->backend, i);
         SHV_TRY(shv_hybrid_wake(hybrid, &none, error));
-        SHV_TRY(shv_awake_refresh(hybrid, error));
+        any = true;
     }
-    return SHV_OK;
+    return any ? shv_awake_refresh(hybrid, error) : SHV_OK;
 }
 
 /* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with

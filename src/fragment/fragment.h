@@ -47,7 +47,7 @@ typedef struct ShvFragment {
     double borne;        /* N: largest such force that did not break it */
     double impact;       /* m/s: severity of the impact that woke it last, 0 once a facet has been inserted since */
     double borne_impact; /* m/s: largest severity that inserted none */
-    double borne_spin;   /* Pa: stress of its rotation, estimated, when it came to rest */
+    double borne_spin;   /* Pa: centrifugal stress, estimated, when it came to rest */
     /* It stays rigid, but whoever advances the awake moves it in their steps: the backend leaves its pose, and changes its
        velocities by the impulses of what meets it in flight. */
     bool coupled;

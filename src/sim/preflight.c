@@ -135,7 +135,7 @@ static void measure_spin(ShvPreflight *preflight, const ShvHybrid *hybrid, int32
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->object != object || fragment->mode != SHV_MODE_FLIGHT) continue;
-        preflight->spin_stress = fmax(preflight->spin_stress, shv_hybrid_spin_stress(fragment));
+        preflight->centrifugal_stress = fmax(preflight->centrifugal_stress, shv_hybrid_centrifugal_stress(fragment));
         preflight->wakes_by_spin = preflight->wakes_by_spin || shv_hybrid_wakes_by_spin(hybrid, fragment);
     }
 }

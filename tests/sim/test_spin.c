@@ -31,7 +31,7 @@ static int wakes(const ShvFrameView *frame, ShvSwitchReason reason)
     return count;
 }
 
-/* Wakes by spin until the end of the scene, of which not one more may be for another reason. */
+/* Wakes by spin until the end of the scene, where the balance must hold. */
 static int count_wakes(const Stage *stage)
 {
     int count = 0;
