@@ -183,21 +183,84 @@ static void note_strike(ShvCohesive *cohesive, int32_t k, int32_t number)
     cohesive->apart[rotation->index] = -(double)INFINITY;
 }
 
+/* ---- order ----
+   Facets of the lists are closed run by run. Runs of one colour share no node, and are closed at once by threads: impulses are the same
+   for any number of them. */
+
+enum { RUN = SHV_CLOSING_RUN, LAST_COLOUR = SHV_CLOSING_COLOURS - 1 };
+
+static int32_t run_end(const ShvCohesive *cohesive, int32_t run)
+{
+    const int32_t end = (run + 1) * RUN;
+    return end < cohesive->rotation_count ? end : cohesive->rotation_count;
+}
+
+/* The first that no earlier run has that shares a node of the mesh; `taken`: for each of these, a bit for each colour. */
+static int32_t find_colour(const ShvCohesive *cohesive, const ShvState *state, int32_t run, int32_t *taken)
+{
+    const int32_t start = run * RUN, end = run_end(cohesive, run);
+    int32_t used = 0, colour = 0;
+    for (int32_t k = start; k < end; k++)
+        for (int i = 0; i < 3; i++) used |= taken[state->origin[cohesive->rotations[k].first[i]]];
+    while (colour < LAST_COLOUR && (used >> colour & 1)) colour++;
+    for (int32_t k = start; k < end; k++)
+        for (int i = 0; i < 3; i++) taken[state->origin[cohesive->rotations[k].first[i]]] |= 1 << colour;
+    return colour;
+}
+
+void shv_cohesive_order_closing(ShvCohesive *cohesive, const ShvState *state)
+{
+    const int32_t runs = (cohesive->rotation_count + RUN - 1) / RUN;
+    int32_t *start = cohesive->colour_start, *taken = cohesive->origin_fill, *colour = cohesive->closed;
+    memset(start, 0, sizeof cohesive->colour_start);
+    for (int32_t run = 0; run < runs; run++) {
+        colour[run] = find_colour(cohesive, state, run, taken);
+        start[colour[run]]++;
+    }
+    memset(taken, 0, (size_t)cohesive->model->mesh.node_count * sizeof *taken);
+    shv_cohesive_sum_up(start, SHV_CLOSING_COLOURS + 1);
+    int32_t fill[SHV_CLOSING_COLOURS];
+    memcpy(fill, start, sizeof fill);
+    for (int32_t run = 0; run < runs; run++) cohesive->runs[fill[colour[run]]++] = run;
+}
+
+/* `place`: of the run among all of all passes. */
+static bool close_run(ShvCohesive *cohesive, ShvState *state, int32_t place, int pass, double kick, double step)
+{
+    const int32_t runs = cohesive->colour_start[SHV_CLOSING_COLOURS], run = cohesive->runs[place];
+    int32_t number = (pass * runs + place) * RUN;
+    bool any = false;
+    for (int32_t k = run * RUN; k < run_end(cohesive, run); k++, number++) {
+        if (pass > 0 && !has_news(cohesive, k)) continue;
+        cohesive->closed[k] = number;
+        if (!may_meet(cohesive, state, k, step) || !close_facet(cohesive, state, k, kick, step)) continue;
+        note_strike(cohesive, k, number + 1);
+        any = true;
+    }
+    return any;
+}
+
+static bool close_all(ShvCohesive *cohesive, ShvState *state, int pass, double kick, double step)
+{
+    const int32_t threads = cohesive->model->threads, *start = cohesive->colour_start;
+    bool any = false;
+    for (int colour = 0; start[colour] < start[SHV_CLOSING_COLOURS]; colour++) {
+        const bool parallel =
+            colour < LAST_COLOUR && shv_cohesive_in_parallel(cohesive, RUN * (start[colour + 1] - start[colour]));
+#pragma omp parallel for schedule(static, 1) num_threads(threads) if (parallel) reduction(|| : any)
+        for (int32_t place = start[colour]; place < start[colour + 1]; place++)
+            any = close_run(cohesive, state, place, pass, kick, step) || any;
+    }
+    return any;
+}
+
 void shv_cohesive_close(ShvCohesive *cohesive, ShvState *state, double kick, double step)
 {
     if (!(step > 0.0 && kick > 0.0)) return;
     bool again = true;
-    int32_t strikes = 0;
     if (cohesive->rotation_count > 0) memset(cohesive->struck, 0, (size_t)state->node_count * sizeof *cohesive->struck);
     for (int pass = 0; again && pass < MOST_PASSES; pass++) {
-        again = false;
-        for (int32_t k = 0; k < cohesive->rotation_count; k++) {
-            if (pass > 0 && !has_news(cohesive, k)) continue;
-            cohesive->closed[k] = strikes;
-            if (!may_meet(cohesive, state, k, step) || !close_facet(cohesive, state, k, kick, step)) continue;
-            note_strike(cohesive, k, ++strikes);
-            again = true;
-        }
+        again = close_all(cohesive, state, pass, kick, step);
         cohesive->pushed = cohesive->pushed || again;
     }
 }

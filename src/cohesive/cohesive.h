@@ -129,6 +129,10 @@ typedef struct ShvCohesiveSides {
 
 enum { SHV_NEAREST_FACETS = 16 };
 
+/* Facets of a run that is closed by one thread: neighbours, as lists are in order of nodes. Fewer would need more colours, more leave
+   threads without a run. Runs of the last colour may share nodes, and follow one another. */
+enum { SHV_CLOSING_RUN = 16, SHV_CLOSING_COLOURS = 31 };
+
 typedef enum ShvFacetWatch {
     SHV_FACET_IGNORED,
     SHV_FACET_WATCHED,
@@ -190,12 +194,14 @@ typedef struct ShvCohesive {
     const uint8_t *list_awake; /* what they were made with */
     int32_t rotation_count;
     ShvFacetRotation *rotations;
-    ShvVec3 *couple;     /* 3 per facet that turns: of pulls, opening × pull, N m */
-    ShvFacetGaps *gaps;  /* as `rotations` */
-    int32_t *closed;     /* as `rotations`: strikes before it was looked at last, of the present closing */
-    bool pushed;         /* some closing forces are not zero */
-    double booked_time;  /* s: of the time whose step was booked last */
-    int32_t point_count; /* of facets that carry: */
+    ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
+    ShvFacetGaps *gaps; /* as `rotations` */
+    int32_t *closed;    /* as `rotations`: number of its last look in the present closing, of all looks at facets */
+    int32_t *runs;      /* of facets in the lists (closure.c), colour by colour */
+    int32_t colour_start[SHV_CLOSING_COLOURS + 1]; /* into `runs` */
+    bool pushed;                                   /* some closing forces are not zero */
+    double booked_time;                            /* s: of the time whose step was booked last */
+    int32_t point_count;                           /* of facets that carry: */
     ShvCohesivePoint *points;
     int32_t most_facets;   /* round one node of the mesh */
     ShvPointSolve *solves; /* so many for each thread */
@@ -213,7 +219,7 @@ typedef struct ShvCohesive {
     uint8_t *node_news;                          /* node_capacity: it has another velocity since */
     int32_t *corner_nodes;                       /* node_capacity: nodes of `corners`, each once, */
     int32_t corner_node_count;                   /* so many */
-    int32_t *struck;      /* node_capacity: number of its last strike by closing faces; 0: none in the step */
+    int32_t *struck; /* node_capacity: number (`closed`) + 1 of its last strike by closing faces; 0: none in the step */
     int32_t *origin_fill; /* mesh.node_count; zero between steps */
     double *overdrawn;    /* mesh.node_count: given by closing faces at its copies beyond what they held, J */
     int32_t node_capacity;

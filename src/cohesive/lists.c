@@ -36,8 +36,7 @@ static int32_t origin_of(const ShvCohesive *cohesive, const ShvState *state, int
     return state->origin[cohesive->sides[index].first[0]];
 }
 
-/* Counts become first places. */
-static void sum_up(int32_t *fill, int32_t count)
+void shv_cohesive_sum_up(int32_t *fill, int32_t count)
 {
     int32_t start = 0;
     for (int32_t i = 0; i < count; i++) {
@@ -84,7 +83,7 @@ static void order_rotations(ShvCohesive *cohesive, const ShvState *state, const 
             fill[origin_of(cohesive, state, cohesive->live[k])]++;
             cohesive->rotation_count++;
         }
-    sum_up(fill, nodes);
+    shv_cohesive_sum_up(fill, nodes);
     for (int32_t k = 0; k < cohesive->live_count; k++) {
         const int32_t index = cohesive->live[k];
         const bool wanted = is_wanted(cohesive, state, index, awake);
@@ -209,7 +208,7 @@ static void list_points(ShvCohesive *cohesive)
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, clusters))
     for (int32_t c = 0; c < clusters; c++) cohesive->cluster[c] = split_first(cohesive, c);
     cohesive->cluster[clusters] = 0;
-    sum_up(cohesive->cluster, clusters + 1);
+    shv_cohesive_sum_up(cohesive->cluster, clusters + 1);
     cohesive->point_count = cohesive->cluster[clusters];
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, clusters))
     for (int32_t c = 0; c < clusters; c++) place_points(cohesive, c);
@@ -236,6 +235,7 @@ void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8
 {
     shv_cohesive_drop_separated(cohesive);
     list_rotations(cohesive, state, awake);
+    shv_cohesive_order_closing(cohesive, state);
     list_corners(cohesive, state);
     list_points(cohesive);
     list_corner_nodes(cohesive, state);

@@ -20,6 +20,10 @@ static inline bool shv_cohesive_in_parallel(const ShvCohesive *cohesive, int32_t
 
 /* Makes the lists of a step anew: facets in order of the nodes they stem from, points cluster by cluster and pair by pair. */
 void shv_cohesive_list(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake);
+/* The order in which faces of the facets in the lists are closed (closure.c). */
+void shv_cohesive_order_closing(ShvCohesive *cohesive, const ShvState *state);
+/* Counts become first places. */
+void shv_cohesive_sum_up(int32_t *fill, int32_t count);
 /* Pulls of the last step outlive the lists: the next step starts from them. */
 void shv_cohesive_keep_pulls(ShvCohesive *cohesive);
 /* Forgets the lists, and the step they belong to. */

@@ -57,7 +57,7 @@ double shv_fragment_surface_area(const ShvFragment *fragment, const ShvFragments
     for (int32_t i = 0; i < fragment->element_count; i++)
         for (int32_t face = 0; face < 4; face++)
             if (is_outside(fragments, model, state, elements[i], face))
-                area += shv_tet_of_nodes(&model->mesh, model->mesh.elements + 4 * (int64_t)elements[i]).areas[face];
+                area += shv_tet_face_area(&model->mesh, model->mesh.elements + 4 * (int64_t)elements[i], face);
     return area;
 }
 

@@ -2,15 +2,26 @@
 
 #include <stdbool.h>
 
+/* Outward, as long as the area. */
+static ShvVec3 face_normal(ShvVec3 a, ShvVec3 b, ShvVec3 c)
+{
+    return shv_scale(shv_cross(shv_sub(b, a), shv_sub(c, a)), 0.5);
+}
+
+double shv_tet_face_area(const ShvMesh *mesh, const int32_t nodes[4], int face)
+{
+    ShvVec3 x[3];
+    for (int i = 0; i < 3; i++) x[i] = shv_mesh_position(mesh, nodes[shv_face_corners[face][i]]);
+    return shv_norm(face_normal(x[0], x[1], x[2]));
+}
+
 ShvTet shv_tet_of_nodes(const ShvMesh *mesh, const int32_t nodes[4])
 {
     ShvTet tet;
     for (int i = 0; i < 4; i++) tet.corners[i] = shv_mesh_position(mesh, nodes[i]);
     for (int k = 0; k < 4; k++) {
-        const ShvVec3 a = tet.corners[shv_face_corners[k][0]];
-        const ShvVec3 b = shv_sub(tet.corners[shv_face_corners[k][1]], a);
-        const ShvVec3 c = shv_sub(tet.corners[shv_face_corners[k][2]], a);
-        tet.normals[k] = shv_scale(shv_cross(b, c), 0.5);
+        const uint8_t *corner = shv_face_corners[k];
+        tet.normals[k] = face_normal(tet.corners[corner[0]], tet.corners[corner[1]], tet.corners[corner[2]]);
         tet.areas[k] = shv_norm(tet.normals[k]);
     }
     tet.volume = shv_dot(tet.normals[0], shv_sub(tet.corners[1], tet.corners[0])) / 3.0;

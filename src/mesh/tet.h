@@ -12,6 +12,8 @@ typedef struct ShvTet {
 } ShvTet;
 
 ShvTet shv_tet_of_nodes(const ShvMesh *mesh, const int32_t nodes[4]);
+/* Of the face opposite a corner, m². */
+double shv_tet_face_area(const ShvMesh *mesh, const int32_t nodes[4], int face);
 /* 3 × inradius / circumradius: 1 regular, 0 flat; negative when inverted. */
 double shv_tet_aspect(const ShvTet *tet);
 /* Writes element `element` of a mesh whose positions are set, swapping two of the nodes when that makes it positive. */

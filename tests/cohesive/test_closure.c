@@ -398,6 +398,76 @@ static void sleepers_rest(void **state)
     fixture_release(&f);
 }
 
+/* Cubes of which every facet is broken, more than one thread can close without waiting. */
+static void crumble(Fixture *f, int32_t threads)
+{
+    fixture_define(f, 0.024, 0.018, 0.018, 0.003);
+    f->material.fracture_energy = 0.0;
+    f->scene.threads = threads;
+    fixture_build_cubes(f, 8, 6, 6);
+    fixture_start(f);
+    const int32_t count = f->model.adjacency.interior_count;
+    int32_t *facets = calloc((size_t)count, sizeof *facets), duplicated;
+    for (int32_t i = 0; i < count; i++) facets[i] = i;
+    check_ok(shv_cohesive_insert(&f->cohesive, &f->state, NULL, facets, count, &duplicated, &f->error), f->error);
+    free(facets);
+}
+
+static int32_t colour_of(const ShvCohesive *cohesive, int32_t place)
+{
+    int32_t colour = 0;
+    while (cohesive->colour_start[colour + 1] <= place) colour++;
+    return colour;
+}
+
+/* Each facet of the lists is in one run, and no two runs of a colour that threads close at once have a node of the mesh in common. */
+static void runs_of_a_colour_share_no_node(void **state)
+{
+    (void)state;
+    Fixture f;
+    crumble(&f, 1);
+    throw_at_random(&f, 5, 1e-5);
+    const ShvCohesive *cohesive = &f.cohesive;
+    const int32_t count = cohesive->rotation_count, nodes = f.model.mesh.node_count,
+                  runs = cohesive->colour_start[SHV_CLOSING_COLOURS];
+    int32_t *last = calloc((size_t)nodes, sizeof *last), *seen = calloc((size_t)count, sizeof *seen);
+    assert_int_equal(runs, (count + SHV_CLOSING_RUN - 1) / SHV_CLOSING_RUN);
+    assert_true(runs > 10 && colour_of(cohesive, runs - 1) < SHV_CLOSING_COLOURS - 1);
+    for (int32_t place = 0; place < runs; place++) {
+        const int32_t start = cohesive->runs[place] * SHV_CLOSING_RUN, colour = colour_of(cohesive, place);
+        for (int32_t k = start; k < count && k < start + SHV_CLOSING_RUN; k++) seen[k]++;
+        for (int32_t other = cohesive->colour_start[colour]; other < place; other++) {
+            memset(last, 0, (size_t)nodes * sizeof *last);
+            const int32_t from = cohesive->runs[other] * SHV_CLOSING_RUN;
+            for (int32_t k = from; k < count && k < from + SHV_CLOSING_RUN; k++)
+                for (int i = 0; i < 3; i++) last[f.state.origin[cohesive->rotations[k].first[i]]] = 1;
+            for (int32_t k = start; k < count && k < start + SHV_CLOSING_RUN; k++)
+                for (int i = 0; i < 3; i++) assert_int_equal(last[f.state.origin[cohesive->rotations[k].first[i]]], 0);
+        }
+    }
+    for (int32_t k = 0; k < count; k++) assert_int_equal(seen[k], 1);
+    free(last);
+    free(seen);
+    fixture_release(&f);
+}
+
+static void threads_close_to_the_same_bits(void **state)
+{
+    (void)state;
+    Fixture one, three;
+    crumble(&one, 1);
+    crumble(&three, 3);
+    for (uint64_t run = 0; run < 4; run++) {
+        const int pushed = throw_at_random(&one, run, 1e-4);
+        assert_int_equal(throw_at_random(&three, run, 1e-4), pushed);
+        assert_true(pushed);
+        assert_memory_equal(one.state.velocity, three.state.velocity,
+                            3 * (size_t)one.state.node_count * sizeof *one.state.velocity);
+    }
+    fixture_release(&one);
+    fixture_release(&three);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -410,6 +480,8 @@ int main(void)
         cmocka_unit_test(faces_apart_are_left_alone),
         cmocka_unit_test(slid_away_pairs_are_dropped),
         cmocka_unit_test(sleepers_rest),
+        cmocka_unit_test(runs_of_a_colour_share_no_node),
+        cmocka_unit_test(threads_close_to_the_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

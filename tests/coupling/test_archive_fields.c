@@ -19,7 +19,7 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 752),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 888),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 256),
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1320),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
@@ -37,7 +37,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 400),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5240),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5376),
 };
 
 static void test_no_field_is_new(void **state)
