@@ -1,5 +1,5 @@
 /* A simulation: made from a scene definition, pulled frame by frame. It prints nothing, owns no global state and never
-   exits; several may live at once. */
+   exits; several may live at once, each in one thread at a time, also of a program's own OpenMP loop. */
 #ifndef SHIVER_SIMULATION_H
 #define SHIVER_SIMULATION_H
 

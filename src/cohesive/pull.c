@@ -32,13 +32,13 @@ typedef struct Cluster {
     int32_t count;
 } Cluster;
 
-/* Turns of facets stand still while clusters settle. */
-static Cluster begin_cluster(const Pull *pull, int32_t cluster)
+/* Turns of facets stand still while clusters settle. `thread`: of the loop that asks, 0 outside one: a program may call from a thread of
+   its own loops. */
+static Cluster begin_cluster(const Pull *pull, int32_t cluster, int thread)
 {
     const ShvCohesive *cohesive = pull->cohesive;
     const int32_t start = cohesive->cluster[cluster];
-    const Cluster made = {pull, cohesive->points + start,
-                          cohesive->solves + (int64_t)omp_get_thread_num() * cohesive->most_facets,
+    const Cluster made = {pull, cohesive->points + start, cohesive->solves + (int64_t)thread * cohesive->most_facets,
                           cohesive->cluster[cluster + 1] - start};
     for (int32_t i = 0; i < made.count; i++) {
         const ShvCohesivePoint *point = &made.points[i];
@@ -368,14 +368,14 @@ static double answer_couples(const Pull *pull)
 }
 
 /* Whether the change of rates may have led a cluster beyond what it stores, and it was limited. */
-static bool check_limit(const Pull *pull, int32_t cluster, double spin)
+static bool check_limit(const Pull *pull, int32_t cluster, double spin, int thread)
 {
     ShvClusterBudget *budget = &pull->cohesive->budget[cluster];
     budget->left -= 0.5 * pull->step * (budget->force * budget->shift + budget->couple * spin);
     budget->shift = 0.0;
     budget->limited = false;
     if (budget->left >= 0.0) return false;
-    const Cluster begun = begin_cluster(pull, cluster);
+    const Cluster begun = begin_cluster(pull, cluster, thread);
     budget->limited = limit_given(&begun, budget);
     if (budget->limited) leave_couples(&begun);
     return budget->limited;
@@ -389,7 +389,7 @@ static bool check_limits(const Pull *pull, double spin)
 #pragma omp parallel for schedule(static) num_threads(threads) if (shv_cohesive_in_parallel(cohesive, count))          \
     reduction(||                                                                                                       \
               : limited)
-    for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin) || limited;
+    for (int32_t c = 0; c < count; c++) limited = check_limit(pull, c, spin, omp_get_thread_num()) || limited;
     return limited;
 }
 
@@ -457,7 +457,7 @@ static void check_rotated(const Pull *pull, double spin)
     for (int32_t n = 0; n < count; n++) {
         const int32_t c = cohesive->rotated_clusters[n];
         cohesive->budget[c].rotated = false;
-        if (check_limit(pull, c, spin)) cohesive->rotated_clusters[cohesive->rotated_count++] = c;
+        if (check_limit(pull, c, spin, 0)) cohesive->rotated_clusters[cohesive->rotated_count++] = c;
     }
 }
 
@@ -538,7 +538,7 @@ void shv_cohesive_pull(ShvCohesive *cohesive, ShvState *state, double kick, doub
     reduction(+ : sweeps)
     for (int32_t c = 0; c < count; c++) {
         if (cohesive->cluster[c] == cohesive->cluster[c + 1] || (again && !has_news(cohesive, c))) continue;
-        const Cluster cluster = begin_cluster(&pull, c);
+        const Cluster cluster = begin_cluster(&pull, c, omp_get_thread_num());
         if (first) repeat_last(&cluster);
         sweeps += pull_cluster(&cluster, &cohesive->budget[c]);
     }
