@@ -22,26 +22,58 @@ static double mass_of_object(const ShvHybrid *hybrid, const char *name)
     return mass;
 }
 
-/* Adds a rigid velocity change to a fragment, awake or in flight; returns the kinetic energy given. Fragments' records are
-   those of the present time and awake nodes are synchronised: both their velocities change alike. */
-static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
+/* ---- changes of motion ----
+   Awake nodes and coupled bodies have velocities of n − 1/2, and of the kick from there to n + 1/2 all is booked when it comes but what
+   potentials do, gravity and elasticity: a change acts on velocities of n as these alone make them, and the energy given is what it
+   does there. Elastic forces do nothing in a rigid change. */
+
+static ShvVec3 fall_of_half_step(const ShvHybrid *hybrid)
 {
-    const double before = shv_fragment_kinetic(fragment);
-    fragment->velocity = shv_add(fragment->velocity, linear);
-    fragment->angular_velocity = shv_add(fragment->angular_velocity, angular);
-    if (fragment->mode != SHV_MODE_FRACTURE) return shv_fragment_kinetic(fragment) - before;
+    return shv_scale(shv_load3(hybrid->gravity), 0.5 * hybrid->state.last_step);
+}
+
+/* `velocities`: of nodes, changed by a rigid motion; `fall`: what is added to them for those that the energy is of. */
+static double change_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular,
+                           double *velocities, ShvVec3 fall)
+{
     double given = 0.0;
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
-        double *v = hybrid->state.velocity + 3 * (int64_t)node;
-        const ShvVec3 old = shv_load3(v);
+        double *v = velocities + 3 * (int64_t)node;
         const ShvVec3 arm = shv_sub(shv_state_position(&hybrid->state, node), fragment->position);
-        const ShvVec3 change = shv_velocity_at(linear, angular, arm), now = shv_add(old, change);
-        given += 0.5 * hybrid->state.mass[node] * (shv_dot(now, now) - shv_dot(old, old));
-        shv_store3(v, now);
-        shv_add_to3(hybrid->observer.ghost.before + 3 * (int64_t)node, change);
+        const ShvVec3 change = shv_velocity_at(linear, angular, arm), old = shv_add(shv_load3(v), fall);
+        given += hybrid->state.mass[node] * shv_dot(change, shv_madd(old, 0.5, change));
+        shv_add_to3(v, change);
     }
     return given;
+}
+
+static double change_coupled(ShvHybrid *hybrid, const ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
+{
+    ShvCoupledBody *body = hybrid->coupling.bodies.by_fragment[fragment->id];
+    const ShvMat3 inertia = shv_fragment_world_inertia(fragment);
+    const ShvVec3 old = shv_add(body->velocity, fall_of_half_step(hybrid)), spin = body->angular_velocity;
+    body->velocity = shv_add(body->velocity, linear);
+    body->angular_velocity = shv_add(spin, angular);
+    return fragment->mass * shv_dot(linear, shv_madd(old, 0.5, linear)) +
+           shv_dot(angular, shv_apply(&inertia, shv_madd(spin, 0.5, angular)));
+}
+
+/* Adds a rigid velocity change to a fragment, awake or in flight; returns the energy given. Its record, of the present time, changes
+   as well. */
+static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
+{
+    double *kept = hybrid->observer.ghost.before; /* state.velocity again when steps go on */
+    double *nodes = hybrid->awake.count > 0 ? kept : hybrid->state.velocity;
+    const double before = shv_fragment_kinetic(fragment);
+    fragment->velocity = shv_add(fragment->velocity, linear);
+    fragment->angular_velocity = shv_add(fragment->angular_velocity, angular);
+    if (fragment->mode == SHV_MODE_FRACTURE)
+        return change_nodes(hybrid, fragment, linear, angular, kept, fall_of_half_step(hybrid));
+    if (hybrid->backend->keeps_nodes)
+        return change_nodes(hybrid, fragment, linear, angular, nodes, shv_vec3(0.0, 0.0, 0.0));
+    if (fragment->coupled) return change_coupled(hybrid, fragment, linear, angular);
+    return shv_fragment_kinetic(fragment) - before;
 }
 
 static double event_on_fragments(ShvHybrid *hybrid, const ShvEventDefinition *event)
@@ -64,7 +96,7 @@ static double event_on_obstacle(ShvHybrid *hybrid, const ShvEventDefinition *eve
 {
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         ShvObstacle *obstacle = &hybrid->obstacles.items[i];
-        if (strcmp(obstacle->definition->name, event->target) != 0) continue;
+        if (shv_hybrid_waits(hybrid, i) || strcmp(obstacle->definition->name, event->target) != 0) continue;
         const double before = shv_obstacle_kinetic(obstacle);
         if (event->kind == SHV_EVENT_IMPULSE) {
             shv_obstacle_impulse(obstacle, obstacle->position, shv_load3(event->value));
@@ -92,9 +124,14 @@ static double change_gravity(ShvHybrid *hybrid, const double gravity[3])
             given -= obstacle->mass * shv_dot(change, obstacle->position);
     }
     /* The step to come gives half of its new gravity to the half step that is past: velocities of now stay. */
+    const double half = 0.5 * hybrid->state.last_step;
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         double *before = hybrid->observer.ghost.before + 3 * (int64_t)hybrid->awake.nodes[k];
-        shv_store3(before, shv_madd(shv_load3(before), -0.5 * hybrid->state.last_step, change));
+        shv_store3(before, shv_madd(shv_load3(before), -half, change));
+    }
+    for (int32_t i = 0; i < hybrid->coupling.bodies.count; i++) {
+        ShvCoupledBody *body = &hybrid->coupling.bodies.items[i];
+        body->velocity = shv_madd(body->velocity, -half, change);
     }
     memcpy(hybrid->gravity, gravity, sizeof hybrid->gravity);
     return given;

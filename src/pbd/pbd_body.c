@@ -36,8 +36,6 @@ ShvStatus shv_pbd_body_create(ShvPbdBody **body, const ShvRigidWorld *world, int
     if (made) {
         made->fragment = fragment;
         made->time = world->state->time;
-        made->seen_velocity = world->fragments->items[fragment].velocity;
-        made->seen_spin = world->fragments->items[fragment].angular_velocity;
         made->touched = shv_allocate(memory, SHV_PART_RIGID, obstacles, 1);
         made->fastest = shv_allocate(memory, SHV_PART_RIGID, obstacles, sizeof *made->fastest);
     }
@@ -60,24 +58,6 @@ void shv_pbd_body_destroy(ShvPbdBody *body)
 }
 
 /* ---- the start of a step ---- */
-
-static bool same(ShvVec3 a, ShvVec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static void read_record(ShvPbdBody *body, const ShvRigidWorld *world)
-{
-    const ShvFragment *fragment = fragment_of(body, world);
-    if (same(fragment->velocity, body->seen_velocity) && same(fragment->angular_velocity, body->seen_spin)) return;
-    const ShvVec3 velocity = shv_sub(fragment->velocity, body->seen_velocity);
-    const ShvVec3 spin = shv_sub(fragment->angular_velocity, body->seen_spin);
-    const int32_t *nodes = nodes_of(body, world);
-    for (int32_t i = 0; i < fragment->node_count; i++) {
-        const ShvVec3 arm = shv_sub(shv_state_position(world->state, nodes[i]), fragment->position);
-        shv_add_to3(world->state->velocity + 3 * (int64_t)nodes[i], shv_velocity_at(velocity, spin, arm));
-    }
-}
 
 static ShvStatus find_turn(ShvPbdBody *body, const ShvRigidWorld *world, double step, ShvError *error)
 {
@@ -146,7 +126,6 @@ ShvStatus shv_pbd_body_predict(ShvPbdBody *body, const ShvRigidWorld *world, con
     const ShvVec3 fall = shv_scale(shv_load3(step->gravity), 0.5 * step->step * step->step);
     const ShvFragment *fragment = fragment_of(body, world);
     *taken = 0.0;
-    read_record(body, world);
     body->rotation = shv_quat_identity();
     if (pbd->damping > 0.0 || pbd->exact_rotation)
         *taken =
@@ -178,10 +157,7 @@ void shv_pbd_body_rotate(const ShvPbdBody *body, const ShvRigidWorld *world)
 
 void shv_pbd_body_write(ShvPbdBody *body, const ShvRigidWorld *world)
 {
-    ShvFragment *fragment = fragment_of(body, world);
-    shv_fragment_fit(fragment, world->fragments, world->state);
-    body->seen_velocity = fragment->velocity;
-    body->seen_spin = fragment->angular_velocity;
+    shv_fragment_fit(fragment_of(body, world), world->fragments, world->state);
 }
 
 void shv_pbd_body_note_contacts(ShvPbdBody *body, const ShvRigidWorld *world, const ShvRelax *relax)

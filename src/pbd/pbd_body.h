@@ -8,11 +8,10 @@
 
 typedef struct ShvPbdBody {
     int32_t fragment;
-    double time;                      /* s: of its nodes */
-    bool moves;                       /* in the step at work: it is not at its end yet */
-    ShvVec3 seen_velocity, seen_spin; /* written to the record: events of the time line change them */
-    uint8_t *touched;                 /* per obstacle: in the last step */
-    int32_t *fastest;                 /* per obstacle: touch of this step that closes fastest, −1: none */
+    double time;      /* s: of its nodes */
+    bool moves;       /* in the step at work: it is not at its end yet */
+    uint8_t *touched; /* per obstacle: in the last step */
+    int32_t *fastest; /* per obstacle: touch of this step that closes fastest, −1: none */
     /* the step at work */
     ShvRigidField field; /* at its start, after damping */
     ShvQuat rotation;    /* of the rigid motion within it; identity unless exact_rotation */
@@ -23,7 +22,7 @@ typedef struct ShvPbdBody {
 ShvStatus shv_pbd_body_create(ShvPbdBody **body, const ShvRigidWorld *world, int32_t fragment, ShvError *error);
 void shv_pbd_body_destroy(ShvPbdBody *body);
 
-/* Takes over changed velocities of the record, damps, and predicts. Returns the energy taken by damping through `taken`. */
+/* Damps, and predicts. Returns the energy taken by damping through `taken`. */
 ShvStatus shv_pbd_body_predict(ShvPbdBody *body, const ShvRigidWorld *world, const ShvPbdDefinition *pbd,
                                ShvRelax *relax, const ShvRelaxStep *step, double *taken, ShvError *error);
 /* Velocities after the free turn of the step, without gravity. */

@@ -61,7 +61,8 @@ struct ShvRigidBackend {
     bool
         keeps_nodes; /* the nodes are the state in flight, at the time the last advance led to, and a fragment's record is
                          only fitted to them: whoever adds a fragment leaves its nodes as they are, with velocities of
-                         the present time, and need not scatter the record when it wakes */
+                         the present time, and need not scatter the record when it wakes; whoever changes its motion
+                         changes its nodes' */
     bool moves_obstacles; /* free obstacles are moved by `advance`; nobody else must, unless */
     bool
         leaves_obstacles; /* this was set before it: they take part in contacts, but only their velocities change, by the

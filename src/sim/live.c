@@ -53,13 +53,6 @@ void shv_simulation_listen(ShvSimulation *simulation, ShvListener listener, void
     simulation->listener_data = data;
 }
 
-ShvStatus shv_simulation_apply(ShvSimulation *simulation, const ShvEventDefinition *event, ShvError *error)
-{
-    SHV_TRY(shv_simulation_check_event(simulation->scene, event, "the event", error));
-    SHV_TRY(begin(simulation, error));
-    return tell(simulation, shv_hybrid_apply(&simulation->hybrid, event, error), error);
-}
-
 static ShvStatus find_fragment(const ShvSimulation *simulation, int32_t index, ShvError *error)
 {
     const ShvFragments *fragments = &simulation->hybrid.fragments;
@@ -101,6 +94,32 @@ static ShvStatus find_obstacle(const ShvHybrid *hybrid, const char *name, int32_
         return shv_fail(error, SHV_BAD_INPUT, "the obstacle '%s' is not free: it is there from start to end", name);
     }
     return shv_fail(error, SHV_BAD_INPUT, "there is no object and no obstacle '%s'", name);
+}
+
+/* ---- events ---- */
+
+/* What is not in the scene cannot be moved; other events act on all of it. */
+static ShvStatus check_present(const ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error)
+{
+    if (event->kind != SHV_EVENT_SET_VELOCITY && event->kind != SHV_EVENT_IMPULSE) return SHV_OK;
+    const int32_t object = find_object(hybrid, event->target);
+    int32_t obstacle = -1;
+    bool present = false;
+    if (object < 0) SHV_TRY(find_obstacle(hybrid, event->target, &obstacle, error));
+    if (object < 0) present = !shv_hybrid_waits(hybrid, obstacle);
+    for (int32_t i = 0; object >= 0 && i < hybrid->fragments.count; i++) {
+        const ShvFragment *item = &hybrid->fragments.items[i];
+        present = present || (item->object == object && item->mode != SHV_MODE_DEAD && item->mode != SHV_MODE_BINNED);
+    }
+    return present ? SHV_OK : shv_fail(error, SHV_BAD_INPUT, "'%s' is not in the scene", event->target);
+}
+
+ShvStatus shv_simulation_apply(ShvSimulation *simulation, const ShvEventDefinition *event, ShvError *error)
+{
+    SHV_TRY(shv_simulation_check_event(simulation->scene, event, "the event", error));
+    SHV_TRY(check_present(&simulation->hybrid, event, error));
+    SHV_TRY(begin(simulation, error));
+    return tell(simulation, shv_hybrid_apply(&simulation->hybrid, event, error), error);
 }
 
 /* ---- room ---- */

@@ -33,7 +33,7 @@ static const Size sizes[] = {
     SIZE(ShvBars, "pbd/pbd_archive.c", 208),
     SIZE(ShvRelax, "pbd/pbd_archive.c", 304),
     SIZE(ShvTies, "pbd/pbd_archive.c", 24),
-    SIZE(ShvPbdBody, "pbd/pbd_archive.c", 320),
+    SIZE(ShvPbdBody, "pbd/pbd_archive.c", 272),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 400),

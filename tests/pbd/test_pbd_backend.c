@@ -364,34 +364,6 @@ static void rest_lengths_are_those_of_the_reference(void **state)
     world_end(&world);
 }
 
-static void events_that_change_a_record_move_the_nodes(void **state)
-{
-    (void)state;
-    const ShvPbdDefinition settings = settings_of(0.9, 3, 1.0, true);
-    World world;
-    Verdict verdict = {0};
-    world_begin(&world);
-    world_box(&world, 0.3, 0.1, 0.1, 0.1);
-    world_build(&world);
-    fly(&world, &settings);
-    advance(&world, 0.0, 1e-3, no_gravity, &verdict, NULL);
-    ShvFragment *fragment = &world.fragments.items[0];
-    fragment->velocity = shv_vec3(1.0, 2.0, 3.0);
-    fragment->angular_velocity = shv_vec3(0.0, 0.0, 4.0);
-    ShvMat3 inertia = shv_fragment_world_inertia(fragment);
-    const ShvVec3 momentum = shv_apply(&inertia, fragment->angular_velocity);
-    advance(&world, 1e-3, 1e-3, no_gravity, &verdict, NULL);
-    check_near(shv_norm(shv_sub(fragment->position, shv_vec3(1e-3, 2e-3, 3e-3))), 0.0, 1e-15);
-    check_near(shv_norm(shv_sub(fragment->velocity, shv_vec3(1.0, 2.0, 3.0))), 0.0, 1e-13);
-    inertia = shv_fragment_world_inertia(fragment);
-    const ShvVec3 after = shv_apply(&inertia, fragment->angular_velocity);
-    check_near(shv_norm(shv_sub(after, momentum)), 0.0, 1e-12 * shv_norm(momentum));
-    /* z is no principal axis of the tets: the angular velocity changes by at most |ω|² dt, the turn by half of that. */
-    const ShvQuat turn = shv_quat_exponential(shv_vec3(0.0, 0.0, 4e-3));
-    check_near(fragment->orientation.z, turn.z, 0.25 * 16.0 * 1e-6);
-    world_end(&world);
-}
-
 /* ---- together ---- */
 
 static void results_do_not_depend_on_threads(void **state)
@@ -531,7 +503,6 @@ int main(void)
         cmocka_unit_test(a_new_contact_is_judged_at_the_start_of_the_step),
         cmocka_unit_test(a_body_placed_on_the_floor_does_not_wake),
         cmocka_unit_test(rest_lengths_are_those_of_the_reference),
-        cmocka_unit_test(events_that_change_a_record_move_the_nodes),
         cmocka_unit_test(results_do_not_depend_on_threads),
         cmocka_unit_test(fragments_come_and_go),
         cmocka_unit_test(impossible_settings_are_refused),

@@ -85,6 +85,37 @@ static void a_push_gives_its_impulse(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* In flight, whoever moves the body: velocities are as they were set at once, and the next step goes on with them. */
+static void events_move_what_flies(void **state)
+{
+    (void)state;
+    static const ShvRigidEngine engines[] = {SHV_RIGID_ANALYTIC, SHV_RIGID_PBD, SHV_RIGID_BULLET};
+    for (int i = 0; i < 3; i++) {
+        Stage stage;
+        ShvError error;
+        shv_simulation_destroy(start(&stage));
+        stage.scene.rigid.engine = engines[i];
+        ShvSimulation *simulation = stage_start(&stage);
+        check_ok(shv_simulation_step(simulation, 0.01, &error), error);
+        ShvEventDefinition event = shv_event_default();
+        event.kind = SHV_EVENT_SET_VELOCITY;
+        event.target = "there";
+        event.value[0] = 3.0;
+        check_ok(shv_simulation_apply(simulation, &event, &error), error);
+        check_near(shv_simulation_frame(simulation)->ledger.kinetic, 0.5 * mass * 9.0, 1e-9);
+        check_ledger(simulation);
+        check_ok(shv_simulation_step(simulation, 0.02, &error), error);
+        check_near(shv_simulation_frame(simulation)->fragments[0].position[0], 0.03, 1e-9);
+        check_ledger(simulation);
+        event.target = "ball"; /* waits */
+        check_fails(shv_simulation_apply(simulation, &event, &error), SHV_BAD_INPUT, error,
+                    "'ball' is not in the scene");
+        event.target = "later";
+        check_fails(shv_simulation_apply(simulation, &event, &error), SHV_BAD_INPUT, error, "is not in the scene");
+        shv_simulation_destroy(simulation);
+    }
+}
+
 static void bodies_come_and_go(void **state)
 {
     (void)state;
@@ -190,8 +221,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_go_where_frames_would), cmocka_unit_test(a_push_gives_its_impulse),
-        cmocka_unit_test(bodies_come_and_go),          cmocka_unit_test(obstacles_come_and_go),
-        cmocka_unit_test(events_are_told_once),        cmocka_unit_test(what_waits_is_checked),
+        cmocka_unit_test(events_move_what_flies),      cmocka_unit_test(bodies_come_and_go),
+        cmocka_unit_test(obstacles_come_and_go),       cmocka_unit_test(events_are_told_once),
+        cmocka_unit_test(what_waits_is_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
