@@ -184,21 +184,21 @@ static void note_strike(ShvCohesive *cohesive, int32_t k, int32_t number)
 }
 
 /* ---- order ----
-   Facets of the lists are closed run by run. Runs of one colour share no node, and are closed at once by threads: impulses are the same
-   for any number of them. */
+   Multicolour Gauss-Seidel: facets of the lists are closed chunk by chunk. Chunks of one colour share no node, and are closed at once by
+   threads: impulses are the same for any number of them. */
 
-enum { RUN = SHV_CLOSING_RUN, LAST_COLOUR = SHV_CLOSING_COLOURS - 1 };
+enum { CHUNK = SHV_CLOSING_CHUNK, LAST_COLOUR = SHV_CLOSING_COLOURS - 1 };
 
-static int32_t run_end(const ShvCohesive *cohesive, int32_t run)
+static int32_t chunk_end(const ShvCohesive *cohesive, int32_t chunk)
 {
-    const int32_t end = (run + 1) * RUN;
+    const int32_t end = (chunk + 1) * CHUNK;
     return end < cohesive->rotation_count ? end : cohesive->rotation_count;
 }
 
-/* The first that no earlier run has that shares a node of the mesh; `taken`: for each of these, a bit for each colour. */
-static int32_t find_colour(const ShvCohesive *cohesive, const ShvState *state, int32_t run, int32_t *taken)
+/* The first that no earlier chunk has that shares a node of the mesh; `taken`: for each of these, a bit for each colour. */
+static int32_t find_colour(const ShvCohesive *cohesive, const ShvState *state, int32_t chunk, int32_t *taken)
 {
-    const int32_t start = run * RUN, end = run_end(cohesive, run);
+    const int32_t start = chunk * CHUNK, end = chunk_end(cohesive, chunk);
     int32_t used = 0, colour = 0;
     for (int32_t k = start; k < end; k++)
         for (int i = 0; i < 3; i++) used |= taken[state->origin[cohesive->rotations[k].first[i]]];
@@ -210,27 +210,27 @@ static int32_t find_colour(const ShvCohesive *cohesive, const ShvState *state, i
 
 void shv_cohesive_order_closing(ShvCohesive *cohesive, const ShvState *state)
 {
-    const int32_t runs = (cohesive->rotation_count + RUN - 1) / RUN;
+    const int32_t chunks = (cohesive->rotation_count + CHUNK - 1) / CHUNK;
     int32_t *start = cohesive->colour_start, *taken = cohesive->origin_fill, *colour = cohesive->closed;
-    memset(start, 0, sizeof cohesive->colour_start);
-    for (int32_t run = 0; run < runs; run++) {
-        colour[run] = find_colour(cohesive, state, run, taken);
-        start[colour[run]]++;
+    memset(start, 0, sizeof cohesive->colour_start); /* `closed` has room until the next closing */
+    for (int32_t chunk = 0; chunk < chunks; chunk++) {
+        colour[chunk] = find_colour(cohesive, state, chunk, taken);
+        start[colour[chunk]]++;
     }
     memset(taken, 0, (size_t)cohesive->model->mesh.node_count * sizeof *taken);
     shv_cohesive_sum_up(start, SHV_CLOSING_COLOURS + 1);
     int32_t fill[SHV_CLOSING_COLOURS];
     memcpy(fill, start, sizeof fill);
-    for (int32_t run = 0; run < runs; run++) cohesive->runs[fill[colour[run]]++] = run;
+    for (int32_t chunk = 0; chunk < chunks; chunk++) cohesive->chunks[fill[colour[chunk]]++] = chunk;
 }
 
-/* `place`: of the run among all of all passes. */
-static bool close_run(ShvCohesive *cohesive, ShvState *state, int32_t place, int pass, double kick, double step)
+/* `place`: of the chunk among all of all passes. */
+static bool close_chunk(ShvCohesive *cohesive, ShvState *state, int32_t place, int pass, double kick, double step)
 {
-    const int32_t runs = cohesive->colour_start[SHV_CLOSING_COLOURS], run = cohesive->runs[place];
-    int32_t number = (pass * runs + place) * RUN;
+    const int32_t chunks = cohesive->colour_start[SHV_CLOSING_COLOURS], chunk = cohesive->chunks[place];
+    int32_t number = (pass * chunks + place) * CHUNK;
     bool any = false;
-    for (int32_t k = run * RUN; k < run_end(cohesive, run); k++, number++) {
+    for (int32_t k = chunk * CHUNK; k < chunk_end(cohesive, chunk); k++, number++) {
         if (pass > 0 && !has_news(cohesive, k)) continue;
         cohesive->closed[k] = number;
         if (!may_meet(cohesive, state, k, step) || !close_facet(cohesive, state, k, kick, step)) continue;
@@ -246,10 +246,10 @@ static bool close_all(ShvCohesive *cohesive, ShvState *state, int pass, double k
     bool any = false;
     for (int colour = 0; start[colour] < start[SHV_CLOSING_COLOURS]; colour++) {
         const bool parallel =
-            colour < LAST_COLOUR && shv_cohesive_in_parallel(cohesive, RUN * (start[colour + 1] - start[colour]));
+            colour < LAST_COLOUR && shv_cohesive_in_parallel(cohesive, CHUNK * (start[colour + 1] - start[colour]));
 #pragma omp parallel for schedule(static, 1) num_threads(threads) if (parallel) reduction(|| : any)
         for (int32_t place = start[colour]; place < start[colour + 1]; place++)
-            any = close_run(cohesive, state, place, pass, kick, step) || any;
+            any = close_chunk(cohesive, state, place, pass, kick, step) || any;
     }
     return any;
 }

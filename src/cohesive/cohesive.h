@@ -129,9 +129,9 @@ typedef struct ShvCohesiveSides {
 
 enum { SHV_NEAREST_FACETS = 16 };
 
-/* Facets of a run that is closed by one thread: neighbours, as lists are in order of nodes. Fewer would need more colours, more leave
-   threads without a run. Runs of the last colour may share nodes, and follow one another. */
-enum { SHV_CLOSING_RUN = 16, SHV_CLOSING_COLOURS = 31 };
+/* Facets of a chunk that is closed by one thread: neighbours, as lists are in order of nodes. Fewer would need more colours, more leave
+   threads without a chunk. Chunks of the last colour may share nodes, and follow one another. */
+enum { SHV_CLOSING_CHUNK = 16, SHV_CLOSING_COLOURS = 31 };
 
 typedef enum ShvFacetWatch {
     SHV_FACET_IGNORED,
@@ -197,8 +197,8 @@ typedef struct ShvCohesive {
     ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */
     ShvFacetGaps *gaps; /* as `rotations` */
     int32_t *closed;    /* as `rotations`: number of its last look in the present closing, of all looks at facets */
-    int32_t *runs;      /* of facets in the lists (closure.c), colour by colour */
-    int32_t colour_start[SHV_CLOSING_COLOURS + 1]; /* into `runs` */
+    int32_t *chunks;    /* of facets in the lists (closure.c), colour by colour; as many as `rotations` have room for */
+    int32_t colour_start[SHV_CLOSING_COLOURS + 1]; /* into `chunks` */
     bool pushed;                                   /* some closing forces are not zero */
     double booked_time;                            /* s: of the time whose step was booked last */
     int32_t point_count;                           /* of facets that carry: */

@@ -24,7 +24,7 @@ static const ShvField fields[] = {
     SHV_FIELD_OF(ShvCohesive, couple, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, gaps, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, apart, SHV_FIELD_BLOCK),
-    SHV_FIELD_OF(ShvCohesive, runs, SHV_FIELD_BLOCK),
+    SHV_FIELD_OF(ShvCohesive, chunks, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, points, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, cluster, SHV_FIELD_BLOCK),
     SHV_FIELD_OF(ShvCohesive, cluster_corner, SHV_FIELD_BLOCK),

@@ -21,7 +21,7 @@
     X(ShvFacetGaps, gaps, 1)                                                                                           \
     X(double, apart, 1)                                                                                                \
     X(int32_t, closed, 1)                                                                                              \
-    X(int32_t, runs, 1)                                                                                                \
+    X(int32_t, chunks, 1)                                                                                              \
     X(ShvVec3, couple, 3)                                                                                              \
     X(ShvCohesivePoint, points, 3)                                                                                     \
     X(ShvCohesiveCorner, corners, 3)

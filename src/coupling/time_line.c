@@ -10,8 +10,7 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid)
 
 static bool of_object(const ShvHybrid *hybrid, const ShvFragment *fragment, const char *name)
 {
-    return fragment->mode != SHV_MODE_DEAD && fragment->mode != SHV_MODE_BINNED &&
-           strcmp(hybrid->model.objects[fragment->object].name, name) == 0;
+    return shv_fragment_is_present(fragment) && strcmp(hybrid->model.objects[fragment->object].name, name) == 0;
 }
 
 static double mass_of_object(const ShvHybrid *hybrid, const char *name)
@@ -32,10 +31,12 @@ static ShvVec3 fall_of_half_step(const ShvHybrid *hybrid)
     return shv_scale(shv_load3(hybrid->gravity), 0.5 * hybrid->state.last_step);
 }
 
-/* `velocities`: of nodes, changed by a rigid motion; `fall`: what is added to them for those that the energy is of. */
-static double change_nodes(const ShvHybrid *hybrid, const ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular,
-                           double *velocities, ShvVec3 fall)
+/* `fall`: what velocities of nodes lack of those that the energy is of. */
+static double change_nodes(ShvHybrid *hybrid, const ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular,
+                           ShvVec3 fall)
 {
+    /* what state.velocity is again when steps go on */
+    double *velocities = hybrid->awake.count > 0 ? hybrid->observer.ghost.before : hybrid->state.velocity;
     double given = 0.0;
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
@@ -63,15 +64,12 @@ static double change_coupled(ShvHybrid *hybrid, const ShvFragment *fragment, Shv
    as well. */
 static double change_motion(ShvHybrid *hybrid, ShvFragment *fragment, ShvVec3 linear, ShvVec3 angular)
 {
-    double *kept = hybrid->observer.ghost.before; /* state.velocity again when steps go on */
-    double *nodes = hybrid->awake.count > 0 ? kept : hybrid->state.velocity;
     const double before = shv_fragment_kinetic(fragment);
     fragment->velocity = shv_add(fragment->velocity, linear);
     fragment->angular_velocity = shv_add(fragment->angular_velocity, angular);
     if (fragment->mode == SHV_MODE_FRACTURE)
-        return change_nodes(hybrid, fragment, linear, angular, kept, fall_of_half_step(hybrid));
-    if (hybrid->backend->keeps_nodes)
-        return change_nodes(hybrid, fragment, linear, angular, nodes, shv_vec3(0.0, 0.0, 0.0));
+        return change_nodes(hybrid, fragment, linear, angular, fall_of_half_step(hybrid));
+    if (hybrid->backend->keeps_nodes) return change_nodes(hybrid, fragment, linear, angular, shv_vec3(0.0, 0.0, 0.0));
     if (fragment->coupled) return change_coupled(hybrid, fragment, linear, angular);
     return shv_fragment_kinetic(fragment) - before;
 }

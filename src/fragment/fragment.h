@@ -166,6 +166,12 @@ double shv_fragment_rotational(const ShvFragment *fragment);
 /* Kinetic energy of the rigid motion, J. */
 double shv_fragment_kinetic(const ShvFragment *fragment);
 /* Of the rigid motion, at a point in space. */
+/* Neither come apart nor out of the scene. */
+static inline bool shv_fragment_is_present(const ShvFragment *fragment)
+{
+    return fragment->mode == SHV_MODE_FLIGHT || fragment->mode == SHV_MODE_FRACTURE;
+}
+
 static inline ShvVec3 shv_fragment_velocity(const ShvFragment *fragment, ShvVec3 point)
 {
     return shv_velocity_at(fragment->velocity, fragment->angular_velocity, shv_sub(point, fragment->position));

@@ -59,10 +59,10 @@ static ShvStatus find_fragment(const ShvSimulation *simulation, int32_t index, S
     if (index < 0 || index >= fragments->count)
         return shv_fail(error, SHV_BAD_INPUT, "there is no fragment %d, only 0 to %d", (int)index,
                         (int)fragments->count - 1);
-    const ShvMode mode = fragments->items[index].mode;
-    if (mode != SHV_MODE_DEAD && mode != SHV_MODE_BINNED) return SHV_OK;
+    const ShvFragment *fragment = &fragments->items[index];
+    if (shv_fragment_is_present(fragment)) return SHV_OK;
     return shv_fail(error, SHV_BAD_INPUT, "fragment %d %s", (int)index,
-                    mode == SHV_MODE_DEAD ? "has come apart; act on its children" : "is not in the scene");
+                    fragment->mode == SHV_MODE_DEAD ? "has come apart; act on its children" : "is not in the scene");
 }
 
 ShvStatus shv_simulation_push(ShvSimulation *simulation, int32_t fragment, const double impulse[3],
@@ -109,7 +109,7 @@ static ShvStatus check_present(const ShvHybrid *hybrid, const ShvEventDefinition
     if (object < 0) present = !shv_hybrid_waits(hybrid, obstacle);
     for (int32_t i = 0; object >= 0 && i < hybrid->fragments.count; i++) {
         const ShvFragment *item = &hybrid->fragments.items[i];
-        present = present || (item->object == object && item->mode != SHV_MODE_DEAD && item->mode != SHV_MODE_BINNED);
+        present = present || (item->object == object && shv_fragment_is_present(item));
     }
     return present ? SHV_OK : shv_fail(error, SHV_BAD_INPUT, "'%s' is not in the scene", event->target);
 }

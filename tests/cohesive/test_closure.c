@@ -420,8 +420,8 @@ static int32_t colour_of(const ShvCohesive *cohesive, int32_t place)
     return colour;
 }
 
-/* Each facet of the lists is in one run, and no two runs of a colour that threads close at once have a node of the mesh in common. */
-static void runs_of_a_colour_share_no_node(void **state)
+/* Each facet of the lists is in one chunk, and no two chunks of a colour that threads close at once have a node of the mesh in common. */
+static void chunks_of_a_colour_share_no_node(void **state)
 {
     (void)state;
     Fixture f;
@@ -429,19 +429,19 @@ static void runs_of_a_colour_share_no_node(void **state)
     throw_at_random(&f, 5, 1e-5);
     const ShvCohesive *cohesive = &f.cohesive;
     const int32_t count = cohesive->rotation_count, nodes = f.model.mesh.node_count,
-                  runs = cohesive->colour_start[SHV_CLOSING_COLOURS];
+                  chunks = cohesive->colour_start[SHV_CLOSING_COLOURS];
     int32_t *last = calloc((size_t)nodes, sizeof *last), *seen = calloc((size_t)count, sizeof *seen);
-    assert_int_equal(runs, (count + SHV_CLOSING_RUN - 1) / SHV_CLOSING_RUN);
-    assert_true(runs > 10 && colour_of(cohesive, runs - 1) < SHV_CLOSING_COLOURS - 1);
-    for (int32_t place = 0; place < runs; place++) {
-        const int32_t start = cohesive->runs[place] * SHV_CLOSING_RUN, colour = colour_of(cohesive, place);
-        for (int32_t k = start; k < count && k < start + SHV_CLOSING_RUN; k++) seen[k]++;
+    assert_int_equal(chunks, (count + SHV_CLOSING_CHUNK - 1) / SHV_CLOSING_CHUNK);
+    assert_true(chunks > 10 && colour_of(cohesive, chunks - 1) < SHV_CLOSING_COLOURS - 1);
+    for (int32_t place = 0; place < chunks; place++) {
+        const int32_t start = cohesive->chunks[place] * SHV_CLOSING_CHUNK, colour = colour_of(cohesive, place);
+        for (int32_t k = start; k < count && k < start + SHV_CLOSING_CHUNK; k++) seen[k]++;
         for (int32_t other = cohesive->colour_start[colour]; other < place; other++) {
             memset(last, 0, (size_t)nodes * sizeof *last);
-            const int32_t from = cohesive->runs[other] * SHV_CLOSING_RUN;
-            for (int32_t k = from; k < count && k < from + SHV_CLOSING_RUN; k++)
+            const int32_t from = cohesive->chunks[other] * SHV_CLOSING_CHUNK;
+            for (int32_t k = from; k < count && k < from + SHV_CLOSING_CHUNK; k++)
                 for (int i = 0; i < 3; i++) last[f.state.origin[cohesive->rotations[k].first[i]]] = 1;
-            for (int32_t k = start; k < count && k < start + SHV_CLOSING_RUN; k++)
+            for (int32_t k = start; k < count && k < start + SHV_CLOSING_CHUNK; k++)
                 for (int i = 0; i < 3; i++) assert_int_equal(last[f.state.origin[cohesive->rotations[k].first[i]]], 0);
         }
     }
@@ -480,7 +480,7 @@ int main(void)
         cmocka_unit_test(faces_apart_are_left_alone),
         cmocka_unit_test(slid_away_pairs_are_dropped),
         cmocka_unit_test(sleepers_rest),
-        cmocka_unit_test(runs_of_a_colour_share_no_node),
+        cmocka_unit_test(chunks_of_a_colour_share_no_node),
         cmocka_unit_test(threads_close_to_the_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

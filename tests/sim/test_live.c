@@ -95,17 +95,25 @@ static void events_move_what_flies(void **state)
         ShvError error;
         shv_simulation_destroy(start(&stage));
         stage.scene.rigid.engine = engines[i];
+        stage.scene.pbd.exact_rotation = true;
         ShvSimulation *simulation = stage_start(&stage);
         check_ok(shv_simulation_step(simulation, 0.01, &error), error);
         ShvEventDefinition event = shv_event_default();
         event.kind = SHV_EVENT_SET_VELOCITY;
         event.target = "there";
         event.value[0] = 3.0;
+        event.angular[2] = 4.0;
         check_ok(shv_simulation_apply(simulation, &event, &error), error);
-        check_near(shv_simulation_frame(simulation)->ledger.kinetic, 0.5 * mass * 9.0, 1e-9);
+        const double turning = 0.5 * shv_simulation_frame(simulation)->fragments[0].inertia[2] * 16.0;
+        const double momentum = shv_simulation_frame(simulation)->ledger.angular_momentum[2];
+        check_near(shv_simulation_frame(simulation)->ledger.kinetic, 0.5 * mass * 9.0 + turning, 1e-9);
+        check_near(momentum, 2.0 * turning / 4.0, 1e-12);
         check_ledger(simulation);
         check_ok(shv_simulation_step(simulation, 0.02, &error), error);
         check_near(shv_simulation_frame(simulation)->fragments[0].position[0], 0.03, 1e-9);
+        check_near(shv_simulation_frame(simulation)->ledger.angular_momentum[2], momentum, 1e-12);
+        /* z is no principal axis of the tets: the angular velocity changes by at most |ω|² t, the turn by half of that. */
+        check_near(shv_simulation_frame(simulation)->fragments[0].orientation[3], sin(0.02), 0.25 * 16.0 * 1e-4);
         check_ledger(simulation);
         event.target = "ball"; /* waits */
         check_fails(shv_simulation_apply(simulation, &event, &error), SHV_BAD_INPUT, error,

@@ -1,6 +1,5 @@
-/* A simulation that is driven at random for long: whatever is asked of it is
-   done or refused in words, and the ledger knows all of it. usage: [FIRST LAST]
-   seeds; without them a few. */
+/* A simulation that is driven at random for long: whatever is asked of it is done or refused in words, and the ledger knows all of it.
+   usage: [FIRST LAST] seeds; without them a few. */
 #include <stdlib.h>
 
 #include "base/random.h"
@@ -40,8 +39,7 @@ static void draw_vector(Driver *driver, double size, double vector[3])
     for (int i = 0; i < 3; i++) vector[i] = draw(driver, -size, size);
 }
 
-/* A plate and a cube of chalk, another that waits; a free ball that waits, and
- * a floor. */
+/* A plate and a cube of chalk, another that waits; a free ball that waits, and a floor. */
 static void make(Stage *stage, Driver *driver)
 {
     static const double plate[3] = {0.12, 0.12, 0.02}, cube[3] = {0.03, 0.03, 0.03};
@@ -105,8 +103,8 @@ static ShvStatus push(Driver *driver, ShvError *error)
     const ShvFrameView *frame = shv_simulation_frame(driver->simulation);
     const int32_t fragment = choose(driver, frame->fragment_count + 1);
     double impulse[3], point[3] = {0};
-    draw_vector(driver, 3.0, impulse); /* m/s of a whole piece, whose spin it changes as well,
-                           but not out of all proportion */
+    draw_vector(driver, 3.0,
+                impulse); /* m/s of a whole piece; near its centre, so that it is not spun out of all proportion */
     if (fragment < frame->fragment_count)
         for (int i = 0; i < 3; i++) {
             const ShvFragmentView *pushed = &frame->fragments[fragment];
