@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { JSON };
 
@@ -132,10 +133,48 @@ static void print_nearest(const ShvPreflight *p)
             p->centrifugal_stress / p->cohesion.strength);
 }
 
-static void print_object(const ShvPreflight *p)
+/* Objects one after another of the same mesh, wherever they stand: told once. */
+typedef struct Alike {
+    const char *first, *last;
+    int32_t count;
+    ShvPreflight hardest; /* the one with the hardest first impact */
+} Alike;
+
+static bool nearly_equal(double a, double b)
 {
-    printf("%s (%s): %d tets, %d nodes, %.4g kg%s\n", p->object, p->material, (int)p->tets, (int)p->nodes, p->mass,
+    return fabs(a - b) <= 1e-9 * fabs(a); /* the same, but for another place and turn */
+}
+
+static bool are_alike(const ShvPreflight *a, const ShvPreflight *b)
+{
+    return strcmp(a->material, b->material) == 0 && a->tets == b->tets && a->nodes == b->nodes &&
+           nearly_equal(a->mass, b->mass) && nearly_equal(a->mean_edge, b->mean_edge) &&
+           nearly_equal(a->smallest_altitude, b->smallest_altitude) &&
+           nearly_equal(a->smallest_dihedral, b->smallest_dihedral);
+}
+
+static void add(Alike *alike, const ShvPreflight *p)
+{
+    if (alike->count++ == 0) alike->first = p->object;
+    alike->last = p->object;
+    if (alike->count == 1 || p->overshoot_each_step > alike->hardest.overshoot_each_step) alike->hardest = *p;
+}
+
+static void print_name(const Alike *alike)
+{
+    const ShvPreflight *p = &alike->hardest;
+    if (alike->count > 1)
+        printf("%s to %s (%s), %d alike, each: ", alike->first, alike->last, p->material, (int)alike->count);
+    else
+        printf("%s (%s): ", p->object, p->material);
+    printf("%d tets, %d nodes, %.4g kg%s\n", (int)p->tets, (int)p->nodes, p->mass,
            p->smoothed ? "; strain smoothed over edges" : "");
+}
+
+static void print_objects(const Alike *alike)
+{
+    const ShvPreflight *p = &alike->hardest;
+    print_name(alike);
     printf("  edges %.3g … %.3g … %.3g m (shortest, mean, longest), smallest altitude %.3g m, worst aspect %.3f, least "
            "dihedral angle %.0f degrees\n",
            p->shortest_edge, p->mean_edge, p->longest_edge, p->smallest_altitude, p->worst_aspect,
@@ -153,6 +192,7 @@ static void print_object(const ShvPreflight *p)
                p->cohesive_zone, p->snap_back, p->final_opening, p->cohesive_step, p->steps_to_open);
     else
         printf("  cannot break\n");
+    if (alike->count > 1) printf("  of these %s has the hardest first impact:\n", p->object);
     print_nearest(p);
     shv_cli_print_cohesion(&p->cohesion);
     warn_mesh(p);
@@ -222,17 +262,24 @@ static void print_object_json(const ShvPreflight *p)
 static ShvStatus print_all(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error)
 {
     const bool json = arguments->values[JSON] != NULL;
+    Alike alike = {0};
     if (json) printf("[");
     for (int32_t i = 0; i < shv_simulation_object_count(simulation); i++) {
         ShvPreflight preflight;
         const ShvStatus status = shv_simulation_preflight(simulation, i, &preflight, error);
         if (status != SHV_OK) return status;
-        if (json && i > 0) printf(",\n ");
-        if (json)
+        if (json) {
+            if (i > 0) printf(",\n ");
             print_object_json(&preflight);
-        else
-            print_object(&preflight);
+            continue;
+        }
+        if (alike.count > 0 && !are_alike(&alike.hardest, &preflight)) {
+            print_objects(&alike);
+            alike.count = 0;
+        }
+        add(&alike, &preflight);
     }
+    if (alike.count > 0) print_objects(&alike);
     if (json) printf("]\n");
     return shv_cli_warn_overlaps(simulation, error);
 }
@@ -249,7 +296,8 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times, what is nearest, how far away and how fast it is met. Warns where the mesh or\n"
+        "facet, characteristic times, what is nearest, how far away and how fast it is met. Objects of one mesh,\n"
+        "one after another, are told once (with --json each by itself). Warns where the mesh or\n"
         "the step does not resolve them: at the tips of notches and cracks, on the plane that cracks are to keep to,\n"
         "or on the mean of an object without either. Objects that overlap each other or obstacles at the start are\n"
         "refused, as by every command that runs a scene: which, how deep, and what parts them. With 'overlaps: keep'\n"

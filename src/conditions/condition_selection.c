@@ -2,6 +2,25 @@
 
 #include <stdlib.h>
 
+static ShvStatus fail_empty(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
+                            ShvError *error)
+{
+    double least = HUGE_VAL;
+    ShvVec3 nearest = {0.0, 0.0, 0.0};
+    for (int32_t i = object->node_begin; i < object->node_end; i++) {
+        const ShvVec3 x = shv_mesh_position(&model->mesh, i);
+        const double lack = shv_selection_lack(selection, x);
+        if (!(lack < least)) continue;
+        least = lack;
+        nearest = x;
+    }
+    return shv_fail(
+        error, SHV_BAD_INPUT,
+        "its selection contains no node of object %s, of which the nearest, (%.4g, %.4g, %.4g), lies %.3g m "
+        "outside: move the box or plane, or give a larger tolerance",
+        object->name, nearest.x, nearest.y, nearest.z, least);
+}
+
 ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
                               int32_t **nodes, int32_t *count, ShvError *error)
 {
@@ -11,7 +30,7 @@ ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *mod
     if (!*nodes) return shv_fail_memory(error, "a selection of nodes", most * sizeof(int32_t));
     for (int32_t i = object->node_begin; i < object->node_end; i++)
         if (shv_selection_contains(selection, shv_mesh_position(&model->mesh, i))) (*nodes)[(*count)++] = i;
-    return SHV_OK;
+    return *count > 0 ? SHV_OK : fail_empty(selection, model, object, error);
 }
 
 /* ---- facets ---- */

@@ -12,7 +12,7 @@ typedef struct ShvImposedFacet {
     ShvVec3 share;         /* N on each of its three nodes at full value: traction × area at the start / 3 */
 } ShvImposedFacet;
 
-/* Chosen nodes, increasing; the caller releases *nodes, which is NULL on failure. */
+/* Chosen nodes, increasing; the caller releases *nodes, on failure too. None is bad input. */
 ShvStatus shv_selection_nodes(const ShvSelection *selection, const ShvModel *model, const ShvObject *object,
                               int32_t **nodes, int32_t *count, ShvError *error);
 /* Boundary facets whose three nodes are chosen, increasing (element, face), with traction × area / 3; likewise. */

@@ -55,15 +55,8 @@ static ShvStatus check_condition(const ShvConditionDefinition *definition, ShvEr
 static ShvStatus make_nodes(ShvImposedCondition *condition, const ShvModel *model, const ShvObject *object,
                             ShvError *error)
 {
-    const ShvConditionDefinition *definition = condition->definition;
-    SHV_TRY(shv_selection_nodes(&definition->selection, model, object, &condition->origins, &condition->origin_count,
-                                error));
-    if (condition->origin_count == 0)
-        return shv_fail(error, SHV_BAD_INPUT,
-                        "its selection contains no node of object %s; the nearest may lie just "
-                        "outside: move the box or plane, or give a larger tolerance",
-                        object->name);
-    return SHV_OK;
+    return shv_selection_nodes(&condition->definition->selection, model, object, &condition->origins,
+                               &condition->origin_count, error);
 }
 
 static ShvStatus make_facets(ShvImposedCondition *condition, const ShvModel *model, const ShvObject *object,

@@ -54,25 +54,28 @@ static bool is_due(const ShvHybrid *hybrid, int32_t index, double step)
            hybrid->state.step % interval_of(hybrid, fragment, step) == 0;
 }
 
-/* The length of its Green strain, or a little more: from µ |E|² + λ/2 (tr E)², its energy by volume. */
+/* The length of the Green strain of a crumb's element, or a little more: from µ |E|² + λ/2 (tr E)², its energy by volume. Its edges are the
+   crumb's alone. */
 static double strain_of(const ShvHybrid *hybrid, int32_t element, const ShvMaterial *material)
 {
     const double volume = hybrid->state.element_mass[element] / material->density;
-    return sqrt(shv_solid_element_energy(&hybrid->solid, &hybrid->state, element) / (material->mu * volume));
+    return sqrt(shv_solid_energy_of(&hybrid->solid, &hybrid->state, &element, 1) / (material->mu * volume));
 }
 
-static double crumb_share(const ShvHybrid *hybrid, const ShvFragment *fragment, double kick)
+/* At least `least`. What costs most is asked last. */
+static double crumb_share(const ShvHybrid *hybrid, const ShvFragment *fragment, double kick, double least)
 {
-    double share = 0.0;
+    double share = least;
     for (int32_t i = 0; i < fragment->element_count; i++) {
         const int32_t element = hybrid->fragments.elements[fragment->element_begin + i];
         const ShvMaterial *material = shv_model_material(&hybrid->model, element);
         if (material->kinematics != SHV_GREEN_STRAIN) continue;
         if (kick < near_resonance * shv_solid_safe_step(&hybrid->solid, element)) continue; /* the smaller one */
-        if (kick < near_resonance * shv_solid_exact_step(&hybrid->solid, element)) continue;
-        share = fmax(share, crumb_rate * strain_of(hybrid, element, material));
+        const double faded = fmin(crumb_rate * strain_of(hybrid, element, material), largest_crumb_share);
+        if (!(faded > share) || kick < near_resonance * shv_solid_exact_step(&hybrid->solid, element)) continue;
+        share = faded;
     }
-    return fmin(share, largest_crumb_share);
+    return share;
 }
 
 /* Of the velocities beside the rigid motion, what goes in a step. */
@@ -80,7 +83,7 @@ static double lost_share(const ShvHybrid *hybrid, const ShvFragment *fragment, d
 {
     const double rate = fragment->loss_factor * SHV_PI / slowest_transit(hybrid, fragment);
     const double share = 1.0 - shv_exp(-rate * interval_of(hybrid, fragment, step) * kick);
-    return is_crumb(fragment) ? fmax(share, crumb_share(hybrid, fragment, kick)) : share;
+    return is_crumb(fragment) ? crumb_share(hybrid, fragment, kick, share) : share;
 }
 
 static ShvStatus reserve(ShvHybrid *hybrid, ShvError *error)

@@ -1,20 +1,28 @@
 #include "model/selection.h"
 
-bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point)
+double shv_selection_lack(const ShvSelection *selection, ShvVec3 point)
 {
     const double tolerance = selection->tolerance;
-    double x[3];
+    double x[3], lack = 0.0;
     shv_store3(x, point);
     switch (selection->kind) {
     case SHV_SELECT_ALL:
-        return true;
+        return 0.0;
     case SHV_SELECT_BOX:
-        for (int k = 0; k < 3; k++)
-            if (x[k] < selection->box_min[k] - tolerance || x[k] > selection->box_max[k] + tolerance) return false;
-        return true;
+        for (int k = 0; k < 3; k++) {
+            lack = fmax(lack, selection->box_min[k] - tolerance - x[k]);
+            lack = fmax(lack, x[k] - (selection->box_max[k] + tolerance));
+        }
+        return lack;
     case SHV_SELECT_PLANE:
         break;
     }
     const ShvVec3 normal = shv_unit(shv_load3(selection->plane_normal));
-    return fabs(shv_dot(normal, point) - selection->plane_offset) <= tolerance;
+    const double beyond = fabs(shv_dot(normal, point) - selection->plane_offset) - tolerance;
+    return beyond <= 0.0 ? 0.0 : beyond; /* NaN without a normal: no point is chosen */
+}
+
+bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point)
+{
+    return shv_selection_lack(selection, point) == 0.0;
 }

@@ -127,12 +127,6 @@ static ShvStatus find_nodes(ShvSampledProbe *probe, const ShvModel *model, const
         return shv_fail(error, SHV_BAD_INPUT, "there is no object named '%s'",
                         definition->object ? definition->object : "");
     SHV_TRY(shv_selection_nodes(&definition->selection, model, object, &probe->origins, &probe->origin_count, error));
-    if (probe->origin_count == 0)
-        return shv_fail(
-            error, SHV_BAD_INPUT,
-            "its selection contains no node of object %s; the nearest may lie just outside: move the box or "
-            "plane, or give a larger tolerance",
-            object->name);
     int32_t count = 0;
     for (int32_t e = object->element_begin; e < object->element_end; e++) count += chosen_corners(probe, model, e) != 0;
     SHV_TRY(take_elements(probe, model->memory, count, error));

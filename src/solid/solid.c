@@ -66,6 +66,7 @@ static void fill_steps(ShvSolid *solid)
         const int32_t begin = batch * SHV_LANES;
         solid->batch_safe[batch] = HUGE_VAL;
         solid->batch_exact[batch] = nan("");
+        for (int lane = 0; lane < SHV_LANES; lane++) solid->exact_step[begin + lane] = nan("");
         solid->batch_strained[batch] = HUGE_VAL;
         for (int32_t e = begin; e < begin + SHV_LANES && e < solid->model->mesh.element_count; e++)
             solid->batch_safe[batch] = fmin(solid->batch_safe[batch], shv_solid_safe_step(solid, e));
@@ -81,12 +82,13 @@ static ShvStatus create(ShvSolid *solid, const ShvState *state, ShvError *error)
     solid->batch_material = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_material);
     solid->batch_active = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_active);
     solid->batch_safe = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_safe);
+    solid->exact_step = shv_allocate(memory, SHV_PART_STATE, lanes, sizeof *solid->exact_step);
     solid->batch_exact = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_exact);
     solid->batch_strained = shv_allocate(memory, SHV_PART_STATE, batches, sizeof *solid->batch_strained);
     if (!solid->gradients || !solid->volumes || !solid->batch_material || !solid->batch_active || !solid->batch_safe ||
-        !solid->batch_exact || !solid->batch_strained)
+        !solid->exact_step || !solid->batch_exact || !solid->batch_strained)
         return shv_fail_memory(error, "the constants of elements",
-                               10 * lanes * sizeof *solid->gradients + 27 * batches);
+                               11 * lanes * sizeof *solid->gradients + 27 * batches);
     SHV_TRY(fill_gradients(solid, error));
     fill_batches(solid);
     fill_steps(solid);
@@ -109,6 +111,7 @@ void shv_solid_release(ShvSolid *solid)
     shv_release(solid->batch_material);
     shv_release(solid->batch_active);
     shv_release(solid->batch_safe);
+    shv_release(solid->exact_step);
     shv_release(solid->batch_exact);
     shv_release(solid->batch_strained);
     shv_release(solid->colour_start);

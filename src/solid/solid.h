@@ -24,6 +24,7 @@ typedef struct ShvSolid {
     int32_t *chunk_order;  /* chunks sorted by colour */
     int32_t *chunk_colour; /* of each chunk */
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
+    double *exact_step;    /* SHV_LANES × batch_count: of each element, once it has been asked for; NaN before; s */
     double *batch_safe;    /* batch_count: smallest safe step, s */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
     /* batch_count: safe step as forces were found last, s; infinity where strain counts for nothing */

@@ -103,7 +103,7 @@ static double largest_eigenvalue(double a[6][6])
 
 /* The element's stiffness is V Bᵀ C B and its mass ρV/4 at each corner, so that ω² are the eigenvalues of (4/ρ) Bᵀ C B;
    those that are not zero are those of (4/ρ) C^½ B Bᵀ C^½, six rows instead of twelve. */
-double shv_solid_exact_step(const ShvSolid *solid, int32_t element)
+static double find_exact_step(const ShvSolid *solid, int32_t element)
 {
     const ShvMaterial *material = shv_model_material(solid->model, element);
     const ShvMat3 products = gradient_products(solid, element);
@@ -111,6 +111,14 @@ double shv_solid_exact_step(const ShvSolid *solid, int32_t element)
     strain_products(&products, a);
     scale_by_elastic_root(material, a);
     return sqrt(material->density / largest_eigenvalue(a));
+}
+
+/* What was found once is kept. */
+double shv_solid_exact_step(const ShvSolid *solid, int32_t element)
+{
+    double *step = &solid->exact_step[element];
+    if (isnan(*step)) *step = find_exact_step(solid, element);
+    return *step;
 }
 
 /* Smallest exact step of a batch, and the first element that has it. */
@@ -127,7 +135,6 @@ static double exact_of_batch(const ShvSolid *solid, int32_t batch, int32_t *elem
     return best;
 }
 
-/* What was found once is kept. */
 static double find_exact(const ShvSolid *solid, int32_t batch)
 {
     int32_t element;

@@ -151,7 +151,8 @@ static void test_refusals(void **state)
     Piece piece;
     piece_create(&piece);
     ShvConditionDefinition wrong = condition_on_face("clamp", SHV_CONDITION_SUPPORT, 0.3);
-    check_refused(&piece, &wrong, "no node of object block");
+    check_refused(&piece, &wrong, "no node of object block, of which the nearest, (0.1, ");
+    check_refused(&piece, &wrong, "lies 0.2 m outside");
     wrong = condition_on_face("pull", SHV_CONDITION_TRACTION, 0.3);
     check_refused(&piece, &wrong, "no boundary facet of object block");
     /* Nodes of the mid plane are chosen, but no boundary facet lies in it. */

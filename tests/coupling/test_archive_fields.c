@@ -36,7 +36,7 @@ static const Size sizes[] = {
     SIZE(ShvPbdBody, "pbd/pbd_archive.c", 272),
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
-    SIZE(ShvSolid, "coupling/hybrid_archive.c", 400),
+    SIZE(ShvSolid, "coupling/hybrid_archive.c", 408),
     SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5376),
 };
 
