@@ -37,6 +37,26 @@ static void test_small_obstacle(void **state)
     assert_null(strstr(output.out, "smaller than an edge"));
 }
 
+/* Copies are told once, with the one that falls deepest; as JSON each by itself, and another mesh by itself in any case. */
+static void test_alike_objects(void **state)
+{
+    (void)state;
+    const char *copies = " --set 'objects.bar.repeat={count: 3, offset: [0.5, 0, 0.05]}'";
+    char line[200];
+    snprintf(line, sizeof line, "$shiver check tiny.yaml%s", copies);
+    shell_works(line, "bar_1 to bar_3 (chalk), 3 alike, each: ");
+    assert_non_null(
+        strstr(output.out, "of these bar_3 has the hardest first impact:\n  nearest: the obstacle 'floor'"));
+    assert_null(strstr(output.out, "bar_2"));
+    snprintf(line, sizeof line, "$shiver check tiny.yaml --json%s", copies);
+    shell_works(line, "\"object\": \"bar_2\"");
+    const char *longer = " --set 'objects.more={mesh: {box: {size: [0.02, 0.02, 0.08], edge: 0.02}}, material: chalk, "
+                         "position: [1, 0, 0.05]}'";
+    snprintf(line, sizeof line, "$shiver check tiny.yaml%s", longer);
+    shell_works(line, "bar (chalk): ");
+    assert_non_null(strstr(output.out, "\nmore (chalk): "));
+}
+
 /* Two tets on one triangle: what is flat of them sets the step, and is told; what is as high as half an edge is not. */
 static void test_sliver(void **state)
 {
@@ -598,6 +618,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_small_obstacle),
+        cmocka_unit_test(test_alike_objects),
         cmocka_unit_test(test_sliver),
         cmocka_unit_test(test_usage),
         cmocka_unit_test(test_wrong_words),

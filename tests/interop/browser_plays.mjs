@@ -46,6 +46,21 @@ try {
   await page.keyboard.press('End');
   check((await compare()) === ledger.length - 1, 'End does not go to the last frame');
 
+  // A frame's time is that frame, in time and in frames, whatever is lost on the way to a place on the screen and back.
+  const lost = await page.evaluate(async () => {
+    const view = await window.shiver, lines = [view.clock.times];
+    for (const rate of [240, 1e3, 3e4]) lines.push(Array.from({ length: 400 }, (_, i) => 0.1 + i / rate));
+    let missed = 0;
+    for (const time of lines)
+      for (const stretched of [false, true]) {
+        const clock = new view.clock.constructor([{ time }]);
+        clock.stretch(stretched);
+        for (const t of time) { clock.time = t; missed += clock.time !== t; }
+      }
+    return missed;
+  });
+  check(lost === 0, `${lost} frames are missed by their own time`);
+
   // Scrubs to the middle of the line of time.
   const line = await page.locator('#line').boundingBox();
   await page.mouse.click(line.x + line.width / 2, line.y + 10);

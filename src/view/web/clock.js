@@ -24,10 +24,15 @@ export class Clock {
     if (this.stretched) return this.index(time) / Math.max(1, this.times.length - 1);
     return this.last > this.first ? (time - this.first) / (this.last - this.first) : 0;
   }
+  // That of a frame where it is one but for rounding, or pieces would be those of the frame before.
   timeOf(place) {
-    const inside = Math.min(1, Math.max(0, place));
-    if (!this.stretched) return this.first + inside * (this.last - this.first);
-    const index = inside * (this.times.length - 1), i = Math.min(Math.floor(index), Math.max(0, this.times.length - 2));
+    const { times } = this, time = this.unrounded(Math.min(1, Math.max(0, place)));
+    const frame = times[Math.round(this.index(time))];
+    return Math.abs(time - frame) <= 1e-12 * (this.last - this.first) ? frame : time;
+  }
+  unrounded(place) {
+    if (!this.stretched) return this.first + place * (this.last - this.first);
+    const index = place * (this.times.length - 1), i = Math.min(Math.floor(index), Math.max(0, this.times.length - 2));
     return this.times[i] + (index - i) * ((this.times[i + 1] ?? this.times[i]) - this.times[i]);
   }
   get time() { return this.timeOf(this.place); }
