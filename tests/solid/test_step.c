@@ -272,7 +272,7 @@ static void failed_allocations_release_everything(void **unused)
         }
         assert_int_equal(shv_memory_bytes(block.memory, SHV_PART_COUNT), bytes);
     }
-    assert_int_equal(failures, 12);
+    assert_int_equal(failures, 13);
     block_release(&block);
 }
 
