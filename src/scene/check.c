@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/names.h"
 #include "base/text.h"
 #include "scene/name_index.h"
 #include "shiver/library.h"
@@ -220,7 +219,7 @@ static void check_material_name(Checker *checker, const ShvNode *node, const cha
                   material, material);
     else
         shv_name_index_report_unknown(&checker->materials, checker->diagnostics, place_of(node, "material"), "material",
-                                      material, "material of the scene");
+                                      material, "material of the scene", SHV_ANY_GROUP);
 }
 
 static void check_groups(Checker *checker, const ShvObjectItem *item)
@@ -271,7 +270,7 @@ static void check_condition(Checker *checker, const ShvConditionItem *item)
     const ShvNode *node = item->head.node;
     if (condition->object && !is_object(shv_name_index_find(&checker->bodies, condition->object)))
         shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(node, "object"), "object",
-                                      condition->object, "object of the scene");
+                                      condition->object, "object of the scene", GROUP_OBJECTS);
     if (!item->head.good) return;
     check_selection(checker, node, &condition->selection);
     if (condition->end <= condition->start) fault(checker, node, "end", "end must be after start");
@@ -347,7 +346,7 @@ static void check_target(Checker *checker, const ShvEventItem *item)
         if (!shv_name_index_find(&checker->conditions, event->target))
             shv_name_index_report_unknown(&checker->conditions, checker->diagnostics, place_of(node, "release"),
                                           "release", event->target,
-                                          "support, imposed velocity or traction of the scene");
+                                          "support, imposed velocity or traction of the scene", SHV_ANY_GROUP);
         return;
     }
     const ShvNameEntry *found = shv_name_index_find(&checker->bodies, event->target);
@@ -358,7 +357,7 @@ static void check_target(Checker *checker, const ShvEventItem *item)
               shv_quoted(event->target).text);
     else
         shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(node, path), "target",
-                                      event->target, "object or free obstacle of the scene");
+                                      event->target, "object or free obstacle of the scene", SHV_ANY_GROUP);
 }
 
 static void check_events(Checker *checker)
@@ -378,19 +377,6 @@ static void check_events(Checker *checker)
 
 /* ---- probes ------------------------------------------------------------------------------------------- */
 
-static void report_unknown_obstacle(Checker *checker, const ShvNode *node, const char *name)
-{
-    enum { LARGEST_CANDIDATES = 500 };
-    const ShvSceneDefinition *scene = &checker->assembly->definition;
-    const char *names[LARGEST_CANDIDATES] = {NULL};
-    size_t count = 0;
-    for (int32_t i = 0; i < scene->obstacle_count && count < LARGEST_CANDIDATES; i++)
-        names[count++] = scene->obstacles[i].name;
-    const char *nearest = shv_nearest_name(name, names, count);
-    fault(checker, node, "obstacle", "obstacle %s is no obstacle of the scene%s%.63s%s", shv_quoted(name).text,
-          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
-}
-
 static void check_probe(Checker *checker, const ShvProbeItem *item)
 {
     const ShvProbeDefinition *probe = &item->definition;
@@ -403,12 +389,13 @@ static void check_probe(Checker *checker, const ShvProbeItem *item)
     const ShvNameEntry *body = probe->object ? shv_name_index_find(&checker->bodies, probe->object) : NULL;
     if (probe->object && !is_object(body))
         shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(node, path), "object",
-                                      probe->object, "object of the scene");
+                                      probe->object, "object of the scene", GROUP_OBJECTS);
     const ShvNameEntry *obstacle = probe->obstacle ? shv_name_index_find(&checker->bodies, probe->obstacle) : NULL;
     if (is_object(obstacle))
         fault(checker, node, "obstacle", "%s is an object; watch it with point or nodes", probe->obstacle);
     else if (probe->obstacle && !obstacle)
-        report_unknown_obstacle(checker, node, probe->obstacle);
+        shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(node, "obstacle"), "obstacle",
+                                      probe->obstacle, "obstacle of the scene", GROUP_OBSTACLES);
     const ShvEntry *nodes = item->head.good ? shv_tree_find(node, "nodes") : NULL;
     if (nodes) check_selection(checker, nodes->value, &probe->selection);
 }
@@ -446,7 +433,8 @@ static void check_reference(Checker *checker)
         const ShvNameEntry *found = shv_name_index_find(&checker->bodies, reference->body);
         if (!found)
             shv_name_index_report_unknown(&checker->bodies, checker->diagnostics, place_of(root, "reference.body"),
-                                          "body", reference->body, "object or free obstacle of the scene");
+                                          "body", reference->body, "object or free obstacle of the scene",
+                                          SHV_ANY_GROUP);
         else if (!found->usable)
             fault(checker, root, "reference.body", "%s is not free to move; give an object or an obstacle with mass",
                   reference->body);

@@ -56,15 +56,19 @@ static bool add_number(ShvPool *pool, ShvNode *material, ShvPlace place, const c
 static void report_unknown(ShvDiagnostics *diagnostics, const ShvNode *node)
 {
     const char *names[LARGEST_LIBRARY] = {NULL};
+    char all[512] = "";
     int32_t count = 0;
-    for (; count < shv_library_count() && count < LARGEST_LIBRARY; count++) names[count] = shv_library_get(count)->name;
+    for (; count < shv_library_count() && count < LARGEST_LIBRARY; count++) {
+        names[count] = shv_library_get(count)->name;
+        shv_append(all, sizeof all, count == 0 ? "%s" : ", %s", names[count]);
+    }
     const char *nearest = shv_nearest_name(node->text, names, (size_t)count);
     if (nearest)
         shv_error(diagnostics, node->place, "the library has no material %s; did you mean '%s'?",
                   shv_quoted(node->text).text, nearest);
     else
-        shv_error(diagnostics, node->place, "the library has no material %s; `shiver materials` lists what it has",
-                  shv_quoted(node->text).text);
+        shv_error(diagnostics, node->place, "the library has no material %s; it has %s (`shiver materials`)",
+                  shv_quoted(node->text).text, all);
 }
 
 /* NULL when memory is out. */
@@ -75,7 +79,7 @@ static ShvNode *expanded(ShvPool *pool, ShvDiagnostics *diagnostics, ShvNode *ma
     const ShvLibraryMaterial *found = shv_library_find(entry->value->text);
     if (!found) {
         report_unknown(diagnostics, entry->value);
-        return material;
+        found = shv_library_get(0); /* the scene is refused; no error is to follow from this one */
     }
     ShvNode *copy = shv_tree_copy(pool, material);
     if (!copy) return NULL;

@@ -52,15 +52,16 @@ const ShvNameEntry *shv_name_index_find(const ShvNameIndex *index, const char *n
 }
 
 void shv_name_index_report_unknown(const ShvNameIndex *index, ShvDiagnostics *diagnostics, ShvPlace place,
-                                   const char *key, const char *name, const char *what)
+                                   const char *key, const char *name, const char *what, int group)
 {
     enum { LARGEST_CANDIDATES = 500, SHOWN = 8 };
     const char *names[LARGEST_CANDIDATES] = {NULL};
     char shown[SHOWN * 70] = "none";
     size_t count = 0, used = 0;
     for (int32_t i = 0; i < index->count && count < LARGEST_CANDIDATES; i++) {
-        if (!index->entries[i].usable) continue;
-        names[count] = index->entries[i].name;
+        const ShvNameEntry *entry = &index->entries[i];
+        if (group == SHV_ANY_GROUP ? !entry->usable : entry->group != group) continue;
+        names[count] = entry->name;
         if (count < SHOWN)
             used +=
                 (size_t)shv_format(shown + used, sizeof shown - used, count == 0 ? "%.65s" : ", %.65s", names[count]);

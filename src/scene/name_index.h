@@ -23,8 +23,10 @@ void shv_name_index_add(ShvNameIndex *index, const char *name, const ShvNode *ke
    mapping, which is reported where the tree is read. */
 void shv_name_index_finish(ShvNameIndex *index, ShvDiagnostics *diagnostics, const char *what);
 const ShvNameEntry *shv_name_index_find(const ShvNameIndex *index, const char *name);
-/* "key 'name' …": reports a name that is not there, with the nearest usable one or some of them. */
+enum { SHV_ANY_GROUP = -1 };
+
+/* "key 'name' …": reports a name that is not there, with the nearest one of a group or some of them; of any group, of the usable ones. */
 void shv_name_index_report_unknown(const ShvNameIndex *index, ShvDiagnostics *diagnostics, ShvPlace place,
-                                   const char *key, const char *name, const char *what);
+                                   const char *key, const char *name, const char *what, int group);
 
 #endif

@@ -476,19 +476,25 @@ static void the_library_fills_in_what_is_left_out(void **state)
 static void unknown_library_material_is_reported(void **state)
 {
     (void)state;
-    static const char text[] = "shiver: 1\n"
-                               "materials:\n"
-                               "  a: {library: stel}\n"
-                               "objects: {x: {mesh: {ball: {radius: 1, edge: 0.1}}, material: a}}\n"
-                               "duration: 1\n";
-    Parsed parsed = parse_bytes(text, strlen(text), NULL, 0);
-    assert_int_equal(parsed.status, SHV_BAD_INPUT);
-    bool found = false;
-    for (int32_t i = 0; i < shv_diagnostics_count(parsed.diagnostics); i++)
-        found = found ||
-                strstr(message(&parsed, i), "3:16: error: the library has no material 'stel'; did you mean 'steel'?");
-    assert_true(found);
-    release(&parsed);
+    static const struct {
+        const char *name, *told;
+    } cases[] = {
+        {"stel", "3:16: error: the library has no material 'stel'; did you mean 'steel'?"},
+        {"glass", "3:16: error: the library has no material 'glass'; it has soda_lime_glass, tempered_glass, "}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "shiver: 1\nmaterials:\n  a: {library: %s}\n"
+                 "objects: {x: {mesh: {ball: {radius: 1, edge: 0.1}}, material: a}}\nduration: 1\n",
+                 cases[k].name);
+        Parsed parsed = parse_bytes(text, strlen(text), NULL, 0);
+        assert_int_equal(parsed.status, SHV_BAD_INPUT);
+        bool found = false;
+        for (int32_t i = 0; i < shv_diagnostics_count(parsed.diagnostics); i++)
+            found = found || strstr(message(&parsed, i), cases[k].told);
+        assert_true(found);
+        release(&parsed);
+    }
 }
 
 static void what_is_left_out_has_its_default(void **state)
