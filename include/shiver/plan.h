@@ -73,7 +73,7 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
 
 /* Two that overlap at the start, by their true surfaces. */
 typedef struct ShvOverlap {
-    const char *first, *second; /* an object, and another or an obstacle */
+    const char *first, *second; /* an object, and another or an obstacle; or a free obstacle and another */
     bool obstacle;
     /* m: how far the deepest point tried lies inside: corners and middles of triangles of both, middles of edges that pass
        through, and, where none of these is inside, centroids of tets */

@@ -296,12 +296,13 @@ const ShvCommand shv_command_check = {
     .details =
         "Reads a scene, makes its meshes and prints for each object what the physics asks for: stable step and the\n"
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
-        "facet, characteristic times, what is nearest, how far away and how fast it is met. Objects of one mesh,\n"
-        "one after another, are told once (with --json each by itself). Warns where the mesh or\n"
-        "the step does not resolve them: at the tips of notches and cracks, on the plane that cracks are to keep to,\n"
-        "or on the mean of an object without either. Objects that overlap each other or obstacles at the start are\n"
-        "refused, as by every command that runs a scene: which, how deep, and what parts them. With 'overlaps: keep'\n"
-        "in the scene they are warned of: what the run does about it.",
+        "facet, characteristic times, what is nearest, how far away and how fast it is met. Objects of one mesh, one\n"
+        "after another, are told once (with --json each by itself). Warns where the mesh or the step does not resolve\n"
+        "them: at the tips of notches and cracks, on the plane that cracks are to keep to, or on the mean of an "
+        "object\n"
+        "without either. Objects that overlap each other or obstacles at the start, and free obstacles that overlap\n"
+        "others, are refused, as by every command that runs a scene: which, how deep, and what parts them. With\n"
+        "'overlaps: keep' in the scene they are warned of: what the run does about it.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

@@ -1113,7 +1113,8 @@ static const ShvKey scene_keys[] = {
      .sentence = "Obstacles by name."},
     {"overlaps", SHV_KEY_CHOICE, .choices = overlap_choices, .offset = SCENE(overlaps),
      .sentence =
-         "What to do when objects stand in each other or in obstacles at the start. `refuse`: nothing runs, and the "
+         "What to do when objects stand in each other or in obstacles at the start, or free obstacles in others. "
+         "`refuse`: nothing runs, and the "
          "message says which, how deep, and what parts them. `keep`: they start as they are, and `shiver check` and "
          "`run` warn and say what becomes of it; that depends on `rigid.engine`. Bodies that touch do not overlap: a "
          "depth below a millionth of the smaller one is rounding."},

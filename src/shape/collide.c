@@ -112,6 +112,18 @@ int32_t shv_collide_detect(ShvObstacles *obstacles, double margin)
     return count;
 }
 
+bool shv_collide_overlap(const ShvObstacles *all, const ShvObstacle *first, const ShvObstacle *second, double least,
+                         ShvBodyContact *deepest)
+{
+    ShvObstacle items[2] = {*first, *second};
+    ShvObstacles both = {
+        .items = items, .count = 2, .contacts = all->contacts, .contact_capacity = all->contact_capacity};
+    const int32_t count = shv_collide_detect(&both, -least);
+    for (int32_t k = 0; k < count; k++)
+        if (k == 0 || both.contacts[k].gap < deepest->gap) *deepest = both.contacts[k];
+    return count > 0;
+}
+
 /* ---- response ---- */
 
 ShvVec3 shv_collide_velocity(const ShvObstacles *obstacles, const ShvBodyContact *contact)

@@ -24,6 +24,10 @@ typedef struct ShvBodyContact {
 int32_t shv_collide_capacity(const ShvObstacles *obstacles);
 /* Lists contacts with gap ≤ margin in obstacles->contacts, in increasing order of pairs and samples. */
 int32_t shv_collide_detect(ShvObstacles *obstacles, double margin);
+/* Whether two obstacles, one of them free, overlap by more than `least`, m, by corners, vertices and spheres; where they do so most, the first
+   and second of `deepest` being 0 and 1. `all`: whose room for contacts is used. */
+bool shv_collide_overlap(const ShvObstacles *all, const ShvObstacle *first, const ShvObstacle *second, double least,
+                         ShvBodyContact *deepest);
 /* Relative velocity of the first against the second at a contact, and what of it the normal sees. */
 ShvVec3 shv_collide_velocity(const ShvObstacles *obstacles, const ShvBodyContact *contact);
 

@@ -5,6 +5,7 @@
 
 #include "bullet_bridge/convex_overlap.h"
 #include "contact/box.h"
+#include "shape/collide.h"
 #include "shiver/run_file.h"
 #include "sim/internal.h"
 
@@ -293,6 +294,12 @@ static ShvStatus check_obstacle_room(ShvSimulation *simulation, const ShvObstacl
                                       error);
     }
     shv_release(all.corners);
+    for (int32_t i = 0; i < hybrid->obstacles.count && status == SHV_OK; i++) {
+        const ShvObstacle *other = &hybrid->obstacles.items[i];
+        ShvBodyContact deepest;
+        if (!shv_hybrid_waits(hybrid, i) && shv_collide_overlap(&hybrid->obstacles, newcomer, other, touch, &deepest))
+            status = fail_overlapping(newcomer->definition->name, "obstacle", other->definition->name, error);
+    }
     return status;
 }
 

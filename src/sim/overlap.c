@@ -1,9 +1,10 @@
-/* Objects that overlap at the start, each other or obstacles: which, how deep, what parts them, and what the scene says about it. */
+/* Objects and free obstacles that overlap at the start, each other or obstacles: which, how deep, what parts them, and what the scene says about it. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "mesh/adjacency.h"
+#include "shape/collide.h"
 #include "sim/internal.h"
 #include "sim/overlap_measure.h"
 
@@ -181,6 +182,27 @@ static ShvStatus compare_obstacle(Finder *finder, ShvStartBody *body, const ShvS
     return SHV_OK;
 }
 
+/* What is free is to move. */
+static void compare_obstacles(Finder *finder, int32_t i, int32_t k)
+{
+    const ShvObstacles *obstacles = &finder->hybrid->obstacles;
+    const bool first_free = obstacles->items[i].motion == SHV_OBSTACLE_FREE;
+    const ShvObstacle *mover = &obstacles->items[first_free ? i : k], *other = &obstacles->items[first_free ? k : i];
+    ShvBodyContact deepest;
+    if (mover->motion != SHV_OBSTACLE_FREE || shv_hybrid_waits(finder->hybrid, i) ||
+        shv_hybrid_waits(finder->hybrid, k) ||
+        !shv_collide_overlap(obstacles, mover, other, touch_of_size * mover->bounding_radius, &deepest))
+        return;
+    ShvOverlap overlap = {.first = mover->definition->name,
+                          .second = other->definition->name,
+                          .obstacle = true,
+                          .depth = -deepest.gap,
+                          .mover = mover->definition->name};
+    shv_store3(overlap.point, deepest.point);
+    shv_store3(overlap.parting, along(shv_scale(deepest.normal, deepest.first == 0 ? 1.0 : -1.0), overlap.depth));
+    keep(finder, &overlap);
+}
+
 /* ---- all of them ---- */
 
 typedef struct Start {
@@ -222,6 +244,8 @@ static ShvStatus compare_all(Finder *finder, ShvError *error)
     for (int32_t i = 0; i < hybrid->model.object_count; i++)
         for (int32_t k = 0; k < hybrid->obstacles.count && !hybrid->scene->objects[i].waits; k++)
             SHV_TRY(compare_obstacle(finder, &finder->bodies[i], &finder->obstacles[k], error));
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        for (int32_t k = i + 1; k < hybrid->obstacles.count; k++) compare_obstacles(finder, i, k);
     return compare_all_objects(finder, error);
 }
 

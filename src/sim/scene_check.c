@@ -112,10 +112,10 @@ ShvStatus shv_simulation_check_event(const ShvSceneDefinition *scene, const ShvE
 {
     if (event->cookie != SHV_DEFINITION_COOKIE)
         return shv_fail(error, SHV_BAD_INPUT, "%s did not start from shv_event_default()", what);
-    if (!(event->time >= 0.0) || !isfinite(event->time) || !shv_finite3(shv_load3(event->value)) ||
-        !shv_finite3(shv_load3(event->angular)))
-        return shv_fail(error, SHV_BAD_INPUT, "%s needs finite numbers and a time of 0 or more, not %g s", what,
-                        event->time);
+    if (!(event->time >= 0.0) || !isfinite(event->time))
+        return shv_fail(error, SHV_BAD_INPUT, "%s needs a time of 0 or more, not %g s", what, event->time);
+    if (!shv_finite3(shv_load3(event->value)) || !shv_finite3(shv_load3(event->angular)))
+        return shv_fail(error, SHV_BAD_INPUT, "%s needs finite numbers", what);
     return check_target(scene, event, what, error);
 }
 

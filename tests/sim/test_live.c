@@ -169,6 +169,10 @@ static void obstacles_come_and_go(void **state)
     const double height = shv_simulation_frame(simulation)->fragments[0].position[2];
     ShvPlacement at = {.position = {0.0, 0.0, height + 0.03}};
     check_fails(shv_simulation_enter(simulation, "ball", &at, &error), SHV_BAD_INPUT, error, "in the object 'there'");
+    at.position[0] = 0.5;
+    at.position[2] = 0.019;
+    check_fails(shv_simulation_enter(simulation, "ball", &at, &error), SHV_BAD_INPUT, error, "in the obstacle 'floor'");
+    at.position[0] = 0.0;
     at.position[2] = height + 0.06;
     at.velocity[2] = -10.0;
     check_ok(shv_simulation_enter(simulation, "ball", &at, &error), error);

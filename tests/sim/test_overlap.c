@@ -240,6 +240,55 @@ static void test_the_way_out_is_one(void **state)
         }
 }
 
+static ShvObstacleDefinition *free_ball(Stage *stage, const char *name, const double centre[3], double radius)
+{
+    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
+    *ball = shv_obstacle_default();
+    ball->name = name;
+    ball->shape = SHV_OBSTACLE_SPHERE;
+    ball->radius = radius;
+    ball->motion = SHV_OBSTACLE_FREE;
+    ball->mass = 0.1;
+    memcpy(ball->placement.position, centre, 3 * sizeof(double));
+    return ball;
+}
+
+/* A ball in the floor, two balls in each other, by the distances of their centres; what waits is in nothing. */
+static void test_free_obstacles(void **state)
+{
+    (void)state;
+    Stage stage;
+    ShvOverlap overlap = {0};
+    make(&stage);
+    stage_box(&stage, "far", cube, 0.02, 1.0);
+    stage_floor(&stage);
+    ShvObstacleDefinition *ball = free_ball(&stage, "ball", (const double[3]){0.0, 0.0, 0.012}, 0.02);
+    assert_int_equal(find(&stage, &overlap, 1), 1);
+    assert_string_equal(overlap.first, "ball");
+    assert_string_equal(overlap.second, "floor");
+    assert_string_equal(overlap.mover, "ball");
+    assert_true(overlap.obstacle);
+    check_near(overlap.depth, 0.008, 1e-15);
+    check_near(overlap.parting[2], 0.008, 1e-15);
+    ball->placement.position[2] += overlap.parting[2];
+    assert_int_equal(find(&stage, &overlap, 1), 0);
+    ball->placement.position[2] = 0.012;
+    ball->waits = true;
+    assert_int_equal(find(&stage, &overlap, 1), 0);
+    make(&stage);
+    stage_box(&stage, "far", cube, 0.02, 1.0);
+    free_ball(&stage, "one", (const double[3]){0.0, 0.0, 0.1}, 0.02);
+    free_ball(&stage, "two", (const double[3]){0.03, 0.0, 0.14}, 0.04); /* 0.05 apart */
+    assert_int_equal(find(&stage, &overlap, 1), 1);
+    check_near(overlap.depth, 0.01, 1e-15);
+    stage.scene.overlaps = SHV_OVERLAPS_REFUSE;
+    ShvError error;
+    refused(&stage, &error);
+    says(&error, "'one' and the obstacle 'two' overlap at the start, 0.01 m deep");
+    for (int k = 0; k < 3; k++) stage.obstacles[0].placement.position[k] += overlap.parting[k];
+    shv_simulation_destroy(stage_start(&stage));
+}
+
 /* ---- runs that keep it ---- */
 
 static void test_started(void **state)
@@ -355,6 +404,7 @@ int main(void)
         cmocka_unit_test(test_two_objects),
         cmocka_unit_test(test_crossing_bars),
         cmocka_unit_test(test_obstacles),
+        cmocka_unit_test(test_free_obstacles),
         cmocka_unit_test(test_started),
         cmocka_unit_test(test_deepest_first),
         cmocka_unit_test(test_surfaces_in_one_another),
