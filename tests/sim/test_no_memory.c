@@ -21,6 +21,7 @@ static void test_no_memory(void **state)
     stone->motion = SHV_OBSTACLE_FREE;
     stone->mass = 0.01;
     stone->placement.position[0] = 0.5;
+    stone->placement.position[2] = 0.02;
     stage_box(&stage, "held", (const double[3]){0.02, 0.02, 0.02}, 0.02, 0.5);
     stage_support(&stage, "hold", "held");
     stage_event(&stage, 0.001, SHV_EVENT_RELEASE, "hold");
