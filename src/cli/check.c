@@ -298,11 +298,10 @@ const ShvCommand shv_command_check = {
         "tet that sets it, Courant number, cohesive zone and snap-back length against the mesh, steps to open a\n"
         "facet, characteristic times, what is nearest, how far away and how fast it is met. Objects of one mesh, one\n"
         "after another, are told once (with --json each by itself). Warns where the mesh or the step does not resolve\n"
-        "them: at the tips of notches and cracks, on the plane that cracks are to keep to, or on the mean of an "
-        "object\n"
-        "without either. Objects that overlap each other or obstacles at the start, and free obstacles that overlap\n"
-        "others, are refused, as by every command that runs a scene: which, how deep, and what parts them. With\n"
-        "'overlaps: keep' in the scene they are warned of: what the run does about it.",
+        "them: at the tips of notches and cracks, on the plane that cracks are to keep to, or on the mean of an\n"
+        "object without either. Objects that overlap each other or obstacles at the start, and free obstacles that\n"
+        "overlap others, are refused, as by every command that runs a scene: which, how deep, and what parts them.\n"
+        "With 'overlaps: keep' in the scene they are warned of: what the run does about it.",
     .least_positional = 1,
     .most_positional = 1,
     .takes_scene = true,

@@ -186,7 +186,7 @@ static bool obstacle_holds(const ShvObstacle *obstacle, const Tets *tets, int32_
 static ShvStatus fail_overlapping(const char *name, const char *kind, const char *other, ShvError *error)
 {
     return shv_fail(error, SHV_BAD_INPUT, "'%s' would stand in the %s '%s': bring it to another place", name, kind,
-                    other);
+                    other ? other : "");
 }
 
 static ShvStatus all_corners(ShvSimulation *simulation, Tets *tets, ShvError *error)

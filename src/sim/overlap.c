@@ -146,13 +146,18 @@ static void keep(Finder *finder, const ShvOverlap *overlap)
     finder->overlaps[place] = *overlap;
 }
 
+/* One made in C may have none. */
+static const char *name_of(const ShvObstacle *obstacle)
+{
+    return obstacle->definition->name ? obstacle->definition->name : "";
+}
+
 static void compare(Finder *finder, const Pair *pair)
 {
     const ShvDepth deepest = depth_of(pair, shv_vec3(0.0, 0.0, 0.0));
     if (!(deepest.depth > pair->tolerance)) return;
     ShvOverlap overlap = {.first = pair->first->object->name,
-                          .second =
-                              pair->second ? pair->second->object->name : pair->obstacle->obstacle->definition->name,
+                          .second = pair->second ? pair->second->object->name : name_of(pair->obstacle->obstacle),
                           .obstacle = !pair->second,
                           .depth = deepest.depth};
     shv_store3(overlap.point, deepest.point);
@@ -193,11 +198,11 @@ static void compare_obstacles(Finder *finder, int32_t i, int32_t k)
         shv_hybrid_waits(finder->hybrid, k) ||
         !shv_collide_overlap(obstacles, mover, other, touch_of_size * mover->bounding_radius, &deepest))
         return;
-    ShvOverlap overlap = {.first = mover->definition->name,
-                          .second = other->definition->name,
+    ShvOverlap overlap = {.first = name_of(mover),
+                          .second = name_of(other),
                           .obstacle = true,
                           .depth = -deepest.gap,
-                          .mover = mover->definition->name};
+                          .mover = name_of(mover)};
     shv_store3(overlap.point, deepest.point);
     shv_store3(overlap.parting, along(shv_scale(deepest.normal, deepest.first == 0 ? 1.0 : -1.0), overlap.depth));
     keep(finder, &overlap);
@@ -332,6 +337,13 @@ ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvErr
                     count > 2 ? "; also " : "", texts[2], more, hint);
 }
 
+static bool is_obstacle(const ShvHybrid *hybrid, const char *name)
+{
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        if (strcmp(name_of(&hybrid->obstacles.items[i]), name) == 0) return true;
+    return false;
+}
+
 /* What each engine does, in one sentence for check and run. */
 const char *shv_simulation_overlap_course(const ShvSimulation *simulation, const ShvOverlap *overlap)
 {
@@ -342,6 +354,8 @@ const char *shv_simulation_overlap_course(const ShvSimulation *simulation, const
         if (fragment->mode == SHV_MODE_FRACTURE && strcmp(name, overlap->first) == 0)
             return "in fracture mode, where it starts, nothing is pushed out, it only comes no deeper";
     }
+    if (is_obstacle(hybrid, overlap->first) && hybrid->scene->rigid.engine != SHV_RIGID_BULLET_PLAIN)
+        return "the run lets it be: neither is pushed out, it only comes no deeper";
     switch (hybrid->scene->rigid.engine) {
     case SHV_RIGID_BULLET:
         return hybrid->coupling.mutual ? "the run lets it be: neither is pushed out, and it goes as they part or slide"

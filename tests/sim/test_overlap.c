@@ -281,10 +281,14 @@ static void test_free_obstacles(void **state)
     free_ball(&stage, "two", (const double[3]){0.03, 0.0, 0.14}, 0.04); /* 0.05 apart */
     assert_int_equal(find(&stage, &overlap, 1), 1);
     check_near(overlap.depth, 0.01, 1e-15);
-    stage.scene.overlaps = SHV_OVERLAPS_REFUSE;
     ShvError error;
     refused(&stage, &error);
     says(&error, "'one' and the obstacle 'two' overlap at the start, 0.01 m deep");
+    says(&error, "neither is pushed out, it only comes no deeper");
+    stage.obstacles[1].name = NULL;
+    refused(&stage, &error);
+    says(&error, "'one' and the obstacle '' overlap");
+    stage.obstacles[1].name = "two";
     for (int k = 0; k < 3; k++) stage.obstacles[0].placement.position[k] += overlap.parting[k];
     shv_simulation_destroy(stage_start(&stage));
 }
