@@ -9,9 +9,9 @@ static ShvStatus fail_empty(const ShvSelection *selection, const ShvModel *model
     ShvVec3 nearest = {0.0, 0.0, 0.0};
     for (int32_t i = object->node_begin; i < object->node_end; i++) {
         const ShvVec3 x = shv_mesh_position(&model->mesh, i);
-        const double lack = shv_selection_lack(selection, x);
-        if (!(lack < least)) continue;
-        least = lack;
+        const double distance = shv_selection_distance(selection, x);
+        if (!(distance < least)) continue;
+        least = distance;
         nearest = x;
     }
     return shv_fail(

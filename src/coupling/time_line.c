@@ -94,7 +94,7 @@ static double event_on_obstacle(ShvHybrid *hybrid, const ShvEventDefinition *eve
 {
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         ShvObstacle *obstacle = &hybrid->obstacles.items[i];
-        if (shv_hybrid_waits(hybrid, i) || strcmp(obstacle->definition->name, event->target) != 0) continue;
+        if (shv_hybrid_waits(hybrid, i) || strcmp(obstacle->name, event->target) != 0) continue;
         const double before = shv_obstacle_kinetic(obstacle);
         if (event->kind == SHV_EVENT_IMPULSE) {
             shv_obstacle_impulse(obstacle, obstacle->position, shv_load3(event->value));

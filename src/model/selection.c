@@ -1,19 +1,19 @@
 #include "model/selection.h"
 
-double shv_selection_lack(const ShvSelection *selection, ShvVec3 point)
+double shv_selection_distance(const ShvSelection *selection, ShvVec3 point)
 {
     const double tolerance = selection->tolerance;
-    double x[3], lack = 0.0;
+    double x[3], distance = 0.0;
     shv_store3(x, point);
     switch (selection->kind) {
     case SHV_SELECT_ALL:
         return 0.0;
     case SHV_SELECT_BOX:
         for (int k = 0; k < 3; k++) {
-            lack = fmax(lack, selection->box_min[k] - tolerance - x[k]);
-            lack = fmax(lack, x[k] - (selection->box_max[k] + tolerance));
+            distance = fmax(distance, selection->box_min[k] - tolerance - x[k]);
+            distance = fmax(distance, x[k] - (selection->box_max[k] + tolerance));
         }
-        return lack;
+        return distance;
     case SHV_SELECT_PLANE:
         break;
     }
@@ -24,5 +24,5 @@ double shv_selection_lack(const ShvSelection *selection, ShvVec3 point)
 
 bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point)
 {
-    return shv_selection_lack(selection, point) == 0.0;
+    return shv_selection_distance(selection, point) == 0.0;
 }

@@ -7,8 +7,8 @@
 #include "base/vector.h"
 #include "shiver/definition.h"
 
-/* By how much its tolerance would have to grow to choose the point, m; 0: it is chosen. */
-double shv_selection_lack(const ShvSelection *selection, ShvVec3 point);
+/* How far outside a point lies, along the axis on which it does so most, m; 0: it is chosen. */
+double shv_selection_distance(const ShvSelection *selection, ShvVec3 point);
 bool shv_selection_contains(const ShvSelection *selection, ShvVec3 point);
 
 #endif

@@ -138,7 +138,7 @@ static ShvStatus find_obstacle(ShvSampledProbe *probe, const ShvObstacles *obsta
 {
     const char *name = probe->definition->obstacle ? probe->definition->obstacle : "";
     for (int32_t i = 0; i < obstacles->count; i++) {
-        if (strcmp(obstacles->items[i].definition->name, name) != 0) continue;
+        if (strcmp(obstacles->items[i].name, name) != 0) continue;
         probe->obstacle = i;
         probe->start = obstacles->items[i].position;
         return SHV_OK;

@@ -59,7 +59,7 @@ ShvStatus shv_bullet_body_obstacle(ShvBulletRigidBody *body, ShvBulletWorld *bul
                                                   body->moves ? 1.0 / body->mass : 0.0, body->rotation.inverse, error);
     shv_body_shape_release(&body_shape);
     if (status == SHV_NO_MEMORY) return status;
-    if (status != SHV_OK) return shv_fail_within(error, status, "obstacle %s", obstacle->definition->name);
+    if (status != SHV_OK) return shv_fail_within(error, status, "obstacle %s", obstacle->name);
     body->radius = shv_bullet_world_radius(bullet, body->number);
     shv_bullet_body_read(body, world);
     shv_bullet_body_place(body, bullet, body->position, body->orientation);

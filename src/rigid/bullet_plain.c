@@ -170,7 +170,7 @@ static ShvStatus add_obstacle(BulletPlain *plain, int32_t index, ShvError *error
     const ShvStatus status = add_body(plain, index, &body, &shape.shape, error);
     shv_body_shape_release(&shape);
     if (status == SHV_OK || status == SHV_NO_MEMORY) return status;
-    return shv_fail_within(error, status, "obstacle %s", obstacle->definition->name);
+    return shv_fail_within(error, status, "obstacle %s", obstacle->name);
 }
 
 static void take_out(ShvRigidBackend *backend, int32_t fragment)

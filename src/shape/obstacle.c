@@ -192,6 +192,7 @@ static ShvStatus make(ShvObstacle *obstacle, ShvMemory *memory, const ShvObstacl
 {
     SHV_TRY(check(definition, error));
     *obstacle = (ShvObstacle){.definition = definition,
+                              .name = definition->name ? definition->name : "",
                               .shape = definition->shape,
                               .motion = definition->motion,
                               .friction = definition->friction,

@@ -14,6 +14,7 @@ typedef struct ShvFeature ShvFeature;           /* feature.h */
 
 typedef struct ShvObstacle {
     const ShvObstacleDefinition *definition;
+    const char *name; /* empty where a scene made in C gives none */
     ShvObstacleShape shape;
     ShvObstacleMotion motion;
     double friction, restitution;

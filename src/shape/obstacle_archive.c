@@ -3,9 +3,8 @@
 static bool obstacle_archive(ShvObstacle *obstacle, ShvArchive *archive)
 {
     static const ShvField fields[] = {
-        SHV_FIELD_OF(ShvObstacle, definition, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvObstacle, surface, SHV_FIELD_KEPT),
-        SHV_FIELD_OF(ShvObstacle, tree, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvObstacle, definition, SHV_FIELD_KEPT), SHV_FIELD_OF(ShvObstacle, name, SHV_FIELD_KEPT),
+        SHV_FIELD_OF(ShvObstacle, surface, SHV_FIELD_KEPT),    SHV_FIELD_OF(ShvObstacle, tree, SHV_FIELD_KEPT),
         SHV_FIELD_OF(ShvObstacle, features, SHV_FIELD_KEPT),
     };
     return SHV_ARCHIVE_STRUCT(archive, obstacle, fields);

@@ -127,7 +127,7 @@ static ShvStatus measure_obstacles(ShvPreflight *preflight, const ShvHybrid *hyb
         Approach approach;
         if (obstacle->definition->waits) continue;
         SHV_TRY(approach_obstacle(&hybrid->model, object, surface, obstacle, &approach, error));
-        keep_nearest(preflight, &approach, obstacle->definition->name, true);
+        keep_nearest(preflight, &approach, obstacle->name, true);
         if (fragment)
             preflight->impact_speed = fmax(preflight->impact_speed, impact_speed(hybrid, fragment, &approach));
     }

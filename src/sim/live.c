@@ -90,7 +90,7 @@ static ShvStatus find_obstacle(const ShvHybrid *hybrid, const char *name, int32_
 {
     for (*index = 0; *index < hybrid->obstacles.count; ++*index) {
         const ShvObstacle *obstacle = &hybrid->obstacles.items[*index];
-        if (!obstacle->definition->name || strcmp(obstacle->definition->name, name) != 0) continue;
+        if (strcmp(obstacle->name, name) != 0) continue;
         if (obstacle->motion == SHV_OBSTACLE_FREE) return SHV_OK;
         return shv_fail(error, SHV_BAD_INPUT, "the obstacle '%s' is not free: it is there from start to end", name);
     }
@@ -186,7 +186,7 @@ static bool obstacle_holds(const ShvObstacle *obstacle, const Tets *tets, int32_
 static ShvStatus fail_overlapping(const char *name, const char *kind, const char *other, ShvError *error)
 {
     return shv_fail(error, SHV_BAD_INPUT, "'%s' would stand in the %s '%s': bring it to another place", name, kind,
-                    other ? other : "");
+                    other);
 }
 
 static ShvStatus all_corners(ShvSimulation *simulation, Tets *tets, ShvError *error)
@@ -209,7 +209,7 @@ static ShvStatus check_object_room(const ShvHybrid *hybrid, const Tets *all, con
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         for (int32_t k = 0; k < newcomer->count && !shv_hybrid_waits(hybrid, i); k++)
             if (obstacle_holds(&hybrid->obstacles.items[i], newcomer, k, touch))
-                return fail_overlapping(name, "obstacle", hybrid->obstacles.items[i].definition->name, error);
+                return fail_overlapping(name, "obstacle", hybrid->obstacles.items[i].name, error);
     return SHV_OK;
 }
 
@@ -290,15 +290,14 @@ static ShvStatus check_obstacle_room(ShvSimulation *simulation, const ShvObstacl
     for (int32_t e = 0; e < all.count && status == SHV_OK; e++) {
         const ShvFragment *owner = &hybrid->fragments.items[hybrid->state.element_fragment[e]];
         if (owner->mode != SHV_MODE_BINNED && obstacle_holds(newcomer, &all, e, touch))
-            status = fail_overlapping(newcomer->definition->name, "object", hybrid->model.objects[owner->object].name,
-                                      error);
+            status = fail_overlapping(newcomer->name, "object", hybrid->model.objects[owner->object].name, error);
     }
     shv_release(all.corners);
     for (int32_t i = 0; i < hybrid->obstacles.count && status == SHV_OK; i++) {
         const ShvObstacle *other = &hybrid->obstacles.items[i];
         ShvBodyContact deepest;
         if (!shv_hybrid_waits(hybrid, i) && shv_collide_overlap(&hybrid->obstacles, newcomer, other, touch, &deepest))
-            status = fail_overlapping(newcomer->definition->name, "obstacle", other->definition->name, error);
+            status = fail_overlapping(newcomer->name, "obstacle", other->name, error);
     }
     return status;
 }
@@ -309,7 +308,7 @@ static ShvStatus enter_obstacle(ShvSimulation *simulation, int32_t index, const 
     ShvHybrid *hybrid = &simulation->hybrid;
     ShvObstacle there = hybrid->obstacles.items[index];
     if (!shv_hybrid_waits(hybrid, index))
-        return shv_fail(error, SHV_BAD_INPUT, "'%s' is in the scene already", there.definition->name);
+        return shv_fail(error, SHV_BAD_INPUT, "'%s' is in the scene already", there.name);
     shv_hybrid_place_obstacle(&there, placement);
     SHV_TRY(check_obstacle_room(simulation, &there, error));
     shv_hybrid_enter_obstacle(hybrid, index, placement);

@@ -4,7 +4,7 @@
 ShvObstacleBody shv_simulation_obstacle(const ShvSimulation *simulation, int32_t index)
 {
     const ShvObstacle *obstacle = &simulation->hybrid.obstacles.items[index];
-    ShvObstacleBody body = {.name = obstacle->definition->name,
+    ShvObstacleBody body = {.name = obstacle->name,
                             .shape = obstacle->shape,
                             .motion = obstacle->motion,
                             .offset = obstacle->offset,

@@ -146,18 +146,12 @@ static void keep(Finder *finder, const ShvOverlap *overlap)
     finder->overlaps[place] = *overlap;
 }
 
-/* One made in C may have none. */
-static const char *name_of(const ShvObstacle *obstacle)
-{
-    return obstacle->definition->name ? obstacle->definition->name : "";
-}
-
 static void compare(Finder *finder, const Pair *pair)
 {
     const ShvDepth deepest = depth_of(pair, shv_vec3(0.0, 0.0, 0.0));
     if (!(deepest.depth > pair->tolerance)) return;
     ShvOverlap overlap = {.first = pair->first->object->name,
-                          .second = pair->second ? pair->second->object->name : name_of(pair->obstacle->obstacle),
+                          .second = pair->second ? pair->second->object->name : pair->obstacle->obstacle->name,
                           .obstacle = !pair->second,
                           .depth = deepest.depth};
     shv_store3(overlap.point, deepest.point);
@@ -198,11 +192,8 @@ static void compare_obstacles(Finder *finder, int32_t i, int32_t k)
         shv_hybrid_waits(finder->hybrid, k) ||
         !shv_collide_overlap(obstacles, mover, other, touch_of_size * mover->bounding_radius, &deepest))
         return;
-    ShvOverlap overlap = {.first = name_of(mover),
-                          .second = name_of(other),
-                          .obstacle = true,
-                          .depth = -deepest.gap,
-                          .mover = name_of(mover)};
+    ShvOverlap overlap = {
+        .first = mover->name, .second = other->name, .obstacle = true, .depth = -deepest.gap, .mover = mover->name};
     shv_store3(overlap.point, deepest.point);
     shv_store3(overlap.parting, along(shv_scale(deepest.normal, deepest.first == 0 ? 1.0 : -1.0), overlap.depth));
     keep(finder, &overlap);
@@ -340,7 +331,7 @@ ShvStatus shv_simulation_refuse_overlaps(const ShvSimulation *simulation, ShvErr
 static bool is_obstacle(const ShvHybrid *hybrid, const char *name)
 {
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
-        if (strcmp(name_of(&hybrid->obstacles.items[i]), name) == 0) return true;
+        if (strcmp(hybrid->obstacles.items[i].name, name) == 0) return true;
     return false;
 }
 

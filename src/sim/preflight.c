@@ -126,7 +126,7 @@ static void find_small_obstacle(ShvPreflight *preflight, const ShvObstacles *obs
         const double extent = least_extent(&obstacles->items[i]);
         if (!(extent < preflight->small_obstacle_size)) continue;
         preflight->small_obstacle_size = extent;
-        preflight->small_obstacle = obstacles->items[i].definition->name;
+        preflight->small_obstacle = obstacles->items[i].name;
     }
 }
 

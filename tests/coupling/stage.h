@@ -61,6 +61,19 @@ static inline ShvObstacleDefinition *stage_floor(Stage *stage)
     return floor;
 }
 
+/* A free ball about the origin. */
+static inline ShvObstacleDefinition *stage_free_ball(Stage *stage, const char *name, double radius, double mass)
+{
+    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
+    *ball = shv_obstacle_default();
+    ball->name = name;
+    ball->shape = SHV_OBSTACLE_SPHERE;
+    ball->radius = radius;
+    ball->motion = SHV_OBSTACLE_FREE;
+    ball->mass = mass;
+    return ball;
+}
+
 static inline ShvConditionDefinition *stage_support(Stage *stage, const char *name, const char *object)
 {
     ShvConditionDefinition *condition = &stage->conditions[stage->scene.condition_count++];

@@ -24,7 +24,7 @@ static const Size sizes[] = {
     SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1320),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
     SIZE(ShvImposedCondition, "conditions/condition_archive.c", 88),
-    SIZE(ShvObstacle, "shape/obstacle_archive.c", 512),
+    SIZE(ShvObstacle, "shape/obstacle_archive.c", 520),
     SIZE(ShvFragments, "rigid/rigid_archive.c", 104),
     SIZE(ShvFragment, "rigid/rigid_archive.c", 680),
     SIZE(ShvFlightBody, "rigid/rigid_archive.c", 368),

@@ -16,14 +16,7 @@ static void make_scene(Stage *stage, double height)
         support->selection.plane_offset = side == 0 ? -0.04 : 0.04;
         support->selection.tolerance = 1e-6;
     }
-    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
-    *ball = shv_obstacle_default();
-    ball->name = "ball";
-    ball->shape = SHV_OBSTACLE_SPHERE;
-    ball->radius = 0.01;
-    ball->motion = SHV_OBSTACLE_FREE;
-    ball->mass = 0.03;
-    ball->placement.position[2] = height;
+    stage_free_ball(stage, "ball", 0.01, 0.03)->placement.position[2] = height;
     stage->scene.duration = 0.12;
 }
 

@@ -535,13 +535,7 @@ static void test_momentum_with_a_free_body(void **state)
     stage_make(&stage);
     stay_awake(&stage);
     stage_box(&stage, "cube", (const double[3]){0.02, 0.02, 0.02}, 0.01, 0.0);
-    ShvObstacleDefinition *stone = &stage.obstacles[stage.scene.obstacle_count++];
-    *stone = shv_obstacle_default();
-    stone->name = "stone";
-    stone->shape = SHV_OBSTACLE_SPHERE;
-    stone->radius = 0.01;
-    stone->motion = SHV_OBSTACLE_FREE;
-    stone->mass = 0.01;
+    ShvObstacleDefinition *stone = stage_free_ball(&stage, "stone", 0.01, 0.01);
     stone->placement.position[0] = -0.05;
     stone->placement.position[1] = 0.002;
     stone->placement.velocity[0] = 0.7;

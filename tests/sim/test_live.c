@@ -14,14 +14,7 @@ static ShvSimulation *start(Stage *stage)
     stage->material.breakable = false;
     stage->objects[1].waits = true;
     stage_floor(stage);
-    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
-    *ball = shv_obstacle_default();
-    ball->name = "ball";
-    ball->shape = SHV_OBSTACLE_SPHERE;
-    ball->radius = 0.02;
-    ball->motion = SHV_OBSTACLE_FREE;
-    ball->mass = 0.3;
-    ball->waits = true;
+    stage_free_ball(stage, "ball", 0.02, 0.3)->waits = true;
     stage->scene.duration = 0.05;
     stage->scene.output.rate = 100.0;
     return stage_start(stage);
@@ -190,6 +183,27 @@ static void obstacles_come_and_go(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* Of a scene made in C; it is asked for its name where others are looked for. */
+static void an_obstacle_may_have_no_name(void **state)
+{
+    (void)state;
+    Stage stage;
+    ShvError error;
+    shv_simulation_destroy(start(&stage));
+    stage.obstacles[0].name = NULL;
+    stage.obstacles[1].waits = false;
+    stage.obstacles[1].placement.position[0] = 0.5;
+    stage.obstacles[1].placement.position[2] = 0.5;
+    ShvSimulation *simulation = stage_start(&stage);
+    ShvEventDefinition event = shv_event_default();
+    event.kind = SHV_EVENT_IMPULSE;
+    event.target = "ball";
+    event.value[0] = 0.3;
+    check_ok(shv_simulation_apply(simulation, &event, &error), error);
+    check_near(shv_simulation_frame(simulation)->obstacles[1].velocity[0], 1.0, 1e-15);
+    shv_simulation_destroy(simulation);
+}
+
 static void count_event(void *data, const ShvEventView *event)
 {
     *(int32_t *)data += event->kind == SHV_RUN_SCENE;
@@ -234,8 +248,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_go_where_frames_would), cmocka_unit_test(a_push_gives_its_impulse),
         cmocka_unit_test(events_move_what_flies),      cmocka_unit_test(bodies_come_and_go),
-        cmocka_unit_test(obstacles_come_and_go),       cmocka_unit_test(events_are_told_once),
-        cmocka_unit_test(what_waits_is_checked),
+        cmocka_unit_test(obstacles_come_and_go),       cmocka_unit_test(an_obstacle_may_have_no_name),
+        cmocka_unit_test(events_are_told_once),        cmocka_unit_test(what_waits_is_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

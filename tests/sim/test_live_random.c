@@ -50,14 +50,7 @@ static void make(Stage *stage, Driver *driver)
     stage_box(stage, "cube", cube, 0.015, 0.06)->placement.velocity[2] = draw(driver, -3.0, 0.0);
     stage_box(stage, "later", cube, 0.015, 0.2)->waits = true;
     stage_floor(stage)->friction = draw(driver, 0.0, 0.6);
-    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
-    *ball = shv_obstacle_default();
-    ball->name = "ball";
-    ball->shape = SHV_OBSTACLE_SPHERE;
-    ball->radius = 0.015;
-    ball->motion = SHV_OBSTACLE_FREE;
-    ball->mass = draw(driver, 0.01, 0.3);
-    ball->waits = true;
+    stage_free_ball(stage, "ball", 0.015, draw(driver, 0.01, 0.3))->waits = true;
     stage->scene.rigid.engine = engines[choose(driver, 5)];
     /* Plain Bullet parts what overlaps by velocities, and books no work for it. */
     driver->bound = stage->scene.rigid.engine == SHV_RIGID_BULLET_PLAIN ? 0.05 : 1e-3;

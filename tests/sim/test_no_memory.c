@@ -13,13 +13,7 @@ static void test_no_memory(void **state)
     stage_make_breaking_bar(&stage);
     stage.objects[0].mesh.edge = 0.02;
     stage.scene.duration = 0.0012;
-    ShvObstacleDefinition *stone = &stage.obstacles[stage.scene.obstacle_count++];
-    *stone = shv_obstacle_default();
-    stone->name = "stone";
-    stone->shape = SHV_OBSTACLE_SPHERE;
-    stone->radius = 0.01;
-    stone->motion = SHV_OBSTACLE_FREE;
-    stone->mass = 0.01;
+    ShvObstacleDefinition *stone = stage_free_ball(&stage, "stone", 0.01, 0.01);
     stone->placement.position[0] = 0.5;
     stone->placement.position[2] = 0.02;
     stage_box(&stage, "held", (const double[3]){0.02, 0.02, 0.02}, 0.02, 0.5);

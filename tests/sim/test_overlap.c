@@ -240,19 +240,6 @@ static void test_the_way_out_is_one(void **state)
         }
 }
 
-static ShvObstacleDefinition *free_ball(Stage *stage, const char *name, const double centre[3], double radius)
-{
-    ShvObstacleDefinition *ball = &stage->obstacles[stage->scene.obstacle_count++];
-    *ball = shv_obstacle_default();
-    ball->name = name;
-    ball->shape = SHV_OBSTACLE_SPHERE;
-    ball->radius = radius;
-    ball->motion = SHV_OBSTACLE_FREE;
-    ball->mass = 0.1;
-    memcpy(ball->placement.position, centre, 3 * sizeof(double));
-    return ball;
-}
-
 /* A ball in the floor, two balls in each other, by the distances of their centres; what waits is in nothing. */
 static void test_free_obstacles(void **state)
 {
@@ -262,7 +249,8 @@ static void test_free_obstacles(void **state)
     make(&stage);
     stage_box(&stage, "far", cube, 0.02, 1.0);
     stage_floor(&stage);
-    ShvObstacleDefinition *ball = free_ball(&stage, "ball", (const double[3]){0.0, 0.0, 0.012}, 0.02);
+    ShvObstacleDefinition *ball = stage_free_ball(&stage, "ball", 0.02, 0.1);
+    ball->placement.position[2] = 0.012;
     assert_int_equal(find(&stage, &overlap, 1), 1);
     assert_string_equal(overlap.first, "ball");
     assert_string_equal(overlap.second, "floor");
@@ -277,18 +265,20 @@ static void test_free_obstacles(void **state)
     assert_int_equal(find(&stage, &overlap, 1), 0);
     make(&stage);
     stage_box(&stage, "far", cube, 0.02, 1.0);
-    free_ball(&stage, "one", (const double[3]){0.0, 0.0, 0.1}, 0.02);
-    free_ball(&stage, "two", (const double[3]){0.03, 0.0, 0.14}, 0.04); /* 0.05 apart */
+    stage_free_ball(&stage, "one", 0.02, 0.1);
+    ShvObstacleDefinition *two = stage_free_ball(&stage, "two", 0.04, 0.1);
+    two->placement.position[0] = 0.03;
+    two->placement.position[2] = 0.04; /* 0.05 apart */
     assert_int_equal(find(&stage, &overlap, 1), 1);
     check_near(overlap.depth, 0.01, 1e-15);
     ShvError error;
     refused(&stage, &error);
     says(&error, "'one' and the obstacle 'two' overlap at the start, 0.01 m deep");
     says(&error, "neither is pushed out, it only comes no deeper");
-    stage.obstacles[1].name = NULL;
+    two->name = NULL;
     refused(&stage, &error);
     says(&error, "'one' and the obstacle '' overlap");
-    stage.obstacles[1].name = "two";
+    two->name = "two";
     for (int k = 0; k < 3; k++) stage.obstacles[0].placement.position[k] += overlap.parting[k];
     shv_simulation_destroy(stage_start(&stage));
 }
