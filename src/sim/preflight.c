@@ -166,6 +166,8 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
                              hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
     SHV_TRY(shv_find_nearest(preflight, hybrid, object, error));
     preflight->overshoot_each_step = overshoot(preflight, material);
+    if (preflight->breakable && hybrid->coupling.mutual && !shv_hybrid_is_alone(hybrid))
+        preflight->flight_interval = hybrid->scene->rigid.time_step;
     find_small_obstacle(preflight, &hybrid->obstacles);
     measure_spin(preflight, hybrid, object);
     return SHV_OK;

@@ -204,6 +204,46 @@ static void test_contact_wakes_once_a_rigid_step(void **unused)
     }
 }
 
+/* A ball that bounces, and one a metre beside it that may fly: one interval of flight. Returns the steps of fracture mode that it took. */
+static int64_t bounce_once(bool beside, ShvFragment *ball)
+{
+    Stage stage;
+    stage_make(&stage);
+    for (int k = 0; k < (beside ? 2 : 1); k++) {
+        ShvObjectDefinition *object =
+            stage_box(&stage, k == 0 ? "ball" : "other", (const double[3]){0, 0, 0}, 0.005, 0.011 + k);
+        object->mesh.kind = SHV_MESH_BALL;
+        object->mesh.radius = 0.01;
+        if (k == 0) object->placement.velocity[2] = -1.0;
+    }
+    stage_floor(&stage);
+    stage.scene.rigid.time_step = stage.scene.duration = 0.05;
+    stage.scene.gravity[2] = 0.0;
+    stage.scene.fracture.threshold = 1e3; /* it wakes, but nothing breaks */
+    ShvHybrid hybrid;
+    ShvError error = {SHV_OK, ""};
+    int64_t taken = 0;
+    start(&hybrid, &stage);
+    check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration, 0, &taken, &error), error);
+    *ball = hybrid.fragments.items[0];
+    assert_int_equal(ball->mode, SHV_MODE_FLIGHT);
+    shv_hybrid_release(&hybrid);
+    return taken;
+}
+
+/* For a body that is all that moves nobody has flown: it rests as soon as it may, and flies the rest of the interval, to where it comes
+   in the end when it waits. */
+static void test_a_body_alone_rests_within_an_interval(void **unused)
+{
+    (void)unused;
+    ShvFragment alone, beside;
+    const int64_t steps = bounce_once(false, &alone), all = bounce_once(true, &beside);
+    assert_true(steps > 0 && 5 * steps < all);
+    assert_true(beside.velocity.z > 0.5);
+    check_near(alone.velocity.z, beside.velocity.z, 1e-3);
+    check_near(alone.position.z, beside.position.z, 1e-4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -212,6 +252,7 @@ int main(void)
         cmocka_unit_test(test_clock),
         cmocka_unit_test(test_given_interval),
         cmocka_unit_test(test_contact_wakes_once_a_rigid_step),
+        cmocka_unit_test(test_a_body_alone_rests_within_an_interval),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
