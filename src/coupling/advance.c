@@ -87,14 +87,14 @@ static ShvStatus rest_early(ShvHybrid *hybrid, ShvError *error)
 
 bool shv_hybrid_is_alone(const ShvHybrid *hybrid)
 {
-    bool alone = hybrid->fragments.alive == 1;
+    bool alone = hybrid->fragments.alive == 1 && hybrid->cohesive.count == 0;
     for (int32_t i = 0; i < hybrid->obstacles.count && alone; i++)
         alone = hybrid->obstacles.items[i].motion == SHV_OBSTACLE_FIXED;
     return alone;
 }
 
 /* Whether fragments are asked, within an interval, if they may rest. Where they meet one another flight takes intervals whole, and
-   they wait for the end of this one; but a body alone, for which nobody has flown, flies the rest of it. */
+   they wait for the end of this one; but a whole body alone, for which nobody has flown, flies the rest of it. */
 static bool rest_is_due(const ShvHybrid *hybrid)
 {
     return hybrid->check.since_rest >= hybrid->scene->fracture.quiet_checks &&

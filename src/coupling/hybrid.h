@@ -270,7 +270,7 @@ void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
-/* advance.c: whether there is one body alone, and nothing else that moves. */
+/* advance.c: whether there is one body alone, without a crack, and nothing else that moves. */
 bool shv_hybrid_is_alone(const ShvHybrid *hybrid);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
 /* s: until what a cracked body carries beside its rigid motion has fallen to what it may rest with, as it falls in scenes that were

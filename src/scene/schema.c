@@ -797,7 +797,7 @@ static const ShvKey rigid_keys[] = {
      .sentence =
          "Time step of rigid flight; under `bullet` a tenth of it while something is in fracture mode, but not less "
          "than 16 of that mode's steps. What an impact wakes stays in fracture mode to the end of the step, unless it "
-         "is all that moves: for bodies of millimetres take it shorter, as `shiver check` says."},
+         "is whole and all that moves: for bodies of millimetres take it shorter, as `shiver check` says."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
      .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
                  "(under Bullet at most one in a rigid time step and body). With `stress` what spins faster than it "
