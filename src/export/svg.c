@@ -182,23 +182,24 @@ static void add_pieces(Svg *svg)
     }
 }
 
-static ShvVec3 obstacle_point(const Svg *svg, int32_t obstacle, int64_t corner)
+/* Whether it is drawn: planes are not by triangles. */
+static bool obstacle_triangle(const Svg *svg, int32_t obstacle, int64_t triangle, ShvVec3 corner[3])
 {
     const ShvObstacleMesh *mesh = &svg->obstacles[obstacle];
     const double *q = svg->views[obstacle].orientation;
-    return shv_add(shv_load3(svg->views[obstacle].position),
-                   shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]},
-                              shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[corner])));
+    for (int k = 0; k < 3; k++) {
+        const ShvVec3 x = shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[3 * triangle + k]);
+        corner[k] = shv_add(shv_load3(svg->views[obstacle].position), shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, x));
+    }
+    return mesh->body.shape != SHV_OBSTACLE_PLANE;
 }
 
 static void add_obstacles(Svg *svg)
 {
+    ShvVec3 corner[3];
     for (int32_t i = 0; i < svg->info->obstacle_count; i++)
-        for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++) {
-            ShvVec3 corner[3];
-            for (int k = 0; k < 3; k++) corner[k] = obstacle_point(svg, i, 3 * t + k);
-            if (svg->obstacles[i].body.shape != SHV_OBSTACLE_PLANE) add_patch(svg, corner, SHV_OBSTACLE_COLOUR);
-        }
+        for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++)
+            if (obstacle_triangle(svg, i, t, corner)) add_patch(svg, corner, SHV_OBSTACLE_COLOUR);
 }
 
 static int far_first(const void *a, const void *b)
@@ -334,26 +335,34 @@ static void print_patches(const Svg *svg)
     }
 }
 
+/* Of a triangle on a plane, in the light; none where it is not above the plane, or hardly to be seen. */
+static void print_shadow(const Svg *svg, const ShvObstacleBody *plane, const ShvVec3 corner[3])
+{
+    const ShvVec3 normal = shv_load3(plane->normal);
+    ShvScreenPoint seen[3];
+    for (int k = 0; k < 3; k++) {
+        const double height = shv_dot(corner[k], normal) - plane->offset;
+        const ShvVec3 foot = shv_madd(corner[k], -height / shv_dot(normal, light()), light());
+        if (height < 0.0 || !shv_camera_project(&svg->camera, foot, &seen[k])) return;
+    }
+    if (area_of(seen) > 1.0) print_triangle(svg->stream, seen);
+}
+
 /* A plane that the camera is above, and on it what stands between it and the lamp: one path, so that nothing darkens twice. */
 static void print_plane(const Svg *svg, int32_t obstacle)
 {
-    const ShvObstacleBody *body = &svg->obstacles[obstacle].body;
-    const ShvVec3 normal = shv_load3(body->normal);
-    const double fall = shv_dot(normal, light());
+    const ShvObstacleBody *plane = &svg->obstacles[obstacle].body;
+    const ShvVec3 normal = shv_load3(plane->normal);
+    ShvVec3 corner[3];
     if (!(shv_dot(normal, svg->camera.toward) > 0.1)) return;
-    shv_print(svg->stream, "<rect width=\"100%%\" height=\"100%%\" fill=\"#e9e5dd\"/>\n<path fill=\"#8b8478\" "
-                           "fill-opacity=\".45\" d=\"");
-    for (int64_t f = 0; f < svg->lines.begin[svg->lines.count] && fall > 0.1; f++) {
-        ShvVec3 corner[3];
-        ShvScreenPoint seen[3];
-        bool good = bare_face(svg, svg->lines.face[f], corner) >= 0;
-        for (int k = 0; k < 3 && good; k++) {
-            const double height = shv_dot(corner[k], normal) - body->offset;
-            good = height >= 0.0 &&
-                   shv_camera_project(&svg->camera, shv_madd(corner[k], -height / fall, light()), &seen[k]);
-        }
-        if (good && area_of(seen) > 1.0) print_triangle(svg->stream, seen);
-    }
+    shv_print(svg->stream, "<rect width=\"100%%\" height=\"100%%\" fill=\"#e9e5dd\"/>\n");
+    if (!(shv_dot(normal, light()) > 0.1)) return;
+    shv_print(svg->stream, "<path fill=\"#8b8478\" fill-opacity=\".45\" d=\"");
+    for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++)
+        if (bare_face(svg, svg->lines.face[f], corner) >= 0) print_shadow(svg, plane, corner);
+    for (int32_t i = 0; i < svg->info->obstacle_count; i++)
+        for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++)
+            if (obstacle_triangle(svg, i, t, corner)) print_shadow(svg, plane, corner);
     shv_print(svg->stream, "\"/>\n");
 }
 
