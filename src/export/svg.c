@@ -2,7 +2,6 @@
 #include "shiver/export.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "base/text.h"
@@ -16,8 +15,16 @@ enum { PANELS = 4, MOST_PANELS = 24 };
 static const double LEAST_SHARE = 0.05;
 static const char *const SUFFIX[] = {".svg"};
 
+/* A face of a body, its corners anticlockwise from outside. */
+typedef struct Face {
+    ShvVec3 corner[3];
+    int32_t node[3]; /* of the body's mesh */
+    int32_t body;    /* a fragment, or −1 − an obstacle */
+} Face;
+
 typedef struct Patch {
     ShvScreenPoint corner[3];
+    int32_t node[3], body;
     double near; /* of the middle */
     int64_t item;
     uint32_t colour;
@@ -27,7 +34,7 @@ typedef struct Patch {
 
 /* Of a patch. */
 typedef struct Edge {
-    double end[4]; /* x and y of both, in an order of their own: the same for all that share it */
+    int32_t body, low, high; /* nodes; copies of one node count as one */
     int64_t patch;
     int number;
 } Edge;
@@ -115,14 +122,18 @@ static double area_of(const ShvScreenPoint corner[3])
            (corner[1].x - corner[0].x) * (corner[2].y - corner[0].y);
 }
 
-static void add_patch(Svg *svg, const ShvVec3 corner[3], uint32_t colour)
+static void add_patch(Svg *svg, const Face *face, uint32_t colour)
 {
     Patch *patch = &svg->patches[svg->patch_count];
     bool seen = true;
-    for (int k = 0; k < 3; k++) seen = seen && shv_camera_project(&svg->camera, corner[k], &patch->corner[k]);
+    for (int k = 0; k < 3; k++) {
+        seen = seen && shv_camera_project(&svg->camera, face->corner[k], &patch->corner[k]);
+        patch->node[k] = face->node[k];
+    }
+    patch->body = face->body;
     if (!seen || !(area_of(patch->corner) > 0.0)) return;
     patch->near = (patch->corner[0].near + patch->corner[1].near + patch->corner[2].near) / 3.0;
-    patch->colour = shv_shaded(colour, shade_of(corner));
+    patch->colour = shv_shaded(colour, shade_of(face->corner));
     patch->seen = patch->goes_on[0] = patch->goes_on[1] = patch->goes_on[2] = false;
     patch->item = svg->patch_count++;
 }
@@ -134,22 +145,28 @@ static ShvVec3 point_of(const Svg *svg, int64_t tet, int corner)
                             svg->lines.pieces.elements[4 * tet + corner]);
 }
 
-/* Corners of a face that is bare at the frame, and its fragment; −1: it is not bare. Their order follows from where the opposite
-   corner is, so that a tet turned inside out is drawn too. */
-static int32_t bare_face(const Svg *svg, int64_t face, ShvVec3 corner[3])
+/* A face of a tet, and whether it is bare at the frame. The order of its corners follows from where the opposite corner is, so that a
+   tet turned inside out is drawn too. */
+static bool bare_face(const Svg *svg, int64_t number, Face *face)
 {
     const ShvPieces *pieces = &svg->lines.pieces;
-    const int32_t other = svg->lines.neighbour[face], carrier = pieces->carrier[pieces->owner[face / 4]];
-    if (!pieces->alive[carrier] || (other >= 0 && pieces->carrier[pieces->owner[other]] == carrier)) return -1;
-    for (int k = 0; k < 3; k++) corner[k] = point_of(svg, face / 4, shv_face_corner(face, k));
-    if (!shv_finite3(corner[0]) || !shv_finite3(corner[1]) || !shv_finite3(corner[2])) return -1;
-    const ShvVec3 normal = shv_cross(shv_sub(corner[1], corner[0]), shv_sub(corner[2], corner[0]));
-    if (shv_dot(normal, shv_sub(point_of(svg, face / 4, (int)(face % 4)), corner[0])) > 0.0) {
-        const ShvVec3 second = corner[1];
-        corner[1] = corner[2];
-        corner[2] = second;
+    const int32_t other = svg->lines.neighbour[number], carrier = pieces->carrier[pieces->owner[number / 4]];
+    if (!pieces->alive[carrier] || (other >= 0 && pieces->carrier[pieces->owner[other]] == carrier)) return false;
+    face->body = carrier;
+    for (int k = 0; k < 3; k++) {
+        const int corner = shv_face_corner(number, k);
+        face->corner[k] = point_of(svg, number / 4, corner);
+        face->node[k] = pieces->elements[4 * (number / 4) + corner];
+        if (!shv_finite3(face->corner[k])) return false;
     }
-    return carrier;
+    const Face found = *face;
+    const ShvVec3 *x = found.corner, normal = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
+    if (!(shv_dot(normal, shv_sub(point_of(svg, number / 4, (int)(number % 4)), x[0])) > 0.0)) return true;
+    for (int k = 1; k < 3; k++) {
+        face->corner[k] = found.corner[3 - k];
+        face->node[k] = found.node[3 - k];
+    }
+    return true;
 }
 
 /* Whether a crack that parts no piece yet lies beside the tet. */
@@ -173,33 +190,35 @@ static void add_pieces(Svg *svg)
         if (pieces->alive[i] && (heaviest < 0 || pieces->fragments[i].mass > pieces->fragments[heaviest].mass))
             heaviest = i;
     for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++) {
-        ShvVec3 corner[3];
-        const int32_t fragment = bare_face(svg, svg->lines.face[f], corner);
-        if (fragment < 0) continue;
+        Face face;
+        if (!bare_face(svg, svg->lines.face[f], &face)) continue;
         const uint32_t whole =
-            fragment == heaviest ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(pieces->lineage[fragment]);
-        add_patch(svg, corner, is_cracked(svg, svg->lines.face[f] / 4) ? (uint32_t)SHV_CRACK_COLOUR : whole);
+            face.body == heaviest ? (uint32_t)SHV_STONE_COLOUR : shv_line_colour(pieces->lineage[face.body]);
+        add_patch(svg, &face, is_cracked(svg, svg->lines.face[f] / 4) ? (uint32_t)SHV_CRACK_COLOUR : whole);
     }
 }
 
 /* Whether it is drawn: planes are not by triangles. */
-static bool obstacle_triangle(const Svg *svg, int32_t obstacle, int64_t triangle, ShvVec3 corner[3])
+static bool obstacle_face(const Svg *svg, int32_t obstacle, int64_t triangle, Face *face)
 {
     const ShvObstacleMesh *mesh = &svg->obstacles[obstacle];
     const double *q = svg->views[obstacle].orientation;
+    face->body = -1 - obstacle;
     for (int k = 0; k < 3; k++) {
-        const ShvVec3 x = shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[3 * triangle + k]);
-        corner[k] = shv_add(shv_load3(svg->views[obstacle].position), shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, x));
+        face->node[k] = mesh->triangles[3 * triangle + k];
+        const ShvVec3 x = shv_load3(mesh->positions + 3 * (int64_t)face->node[k]);
+        face->corner[k] =
+            shv_add(shv_load3(svg->views[obstacle].position), shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, x));
     }
     return mesh->body.shape != SHV_OBSTACLE_PLANE;
 }
 
 static void add_obstacles(Svg *svg)
 {
-    ShvVec3 corner[3];
+    Face face;
     for (int32_t i = 0; i < svg->info->obstacle_count; i++)
         for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++)
-            if (obstacle_triangle(svg, i, t, corner)) add_patch(svg, corner, SHV_OBSTACLE_COLOUR);
+            if (obstacle_face(svg, i, t, &face)) add_patch(svg, &face, SHV_OBSTACLE_COLOUR);
 }
 
 static int far_first(const void *a, const void *b)
@@ -255,17 +274,21 @@ static ShvStatus keep_seen(Svg *svg, ShvError *error)
 
 static Edge edge_of(const Patch *patch, int64_t number, int k)
 {
-    const ShvScreenPoint a = patch->corner[k], b = patch->corner[(k + 1) % 3];
-    const bool swapped = b.x < a.x || (b.x == a.x && b.y < a.y);
-    const ShvScreenPoint first = swapped ? b : a, last = swapped ? a : b;
-    return (Edge){{first.x, first.y, last.x, last.y}, number, k};
+    const int32_t a = patch->node[k], b = patch->node[(k + 1) % 3];
+    return (Edge){patch->body, a < b ? a : b, a < b ? b : a, number, k};
 }
 
-static int by_ends(const void *a, const void *b)
+static bool is_same(const Edge *a, const Edge *b)
+{
+    return a->body == b->body && a->low == b->low && a->high == b->high;
+}
+
+static int by_nodes(const void *a, const void *b)
 {
     const Edge *left = a, *right = b;
-    for (int i = 0; i < 4; i++)
-        if (left->end[i] != right->end[i]) return left->end[i] < right->end[i] ? -1 : 1;
+    if (left->body != right->body) return left->body < right->body ? -1 : 1;
+    if (left->low != right->low) return left->low < right->low ? -1 : 1;
+    if (left->high != right->high) return left->high < right->high ? -1 : 1;
     return (left->patch > right->patch) - (left->patch < right->patch);
 }
 
@@ -276,10 +299,9 @@ static ShvStatus find_shared_edges(Svg *svg, ShvError *error)
     Edge *edges = shv_allocate(svg->options.memory, SHV_PART_RECORD, (size_t)count, sizeof *edges);
     if (!edges) return shv_fail_memory(error, "edges", (size_t)count * sizeof *edges);
     for (int64_t i = 0; i < count; i++) edges[i] = edge_of(&svg->patches[i / 3], i / 3, (int)(i % 3));
-    qsort(edges, (size_t)count, sizeof *edges, by_ends);
+    qsort(edges, (size_t)count, sizeof *edges, by_nodes);
     for (int64_t i = 0; i + 1 < count; i++)
-        if (memcmp(edges[i].end, edges[i + 1].end, sizeof edges[i].end) == 0)
-            svg->patches[edges[i].patch].goes_on[edges[i].number] = true;
+        if (is_same(&edges[i], &edges[i + 1])) svg->patches[edges[i].patch].goes_on[edges[i].number] = true;
     shv_release(edges);
     return SHV_OK;
 }
@@ -353,16 +375,16 @@ static void print_plane(const Svg *svg, int32_t obstacle)
 {
     const ShvObstacleBody *plane = &svg->obstacles[obstacle].body;
     const ShvVec3 normal = shv_load3(plane->normal);
-    ShvVec3 corner[3];
+    Face face;
     if (!(shv_dot(normal, svg->camera.toward) > 0.1)) return;
     shv_print(svg->stream, "<rect width=\"100%%\" height=\"100%%\" fill=\"#e9e5dd\"/>\n");
     if (!(shv_dot(normal, light()) > 0.1)) return;
     shv_print(svg->stream, "<path fill=\"#8b8478\" fill-opacity=\".45\" d=\"");
     for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++)
-        if (bare_face(svg, svg->lines.face[f], corner) >= 0) print_shadow(svg, plane, corner);
+        if (bare_face(svg, svg->lines.face[f], &face)) print_shadow(svg, plane, face.corner);
     for (int32_t i = 0; i < svg->info->obstacle_count; i++)
         for (int64_t t = 0; t < svg->obstacles[i].triangle_count; t++)
-            if (obstacle_triangle(svg, i, t, corner)) print_shadow(svg, plane, corner);
+            if (obstacle_face(svg, i, t, &face)) print_shadow(svg, plane, face.corner);
     shv_print(svg->stream, "\"/>\n");
 }
 
@@ -431,10 +453,9 @@ static ShvStatus aim(Svg *svg, const int64_t *frames, int32_t count, double widt
         for (int32_t k = 0; k < svg->info->fragment_count; k++)
             if (pieces->alive[k]) least = fmax(least, LEAST_SHARE * pieces->fragments[k].mass);
         for (int64_t f = 0; f < svg->lines.begin[svg->lines.count]; f++) {
-            ShvVec3 corner[3];
-            const int32_t fragment = bare_face(svg, svg->lines.face[f], corner);
-            for (int k = 0; k < 3 && fragment >= 0 && pieces->fragments[fragment].mass >= least; k++)
-                shv_camera_include(&svg->camera, corner[k]);
+            Face face;
+            if (!bare_face(svg, svg->lines.face[f], &face) || pieces->fragments[face.body].mass < least) continue;
+            for (int k = 0; k < 3; k++) shv_camera_include(&svg->camera, face.corner[k]);
         }
     }
     shv_camera_aim(&svg->camera, width);
