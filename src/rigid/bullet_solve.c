@@ -41,7 +41,8 @@ static double thrown_back(const ShvBullet *bullet, const ShvContactPair *contact
 /* Of the step: the least time that a gap has to close in; it only keeps the quotient finite. */
 static const double least_left = 1e-9;
 
-/* A contact that is held: its gap may close until the step's end, no more. */
+/* A contact that is held: its gap may close until the step's end, no more. Of a touch that parts fast, from which the body goes to its time
+   of impact elsewhere, it is the gap that there is by then. */
 static void hold(const ShvBullet *bullet, const ShvContactPair *contact_pair, ShvBulletContact *contact, double gap,
                  double speed)
 {
@@ -49,7 +50,7 @@ static void hold(const ShvBullet *bullet, const ShvContactPair *contact_pair, Sh
     const double since = contact_pair->struck ? contact_pair->impact : fmax(0.0, fmax(a->impact_time, b->impact_time));
     const double left = fmax(bullet->step - since, least_left * bullet->step);
     const double then = contact_pair->struck ? gap : gap + speed * since;
-    if (gap > 0.0) {
+    if (gap > 0.0 || (speed > bullet->rest && then > 0.0)) {
         contact->target = -fmax(0.0, then) / left;
         return;
     }

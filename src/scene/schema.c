@@ -651,7 +651,10 @@ static const ShvKey obstacle_keys[] = {
     {"friction", SHV_KEY_NUMBER, .range = &not_negative, .offset = OBSTACLE(friction),
      .sentence = "Coulomb coefficient of friction."},
     {"restitution", SHV_KEY_NUMBER, .range = &share, .offset = OBSTACLE(restitution),
-     .sentence = "Coefficient of restitution of rigid impacts; deforming bodies rebound by their own elasticity."},
+     .sentence =
+         "Coefficient of restitution of rigid impacts. Deforming bodies rebound by their own elasticity, but an impact "
+         "like one that a body has borne does not wake it again: it rebounds from the first by elasticity, and "
+         "from the next by this."},
     {"waits", SHV_KEY_BOOLEAN, .offset = OBSTACLE(waits),
      .sentence = "Of one with a mass: it is not in the scene until a program brings it (shv_simulation_enter)."},
     {"mass", SHV_KEY_NUMBER, SHV_DIMENSION_MASS, .range = &positive, .offset = OBSTACLE(mass),

@@ -134,6 +134,27 @@ static void test_opposed_planes(void **unused)
     }
 }
 
+/* A box leaves the floor that it touches, and a roof 10 mm above throws it back within the step: to 1 mm above the floor. */
+static void test_thrown_back_to_what_it_left(void **unused)
+{
+    (void)unused;
+    for (int overlap = 0; overlap < 2; overlap++) {
+        World world;
+        world_begin(&world);
+        world_box(&world, 0.1, 0.1, 0.1, 0.1)->placement.velocity[2] = 20.0;
+        plane(&world, 0.0, 1.0, overlap ? -0.0499 : -0.05)->restitution = 0.9;
+        plane(&world, 0.0, -1.0, -0.06)->restitution = 0.9;
+        world_build(&world);
+        bullet_fly(&world);
+        world_advance(&world, 0.0, 1e-3, no_gravity, NULL, NULL, NULL);
+        const ShvFragment *box = &world.fragments.items[0];
+        check_near(box->velocity.z, -18.0, 1e-9);
+        check_near(box->position.z, 1e-3, 1e-9);
+        check_near(shv_norm(box->angular_velocity), 0.0, 1e-7); /* the solver iterates */
+        world_end(&world);
+    }
+}
+
 /* A ram presses a box into the floor: the contradiction stays bounded by the ram's speed. */
 static void test_crushed_between_ram_and_floor(void **unused)
 {
@@ -352,6 +373,7 @@ int main(void)
         cmocka_unit_test(test_light_meets_heavy),
         cmocka_unit_test(test_heavy_stands_on_light),
         cmocka_unit_test(test_opposed_planes),
+        cmocka_unit_test(test_thrown_back_to_what_it_left),
         cmocka_unit_test(test_crushed_between_ram_and_floor),
         cmocka_unit_test(test_wedge),
         cmocka_unit_test(test_far_from_the_origin),
