@@ -39,10 +39,11 @@ typedef struct ShvBulletRigidBody {
     bool coupled;       /* moved by somebody else meanwhile */
     double fall;        /* share of gravity that it follows: 1; 0 of what is looked at as asleep (bullet_guard.c) */
     double fastest;     /* bound of |ω|, rad/s */
-    double impact_time; /* s since its start at which it meets something fast; −1: nothing */
+    double impact_time; /* s since its start at which it meets something fast; −1: nothing, or it does not move */
     double until;       /* s since its start: goes no further */
     bool leaves;        /* wakes */
-    bool thrown;        /* by its impact, off its foreseen way */
+    bool meets_again;   /* something fast, on its foreseen way after its impact */
+    bool thrown;        /* by its impact, off that way; or it meets again */
     bool stopped;       /* its impact did not throw it back */
     bool meets;         /* closes on something that it touches, faster than bodies at rest do */
     bool held;          /* pushed by contacts other than its impact */

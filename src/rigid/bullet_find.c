@@ -286,13 +286,7 @@ static const double same_moment = 0.01;
 /* Whether a body can take part in an impact: it has no other, or one at (nearly) that time, which then holds for both. */
 static bool is_free_for(const ShvBullet *bullet, const ShvBulletRigidBody *body, double time)
 {
-    return !body->moves || body->impact_time < 0.0 || fabs(body->impact_time - time) <= same_moment * bullet->step;
-}
-
-/* The time that a body's earlier impact has set; −1: none. */
-static double set_moment(const ShvBulletRigidBody *body)
-{
-    return body->moves ? body->impact_time : -1.0;
+    return body->impact_time < 0.0 || fabs(body->impact_time - time) <= same_moment * bullet->step;
 }
 
 /* The pair as it stands at a time; its contacts there. */
@@ -348,6 +342,13 @@ static ShvStatus find_contacts_at_impact(ShvBullet *bullet, ShvContactPair *cont
     return collide_at(bullet, contact_pair, contact_pair->impact, error);
 }
 
+/* Of those who have an impact at another time. */
+static void leave_impact(ShvBulletRigidBody *a, ShvBulletRigidBody *b)
+{
+    a->meets_again = a->meets_again || a->impact_time >= 0.0;
+    b->meets_again = b->meets_again || b->impact_time >= 0.0;
+}
+
 /* The earliest impacts first: a body takes part in one. */
 static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
 {
@@ -362,9 +363,12 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
     for (int32_t k = 0; k < bullet->order_count; k++) {
         ShvContactPair *contact_pair = &bullet->contact_pairs[bullet->order[k].contact_pair];
         ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-        if (!is_free_for(bullet, a, contact_pair->impact) || !is_free_for(bullet, b, contact_pair->impact)) continue;
-        const double set_a = set_moment(a), set_b = set_moment(b), set = fmax(set_a, set_b);
-        if (set_a >= 0.0 && set_b >= 0.0 && set_a != set_b) continue;
+        const double set = fmax(a->impact_time, b->impact_time);
+        if (!is_free_for(bullet, a, contact_pair->impact) || !is_free_for(bullet, b, contact_pair->impact) ||
+            (a->impact_time >= 0.0 && b->impact_time >= 0.0 && a->impact_time != b->impact_time)) {
+            leave_impact(a, b);
+            continue;
+        }
         contact_pair->struck = contact_pair->touching = true;
         if (set >= 0.0) {
             contact_pair->impact = set;
@@ -372,7 +376,8 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
         } else if (contact_pair->impact > 0.0) {
             SHV_TRY(find_contacts_at_impact(bullet, contact_pair, error));
         }
-        a->impact_time = b->impact_time = contact_pair->impact;
+        if (a->moves) a->impact_time = contact_pair->impact;
+        if (b->moves) b->impact_time = contact_pair->impact;
     }
     return SHV_OK;
 }

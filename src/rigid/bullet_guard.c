@@ -68,14 +68,14 @@ static ShvStatus guard_pair(ShvBullet *bullet, ShvBulletRigidBody *a, ShvBulletR
     return SHV_OK;
 }
 
-/* Of what has been thrown off the way on which pairs were found, the new one. */
+/* Of what has been thrown off the way on which pairs were found, or meets more on it, the new one. */
 static ShvStatus find_new_way(ShvBullet *bullet, ShvBulletRigidBody *body, double smallest, ShvError *error)
 {
     const double left = bullet->step - body->impact_time;
     const double turn = body->round ? 0.0 : shv_norm(shv_sub(body->new_spin, body->solver_spin)) * body->radius;
     const ShvVec3 before = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
     const double change = shv_norm(shv_sub(body->new_velocity, before)) + turn;
-    if (!(change * left > small_motion_of_radius * smallest)) return SHV_OK;
+    if (!(change * left > small_motion_of_radius * smallest) && !body->meets_again) return SHV_OK;
     body->thrown = true;
     const ShvBulletRigidBody later = from_time(bullet, body, body->impact_time);
     shv_bullet_body_place(&later, bullet->bullet, later.position, later.orientation);
