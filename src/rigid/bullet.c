@@ -136,6 +136,8 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
         body->until = bullet->step;
         body->leaves = body->meets = body->meets_again = body->thrown = false;
         body->stopped = body->held = body->solved = body->restless = body->supported = false;
+        body->rebounds = body->driven = false;
+        body->work = body->square = 0.0;
         body->push = body->turn = shv_vec3(0.0, 0.0, 0.0);
         body->impulse = 0.0;
         body->island = i;
@@ -208,6 +210,7 @@ static ShvStatus advance(ShvRigidBackend *backend, double time, double step, con
     Detection detection = {bullet, judge, judge_data, wakes, wake_count};
     SHV_TRY(shv_bullet_world_step(bullet->bullet, step, detect, &detection, error));
     shv_bullet_take_motions(bullet);
+    shv_bullet_limit_rebounds(bullet);
     SHV_TRY(shv_bullet_guard(bullet, error));
     shv_bullet_move(bullet);
     end(bullet);

@@ -48,9 +48,11 @@ typedef struct ShvBulletRigidBody {
     bool meets;         /* closes on something that it touches, faster than bodies at rest do */
     bool held;          /* pushed by contacts other than its impact */
     bool solved;        /* has contacts in the solver */
-    bool restless, supported;   /* its island, where this stands for it: something moves; something holds it */
-    int32_t island;             /* place of the body that stands for all that hangs together */
-    double heap_mass;           /* kg of that */
+    bool restless, supported; /* its island, where this stands for it: something moves; something holds it; */
+    bool rebounds, driven;    /* something is thrown back; something that moves by itself takes part; */
+    double work, square;      /* J: of all its impulses on the velocities without them, and on what they make of them */
+    int32_t island;           /* place of the body that stands for all that hangs together */
+    double heap_mass;         /* kg of that */
     ShvQuat solver_orientation; /* pose in which the solver sees it, */
     ShvVec3 solver_spin;        /* and its spin there before the contacts */
     ShvVec3 new_velocity;       /* m/s at the step's end, */

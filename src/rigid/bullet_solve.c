@@ -227,3 +227,83 @@ void shv_bullet_take_motions(ShvBullet *bullet)
         body->turn = shv_load3(motion->turn);
     }
 }
+
+/* ---- rebounds that would gain energy ----
+   Newton's law of restitution with friction may give what spins more energy than it had (Kane 1984). All impulses of an island that
+   would are scaled by λ: what they give is λ × work + λ² × square, and nothing at λ = −work/square. Momentum stays, and so do
+   friction cones. */
+
+/* Of `square`: less gain is the solver's. */
+static const double least_gain = 1e-6;
+
+/* Speeds at the time of impact or at the step's end, whichever has less gained: gravity acts between. */
+static void add_work(ShvBullet *bullet, const ShvBulletRigidBody *body)
+{
+    ShvBulletRigidBody *island = &bullet->bodies[body->island];
+    const ShvVec3 end = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
+    const ShvVec3 then = shv_bullet_body_velocity(body, fmax(0.0, body->impact_time), bullet->gravity);
+    const ShvVec3 change = shv_sub(body->new_velocity, end), turn = shv_sub(body->new_spin, body->solver_spin);
+    const ShvVec3 spin = shv_free_rotation_momentum(&body->rotation, body->solver_orientation, turn);
+    island->work += body->mass * fmin(shv_dot(end, change), shv_dot(then, change)) + shv_dot(spin, body->solver_spin);
+    island->square += 0.5 * (body->mass * shv_dot(change, change) + shv_dot(spin, turn));
+}
+
+static ShvBulletRigidBody *island_of(ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    return &bullet->bodies[a->moves ? a->island : b->island];
+}
+
+static bool moves_by_itself(const ShvBulletRigidBody *body)
+{
+    return !body->moves && shv_norm(body->velocity) + shv_norm(body->spin) > 0.0;
+}
+
+static void look_at_contacts(ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    ShvBulletRigidBody *island = island_of(bullet, contact_pair);
+    for (int32_t k = 0; k < contact_pair->contact_count; k++) {
+        const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
+        island->rebounds = island->rebounds || (contact_pair->struck && contact->target > 0.0);
+        island->driven = island->driven || moves_by_itself(&bullet->bodies[contact_pair->a]) ||
+                         moves_by_itself(&bullet->bodies[contact_pair->b]);
+    }
+}
+
+static double share_of_impulses(const ShvBulletRigidBody *island)
+{
+    const bool gains =
+        island->rebounds && !island->driven && island->work + island->square > least_gain * island->square;
+    return gains ? fmax(0.0, -island->work / island->square) : 1.0;
+}
+
+static void scale_contacts(ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    const double share = share_of_impulses(island_of(bullet, contact_pair));
+    for (int32_t k = 0; k < contact_pair->contact_count; k++) {
+        ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
+        contact->normal_impulse *= share;
+        shv_store3(contact->friction_impulse, shv_scale(shv_load3(contact->friction_impulse), share));
+    }
+}
+
+void shv_bullet_limit_rebounds(ShvBullet *bullet)
+{
+    bool any = false;
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++) look_at_contacts(bullet, &bullet->contact_pairs[i]);
+    for (int32_t i = 0; i < bullet->body_count; i++) {
+        const ShvBulletRigidBody *body = &bullet->bodies[i];
+        if (!is_moved(body) || !body->solved || !bullet->bodies[body->island].rebounds) continue;
+        add_work(bullet, body);
+        any = true;
+    }
+    for (int32_t i = 0; any && i < bullet->body_count; i++) {
+        ShvBulletRigidBody *body = &bullet->bodies[i];
+        const double share = share_of_impulses(&bullet->bodies[body->island]);
+        if (!is_moved(body) || !body->solved || share == 1.0) continue;
+        const ShvVec3 end = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
+        body->new_velocity = shv_madd(end, share, shv_sub(body->new_velocity, end));
+        body->new_spin = shv_madd(body->solver_spin, share, shv_sub(body->new_spin, body->solver_spin));
+    }
+    for (int32_t i = 0; any && i < bullet->contact_pair_count; i++) scale_contacts(bullet, &bullet->contact_pairs[i]);
+}

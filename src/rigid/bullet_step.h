@@ -105,6 +105,7 @@ ShvStatus shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_da
                            int32_t *wake_count, ShvError *error);
 ShvStatus shv_bullet_set_up_contacts(ShvBullet *bullet, ShvBulletTask *task, ShvError *error);
 void shv_bullet_take_motions(ShvBullet *bullet);
+void shv_bullet_limit_rebounds(ShvBullet *bullet);
 ShvStatus shv_bullet_guard(ShvBullet *bullet, ShvError *error);
 void shv_bullet_move(ShvBullet *bullet);
 
