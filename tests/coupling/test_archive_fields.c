@@ -29,7 +29,7 @@ static const Size sizes[] = {
     SIZE(ShvFragment, "rigid/rigid_archive.c", 680),
     SIZE(ShvFlightBody, "rigid/rigid_archive.c", 368),
     SIZE(ShvBullet, "rigid/bullet_archive.c", 352),
-    SIZE(ShvBulletRigidBody, "rigid/bullet_archive.c", 856),
+    SIZE(ShvBulletRigidBody, "rigid/bullet_archive.c", 880),
     SIZE(ShvBars, "pbd/pbd_archive.c", 208),
     SIZE(ShvRelax, "pbd/pbd_archive.c", 304),
     SIZE(ShvTies, "pbd/pbd_archive.c", 24),
