@@ -185,6 +185,43 @@ static void test_rebounds_gain_nothing(void **unused)
     assert_true(most < 1e-6);
 }
 
+/* Boxes that cross a room up to twice in a step, and meet walls and each other on the way: none leaves it. */
+static void test_none_leaves_a_room(void **unused)
+{
+    (void)unused;
+    double farthest = 0.0;
+    for (uint64_t k = 0; k < 30; k++) {
+        World world;
+        world_begin(&world);
+        for (uint64_t n = 0; n < 3; n++) {
+            ShvPlacement *placement = &world_box(&world, 0.04, 0.04, 0.04, 0.04)->placement;
+            placement->position[0] = 0.065 * ((double)n - 1.0);
+            for (uint64_t i = 0; i < 3; i++) {
+                placement->velocity[i] = 400.0 * (shv_random_uniform(k, 9 * n + i) - 0.5);
+                placement->angular_velocity[i] = 2000.0 * (shv_random_uniform(k, 9 * n + i + 3) - 0.5);
+            }
+        }
+        for (int wall = 0; wall < 6; wall++) {
+            ShvObstacleDefinition *definition = plane(&world, 0.0, 0.0, -0.1);
+            definition->plane_normal[wall / 2] = wall % 2 ? 1.0 : -1.0;
+            definition->restitution = 0.9;
+        }
+        world.scene.rigid.restitution = 0.9;
+        world_build(&world);
+        bullet_fly(&world);
+        for (int step = 0; step < 60; step++) {
+            world_advance(&world, step * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
+            for (int32_t f = 0; f < world.fragments.count; f++) {
+                const ShvVec3 x = world.fragments.items[f].position;
+                farthest = fmax(farthest, fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))));
+            }
+        }
+        world_end(&world);
+    }
+    print_message("a room of 0.2 m: farthest centre %.4f m from its middle\n", farthest);
+    assert_true(farthest < 0.1 - 0.018); /* half a box, but for a tenth of that */
+}
+
 /* A ram presses a box into the floor: the contradiction stays bounded by the ram's speed. */
 static void test_crushed_between_ram_and_floor(void **unused)
 {
@@ -405,6 +442,7 @@ int main(void)
         cmocka_unit_test(test_opposed_planes),
         cmocka_unit_test(test_thrown_back_to_what_it_left),
         cmocka_unit_test(test_rebounds_gain_nothing),
+        cmocka_unit_test(test_none_leaves_a_room),
         cmocka_unit_test(test_crushed_between_ram_and_floor),
         cmocka_unit_test(test_wedge),
         cmocka_unit_test(test_far_from_the_origin),

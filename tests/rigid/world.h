@@ -9,7 +9,7 @@
 
 #include "check.h"
 
-enum { MOST_OBJECTS = 4, MOST_OBSTACLES = 4 };
+enum { MOST_OBJECTS = 4, MOST_OBSTACLES = 6 };
 
 typedef struct World {
     ShvMemory *memory;
@@ -62,7 +62,7 @@ static inline ShvObjectDefinition *world_box(World *world, double x, double y, d
 
 static inline ShvObstacleDefinition *world_obstacle(World *world, ShvObstacleShape shape)
 {
-    static const char *const names[MOST_OBSTACLES] = {"floor", "wall", "stone", "anvil"};
+    static const char *const names[MOST_OBSTACLES] = {"floor", "wall", "stone", "anvil", "roof", "door"};
     ShvObstacleDefinition *obstacle = &world->definitions[world->scene.obstacle_count];
     *obstacle = shv_obstacle_default();
     obstacle->name = names[world->scene.obstacle_count++];
@@ -92,7 +92,6 @@ static inline void world_build(World *world)
     check_ok(shv_fragments_create(&world->fragments, &world->model, &world->state, &error), error);
 }
 
-/* All fragments enter flight with the velocities of the state. */
 /* All fragments that live, in flight under a backend. */
 static inline void world_fly_under(World *world, ShvStatus (*create)(ShvRigidBackend **backend,
                                                                      const ShvRigidWorld *world, ShvError *error))
