@@ -349,6 +349,20 @@ static void leave_impact(ShvBulletRigidBody *a, ShvBulletRigidBody *b)
     b->meets_again = b->meets_again || b->impact_time >= 0.0;
 }
 
+/* One that turned out to be later than it was taken for, and than the next one, has its turn then. */
+static bool put_off(ShvBullet *bullet, int32_t k)
+{
+    const ShvPairImpact impact = bullet->order[k];
+    ShvContactPair *contact_pair = &bullet->contact_pairs[impact.contact_pair];
+    if (contact_pair->put_off || !(contact_pair->impact > impact.time + same_moment * bullet->step)) return false;
+    if (k + 1 == bullet->order_count || !(bullet->order[k + 1].time < contact_pair->impact)) return false;
+    contact_pair->put_off = true;
+    for (; k + 1 < bullet->order_count && bullet->order[k + 1].time < contact_pair->impact; k++)
+        bullet->order[k] = bullet->order[k + 1];
+    bullet->order[k] = (ShvPairImpact){contact_pair->impact, impact.contact_pair};
+    return true;
+}
+
 /* The earliest impacts first: a body takes part in one. */
 static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
 {
@@ -369,13 +383,17 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
             leave_impact(a, b);
             continue;
         }
-        contact_pair->struck = contact_pair->touching = true;
         if (set >= 0.0) {
             contact_pair->impact = set;
             SHV_TRY(collide_at(bullet, contact_pair, set, error));
         } else if (contact_pair->impact > 0.0) {
             SHV_TRY(find_contacts_at_impact(bullet, contact_pair, error));
+            if (put_off(bullet, k)) {
+                k--;
+                continue;
+            }
         }
+        contact_pair->struck = contact_pair->touching = true;
         if (a->moves) a->impact_time = contact_pair->impact;
         if (b->moves) b->impact_time = contact_pair->impact;
     }

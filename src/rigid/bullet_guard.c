@@ -68,16 +68,17 @@ static ShvStatus guard_pair(ShvBullet *bullet, ShvBulletRigidBody *a, ShvBulletR
     return SHV_OK;
 }
 
-/* Of what has been thrown off the way on which pairs were found, or meets more on it, the new one. */
+/* Of what has been thrown off the way on which pairs were found, by its impact or by what it touches, or meets more on it, the new
+   one. */
 static ShvStatus find_new_way(ShvBullet *bullet, ShvBulletRigidBody *body, double smallest, ShvError *error)
 {
-    const double left = bullet->step - body->impact_time;
+    const double since = fmax(0.0, body->impact_time), left = bullet->step - since;
     const double turn = body->round ? 0.0 : shv_norm(shv_sub(body->new_spin, body->solver_spin)) * body->radius;
     const ShvVec3 before = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
     const double change = shv_norm(shv_sub(body->new_velocity, before)) + turn;
     if (!(change * left > small_motion_of_radius * smallest) && !body->meets_again) return SHV_OK;
     body->thrown = true;
-    const ShvBulletRigidBody later = from_time(bullet, body, body->impact_time);
+    const ShvBulletRigidBody later = from_time(bullet, body, since);
     shv_bullet_body_place(&later, bullet->bullet, later.position, later.orientation);
     return shv_bullet_reach(bullet, &later, left, error);
 }
@@ -103,7 +104,7 @@ ShvStatus shv_bullet_guard(ShvBullet *bullet, ShvError *error)
     bool any = false;
     for (int32_t i = 0; i < bullet->body_count; i++) {
         ShvBulletRigidBody *body = &bullet->bodies[i];
-        if (!body->moves || !body->solved || body->impact_time < 0.0 || body->leaves) continue;
+        if (!body->moves || !body->solved || body->leaves) continue;
         SHV_TRY(find_new_way(bullet, body, smallest, error));
         any |= body->thrown;
     }

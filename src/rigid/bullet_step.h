@@ -29,6 +29,7 @@ typedef struct ShvContactPair {
     double slop;                /* m: a smaller gap is a touch */
     double reach;               /* m: bound of their relative motion in the step */
     double impact;              /* s since the step's start; −1: no fast impact */
+    bool put_off;               /* it was taken for earlier */
     int32_t contact_begin, contact_count;
 } ShvContactPair;
 

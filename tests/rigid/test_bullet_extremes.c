@@ -185,12 +185,12 @@ static void test_rebounds_gain_nothing(void **unused)
     assert_true(most < 1e-6);
 }
 
-/* Boxes that cross a room up to twice in a step, and meet walls and each other on the way: none leaves it. */
+/* Boxes, and a light and a heavy ball, that cross a room up to twice in a step, and meet walls and each other on the way: none leaves it. */
 static void test_none_leaves_a_room(void **unused)
 {
     (void)unused;
     double farthest = 0.0;
-    for (uint64_t k = 0; k < 30; k++) {
+    for (uint64_t k = 0; k < 150; k++) {
         World world;
         world_begin(&world);
         for (uint64_t n = 0; n < 3; n++) {
@@ -206,20 +206,32 @@ static void test_none_leaves_a_room(void **unused)
             definition->plane_normal[wall / 2] = wall % 2 ? 1.0 : -1.0;
             definition->restitution = 0.9;
         }
+        for (uint64_t n = 0; n < 2; n++) {
+            ShvObstacleDefinition *ball = world_obstacle(&world, SHV_OBSTACLE_SPHERE);
+            ball->motion = SHV_OBSTACLE_FREE;
+            ball->radius = 0.02;
+            ball->mass = n ? 0.05 : 1.0;
+            ball->restitution = 0.9;
+            ball->placement.position[0] = n ? 0.05 : -0.05;
+            ball->placement.position[1] = 0.06;
+            for (uint64_t i = 0; i < 3; i++)
+                ball->placement.velocity[i] = 400.0 * (shv_random_uniform(k, 27 + 3 * n + i) - 0.5);
+        }
         world.scene.rigid.restitution = 0.9;
         world_build(&world);
         bullet_fly(&world);
-        for (int step = 0; step < 60; step++) {
+        for (int step = 0; step < 20; step++) {
             world_advance(&world, step * 1e-3, 1e-3, no_gravity, NULL, NULL, NULL);
-            for (int32_t f = 0; f < world.fragments.count; f++) {
-                const ShvVec3 x = world.fragments.items[f].position;
+            for (int32_t n = 0; n < 5; n++) {
+                const ShvVec3 x = n < 3 ? world.fragments.items[n].position : world.obstacles.items[n + 3].position;
                 farthest = fmax(farthest, fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))));
             }
         }
         world_end(&world);
     }
     print_message("a room of 0.2 m: farthest centre %.4f m from its middle\n", farthest);
-    assert_true(farthest < 0.1 - 0.018); /* half a box, but for a tenth of that */
+    /* half a box: bodies may stand in a wall by a quarter of that for a step */
+    assert_true(farthest < 0.085);
 }
 
 /* A ram presses a box into the floor: the contradiction stays bounded by the ram's speed. */

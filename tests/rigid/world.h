@@ -9,7 +9,7 @@
 
 #include "check.h"
 
-enum { MOST_OBJECTS = 4, MOST_OBSTACLES = 6 };
+enum { MOST_OBJECTS = 4, MOST_OBSTACLES = 8 };
 
 typedef struct World {
     ShvMemory *memory;
@@ -62,7 +62,8 @@ static inline ShvObjectDefinition *world_box(World *world, double x, double y, d
 
 static inline ShvObstacleDefinition *world_obstacle(World *world, ShvObstacleShape shape)
 {
-    static const char *const names[MOST_OBSTACLES] = {"floor", "wall", "stone", "anvil", "roof", "door"};
+    static const char *const names[MOST_OBSTACLES] = {"floor", "wall", "stone", "anvil",
+                                                      "roof",  "door", "ball",  "bead"};
     ShvObstacleDefinition *obstacle = &world->definitions[world->scene.obstacle_count];
     *obstacle = shv_obstacle_default();
     obstacle->name = names[world->scene.obstacle_count++];
