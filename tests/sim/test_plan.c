@@ -46,6 +46,23 @@ static void test_preflight(void **state)
     assert_true(p.shortest_edge <= p.mean_edge && p.mean_edge <= p.longest_edge);
 }
 
+/* Until when what an impact wakes stays in fracture mode: to the end of an interval where others fly, each of them whole. */
+static void test_interval_of_flight(void **state)
+{
+    (void)state;
+    Stage stage;
+    make_falling_cube(&stage);
+    stage.scene.rigid.time_step = 2e-3;
+    assert_true(preflight_of(&stage).flight_interval == 0.0); /* alone */
+    stage_box(&stage, "other", (const double[3]){0.02, 0.02, 0.02}, 0.01, 1.0);
+    assert_true(preflight_of(&stage).flight_interval == 2e-3);
+    stage.scene.rigid.engine = SHV_RIGID_ANALYTIC; /* bodies fly each for itself */
+    assert_true(preflight_of(&stage).flight_interval == 0.0);
+    stage.scene.rigid.engine = SHV_RIGID_BULLET;
+    stage.material.breakable = false;
+    assert_true(preflight_of(&stage).flight_interval == 0.0);
+}
+
 /* 5 × 5 × 5 bricks of five tets; the slit lies between two layers and reaches from the side −x through three of five. */
 static void test_where_it_breaks(void **state)
 {
@@ -317,11 +334,17 @@ static void test_reasons(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_preflight),   cmocka_unit_test(test_where_it_breaks),
-        cmocka_unit_test(test_step_scales), cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_unbreakable), cmocka_unit_test(test_trial),
-        cmocka_unit_test(test_short_trial), cmocka_unit_test(test_interrupted_trial),
-        cmocka_unit_test(test_reasons),     cmocka_unit_test(test_what_is_nearest),
+        cmocka_unit_test(test_preflight),
+        cmocka_unit_test(test_interval_of_flight),
+        cmocka_unit_test(test_where_it_breaks),
+        cmocka_unit_test(test_step_scales),
+        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_unbreakable),
+        cmocka_unit_test(test_trial),
+        cmocka_unit_test(test_short_trial),
+        cmocka_unit_test(test_interrupted_trial),
+        cmocka_unit_test(test_reasons),
+        cmocka_unit_test(test_what_is_nearest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
