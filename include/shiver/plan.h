@@ -61,6 +61,7 @@ typedef struct ShvPreflight {
     bool wakes_by_spin;         /* that is enough to wake it */
     double bar_transit;         /* s: longest extent / bar speed */
     double bending_period;      /* s: of a free plate of its extents */
+    double vibration_time;      /* s: for which it may vibrate before it rests (fracture.longest) */
     double flight_interval;     /* s: what an impact wakes stays in fracture mode to the end of one; 0: it need not */
     double extent[3];           /* m: bounding box at the start */
     const char *small_obstacle; /* the smallest that is smaller than a mean edge, NULL: none */

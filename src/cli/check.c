@@ -92,16 +92,15 @@ static void warn_step(const ShvPreflight *p)
     if (p->courant > 1.0) printf("  warning: Courant number above 1\n");
 }
 
-/* Vibration has ten bending periods before a body rests (docs/scene.md, fracture.longest). An interval ten times that costs flight little,
-   and one several times as long fracture mode much. */
+/* An interval ten times as long as a body may vibrate costs flight little, and one several times that fracture mode much. */
 static void warn_interval(const ShvPreflight *p)
 {
-    const double enough = 100.0 * p->bending_period;
+    const double enough = 10.0 * p->vibration_time;
     if (!(p->flight_interval > 3.0 * enough)) return;
     printf("  note: what an impact wakes stays in fracture mode until the interval of flight ends, up to %.3g s = %.3g "
            "steps;\n"
            "        its vibration needs %.2g s: 'rigid: {time_step: %.1g}' spares most of them\n",
-           p->flight_interval, p->flight_interval / p->step, 0.1 * enough, enough);
+           p->flight_interval, p->flight_interval / p->step, p->vibration_time, enough);
 }
 
 static void warn_obstacle(const ShvPreflight *p)
@@ -251,6 +250,7 @@ static void print_object_json(const ShvPreflight *p)
                    {"centrifugal_stress", p->centrifugal_stress},
                    {"bar_transit", p->bar_transit},
                    {"bending_period", p->bending_period},
+                   {"vibration_time", p->vibration_time},
                    {"flight_interval", p->flight_interval}};
     printf("{\"object\": ");
     shv_cli_print_json_text(p->object);

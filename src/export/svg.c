@@ -308,14 +308,6 @@ static ShvStatus find_shared_edges(Svg *svg, ShvError *error)
 
 /* ---- drawing ---- */
 
-static void print_triangle(FILE *stream, const ShvScreenPoint c[3])
-{
-    double tenths[6];
-    for (int k = 0; k < 6; k++) tenths[k] = floor(10.0 * (k % 2 == 0 ? c[k / 2].x : c[k / 2].y) + 0.5);
-    shv_print(stream, "M%g %gl%g %g %g %gz", tenths[0] / 10.0, tenths[1] / 10.0, (tenths[2] - tenths[0]) / 10.0,
-              (tenths[3] - tenths[1]) / 10.0, (tenths[4] - tenths[2]) / 10.0, (tenths[5] - tenths[3]) / 10.0);
-}
-
 /* How far a patch goes on under the next, pixels; and by how much of that it is narrower there on either side, so that little shows
    beside corners. */
 static const double OVERLAP = 0.7, INSET = 0.25;
@@ -361,13 +353,13 @@ static void print_patches(const Svg *svg)
 static void print_shadow(const Svg *svg, const ShvObstacleBody *plane, const ShvVec3 corner[3])
 {
     const ShvVec3 normal = shv_load3(plane->normal);
-    ShvScreenPoint seen[3];
+    Patch shadow = {.colour = 0};
     for (int k = 0; k < 3; k++) {
         const double height = shv_dot(corner[k], normal) - plane->offset;
         const ShvVec3 foot = shv_madd(corner[k], -height / shv_dot(normal, light()), light());
-        if (height < 0.0 || !shv_camera_project(&svg->camera, foot, &seen[k])) return;
+        if (height < 0.0 || !shv_camera_project(&svg->camera, foot, &shadow.corner[k])) return;
     }
-    if (area_of(seen) > 1.0) print_triangle(svg->stream, seen);
+    if (area_of(shadow.corner) > 1.0) print_patch(svg->stream, &shadow);
 }
 
 /* A plane that the camera is above, and on it what stands between it and the lamp: one path, so that nothing darkens twice. */

@@ -134,9 +134,9 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
                             : shv_norm(body->spin);
         body->impact_time = -1.0;
         body->until = bullet->step;
-        body->leaves = body->meets = body->meets_again = body->thrown = false;
+        body->leaves = body->meets = body->later_impact = body->thrown = false;
         body->stopped = body->held = body->solved = body->restless = body->supported = false;
-        body->rebounds = body->driven = false;
+        body->rebounds = body->kinematic = false;
         body->work = body->square = 0.0;
         body->push = body->turn = shv_vec3(0.0, 0.0, 0.0);
         body->impulse = 0.0;

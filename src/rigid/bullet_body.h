@@ -42,14 +42,14 @@ typedef struct ShvBulletRigidBody {
     double impact_time; /* s since its start at which it meets something fast; −1: nothing, or it does not move */
     double until;       /* s since its start: goes no further */
     bool leaves;        /* wakes */
-    bool meets_again;   /* something fast, on its foreseen way after its impact */
+    bool later_impact;  /* something fast, on its foreseen way after its impact */
     bool thrown;        /* by its impact, off that way; or it meets again */
     bool stopped;       /* its impact did not throw it back */
     bool meets;         /* closes on something that it touches, faster than bodies at rest do */
     bool held;          /* pushed by contacts other than its impact */
     bool solved;        /* has contacts in the solver */
     bool restless, supported; /* its island, where this stands for it: something moves; something holds it; */
-    bool rebounds, driven;    /* something is thrown back; something that moves by itself takes part; */
+    bool rebounds, kinematic; /* something is thrown back; something that moves by itself takes part; */
     double work, square;      /* J: of all its impulses on the velocities without them, and on what they make of them */
     int32_t island;           /* place of the body that stands for all that hangs together */
     double heap_mass;         /* kg of that */

@@ -343,20 +343,20 @@ static ShvStatus find_contacts_at_impact(ShvBullet *bullet, ShvContactPair *cont
 }
 
 /* Of those who have an impact at another time. */
-static void leave_impact(ShvBulletRigidBody *a, ShvBulletRigidBody *b)
+static void note_later_impact(ShvBulletRigidBody *a, ShvBulletRigidBody *b)
 {
-    a->meets_again = a->meets_again || a->impact_time >= 0.0;
-    b->meets_again = b->meets_again || b->impact_time >= 0.0;
+    a->later_impact = a->later_impact || a->impact_time >= 0.0;
+    b->later_impact = b->later_impact || b->impact_time >= 0.0;
 }
 
 /* One that turned out to be later than it was taken for, and than the next one, has its turn then. */
-static bool put_off(ShvBullet *bullet, int32_t k)
+static bool defer(ShvBullet *bullet, int32_t k)
 {
     const ShvPairImpact impact = bullet->order[k];
     ShvContactPair *contact_pair = &bullet->contact_pairs[impact.contact_pair];
-    if (contact_pair->put_off || !(contact_pair->impact > impact.time + same_moment * bullet->step)) return false;
+    if (contact_pair->deferred || !(contact_pair->impact > impact.time + same_moment * bullet->step)) return false;
     if (k + 1 == bullet->order_count || !(bullet->order[k + 1].time < contact_pair->impact)) return false;
-    contact_pair->put_off = true;
+    contact_pair->deferred = true;
     for (; k + 1 < bullet->order_count && bullet->order[k + 1].time < contact_pair->impact; k++)
         bullet->order[k] = bullet->order[k + 1];
     bullet->order[k] = (ShvPairImpact){contact_pair->impact, impact.contact_pair};
@@ -380,7 +380,7 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
         const double set = fmax(a->impact_time, b->impact_time);
         if (!is_free_for(bullet, a, contact_pair->impact) || !is_free_for(bullet, b, contact_pair->impact) ||
             (a->impact_time >= 0.0 && b->impact_time >= 0.0 && a->impact_time != b->impact_time)) {
-            leave_impact(a, b);
+            note_later_impact(a, b);
             continue;
         }
         if (set >= 0.0) {
@@ -388,7 +388,7 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
             SHV_TRY(collide_at(bullet, contact_pair, set, error));
         } else if (contact_pair->impact > 0.0) {
             SHV_TRY(find_contacts_at_impact(bullet, contact_pair, error));
-            if (put_off(bullet, k)) {
+            if (defer(bullet, k)) {
                 k--;
                 continue;
             }

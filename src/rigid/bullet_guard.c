@@ -76,7 +76,7 @@ static ShvStatus find_new_way(ShvBullet *bullet, ShvBulletRigidBody *body, doubl
     const double turn = body->round ? 0.0 : shv_norm(shv_sub(body->new_spin, body->solver_spin)) * body->radius;
     const ShvVec3 before = shv_bullet_body_velocity(body, bullet->step, bullet->gravity);
     const double change = shv_norm(shv_sub(body->new_velocity, before)) + turn;
-    if (!(change * left > small_motion_of_radius * smallest) && !body->meets_again) return SHV_OK;
+    if (!(change * left > small_motion_of_radius * smallest) && !body->later_impact) return SHV_OK;
     body->thrown = true;
     const ShvBulletRigidBody later = from_time(bullet, body, since);
     shv_bullet_body_place(&later, bullet->bullet, later.position, later.orientation);

@@ -7,12 +7,6 @@ static const double still_share = 0.1;
 
 /* ---- where everything is at the end ---- */
 
-static const ShvBulletRigidBody *mover_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
-{
-    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a];
-    return a->moves ? a : &bullet->bodies[contact_pair->b];
-}
-
 /* What pushes a body beside its impact. */
 static void find_holds(ShvBullet *bullet)
 {
@@ -33,7 +27,7 @@ static void find_holds(ShvBullet *bullet)
                 bullet->backend.world.fragments->items[pair[side]->fragment].touches_coupled = true;
         }
         if (sum > 0.0 && (!pair[0]->moves || !pair[1]->moves))
-            bullet->bodies[mover_of(bullet, contact_pair)->island].supported = true;
+            shv_bullet_island(bullet, contact_pair)->supported = true;
     }
 }
 
@@ -206,7 +200,7 @@ static void count_still_steps(ShvBullet *bullet)
         if (contact_pair->contact_count == 0) continue;
         const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
         const ShvBulletRigidBody *support = a->moves ? b : a;
-        ShvBulletRigidBody *island = &bullet->bodies[mover_of(bullet, contact_pair)->island];
+        ShvBulletRigidBody *island = shv_bullet_island(bullet, contact_pair);
         if (support->moves) continue;
         island->restless |= shv_norm(support->velocity) > 0.0 || shv_norm(support->spin) > 0.0;
     }

@@ -248,38 +248,31 @@ static void add_work(ShvBullet *bullet, const ShvBulletRigidBody *body)
     island->square += 0.5 * (body->mass * shv_dot(change, change) + shv_dot(spin, turn));
 }
 
-static ShvBulletRigidBody *island_of(ShvBullet *bullet, const ShvContactPair *contact_pair)
-{
-    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-    return &bullet->bodies[a->moves ? a->island : b->island];
-}
-
-static bool moves_by_itself(const ShvBulletRigidBody *body)
+static bool is_kinematic(const ShvBulletRigidBody *body)
 {
     return !body->moves && shv_norm(body->velocity) + shv_norm(body->spin) > 0.0;
 }
 
 static void look_at_contacts(ShvBullet *bullet, const ShvContactPair *contact_pair)
 {
-    ShvBulletRigidBody *island = island_of(bullet, contact_pair);
-    for (int32_t k = 0; k < contact_pair->contact_count; k++) {
-        const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
-        island->rebounds = island->rebounds || (contact_pair->struck && contact->target > 0.0);
-        island->driven = island->driven || moves_by_itself(&bullet->bodies[contact_pair->a]) ||
-                         moves_by_itself(&bullet->bodies[contact_pair->b]);
-    }
+    ShvBulletRigidBody *island = shv_bullet_island(bullet, contact_pair);
+    if (contact_pair->contact_count == 0) return;
+    if (is_kinematic(&bullet->bodies[contact_pair->a]) || is_kinematic(&bullet->bodies[contact_pair->b]))
+        island->kinematic = true;
+    for (int32_t k = 0; k < contact_pair->contact_count && contact_pair->struck; k++)
+        if (bullet->contacts[contact_pair->contact_begin + k].target > 0.0) island->rebounds = true;
 }
 
 static double share_of_impulses(const ShvBulletRigidBody *island)
 {
     const bool gains =
-        island->rebounds && !island->driven && island->work + island->square > least_gain * island->square;
+        island->rebounds && !island->kinematic && island->work + island->square > least_gain * island->square;
     return gains ? fmax(0.0, -island->work / island->square) : 1.0;
 }
 
 static void scale_contacts(ShvBullet *bullet, const ShvContactPair *contact_pair)
 {
-    const double share = share_of_impulses(island_of(bullet, contact_pair));
+    const double share = share_of_impulses(shv_bullet_island(bullet, contact_pair));
     for (int32_t k = 0; k < contact_pair->contact_count; k++) {
         ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + k];
         contact->normal_impulse *= share;

@@ -29,7 +29,7 @@ typedef struct ShvContactPair {
     double slop;                /* m: a smaller gap is a touch */
     double reach;               /* m: bound of their relative motion in the step */
     double impact;              /* s since the step's start; −1: no fast impact */
-    bool put_off;               /* it was taken for earlier */
+    bool deferred;              /* it was taken for earlier */
     int32_t contact_begin, contact_count;
 } ShvContactPair;
 
@@ -76,6 +76,13 @@ typedef struct ShvBullet {
 static inline int32_t shv_bullet_place(const ShvBullet *bullet, int32_t number)
 {
     return number < bullet->place_count ? bullet->places[number] - 1 : -1;
+}
+
+/* The body that stands for the island of a pair: of two one moves at least. */
+static inline ShvBulletRigidBody *shv_bullet_island(const ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    return &bullet->bodies[a->moves ? a->island : b->island];
 }
 
 /* What a contact gives its first body, N s; the second gets the opposite. */

@@ -140,6 +140,16 @@ static void measure_spin(ShvPreflight *preflight, const ShvHybrid *hybrid, int32
     }
 }
 
+static void measure_rest(ShvPreflight *preflight, const ShvHybrid *hybrid, int32_t object)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->fragments.items[i].object == object)
+            preflight->vibration_time =
+                fmax(preflight->vibration_time, shv_hybrid_longest(hybrid, &hybrid->fragments.items[i]));
+    if (preflight->breakable && hybrid->coupling.mutual && !shv_hybrid_is_alone(hybrid))
+        preflight->flight_interval = hybrid->scene->rigid.time_step;
+}
+
 ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t object, ShvPreflight *preflight,
                                    ShvError *error)
 {
@@ -166,9 +176,8 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
                              hybrid->scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS;
     SHV_TRY(shv_find_nearest(preflight, hybrid, object, error));
     preflight->overshoot_each_step = overshoot(preflight, material);
-    if (preflight->breakable && hybrid->coupling.mutual && !shv_hybrid_is_alone(hybrid))
-        preflight->flight_interval = hybrid->scene->rigid.time_step;
     find_small_obstacle(preflight, &hybrid->obstacles);
     measure_spin(preflight, hybrid, object);
+    measure_rest(preflight, hybrid, object);
     return SHV_OK;
 }

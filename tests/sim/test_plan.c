@@ -36,6 +36,9 @@ static void test_preflight(void **state)
     check_near(p.cohesive_zone, pi / 8.0 * modulus / (1.0 - nu * nu) * energy / (strength * strength), 1e-12);
     check_near(p.snap_back, 2.0 * modulus * energy / (strength * strength), 1e-15);
     check_near(p.final_opening, 2.0 * energy / strength, 1e-18);
+    /* 20 transits of the bending wave; sides are those of a box with the inertia of the lumped masses */
+    const double transit = 0.5 * 0.04 * 0.04 / (1.03 * p.bar_speed * 0.02);
+    check_near(p.vibration_time, 20.0 * transit, 0.1 * 20.0 * transit);
     check_near(p.opening_speed, 2.0 * strength / (density * p.bar_speed), 1e-14);
     check_near(p.steps_to_open * p.step, p.final_opening / p.opening_speed, 1e-18);
     check_near(p.courant, 0.9, 1e-12);
