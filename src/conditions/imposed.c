@@ -97,6 +97,9 @@ static int32_t count_over(const ShvImposed *imposed, double time)
     return count;
 }
 
+/* How conditions that are not over act on a node of the reference mesh. */
+enum { BY_NODES = 1, BY_FACETS = 2 };
+
 static void mark_held(ShvImposed *imposed, double time)
 {
     const ShvMesh *mesh = &imposed->model->mesh;
@@ -105,10 +108,11 @@ static void mark_held(ShvImposed *imposed, double time)
     for (int32_t i = 0; i < imposed->count; i++) {
         const ShvImposedCondition *condition = &imposed->items[i];
         if (is_over(condition, time)) continue;
-        for (int32_t k = 0; k < condition->origin_count; k++) imposed->held[condition->origins[k]] = 1;
+        for (int32_t k = 0; k < condition->origin_count; k++) imposed->held[condition->origins[k]] |= BY_NODES;
         for (int32_t k = 0; k < condition->facet_count; k++) {
             const int32_t *corners = mesh->elements + 4 * (int64_t)condition->facets[k].element;
-            for (int c = 0; c < 3; c++) imposed->held[corners[shv_face_corners[condition->facets[k].face][c]]] = 1;
+            for (int c = 0; c < 3; c++)
+                imposed->held[corners[shv_face_corners[condition->facets[k].face][c]]] |= BY_FACETS;
         }
     }
 }
@@ -174,28 +178,121 @@ bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
     return !is_over(condition, time) && time >= condition->definition->start;
 }
 
-bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
+static bool is_among(const int32_t *sorted, int32_t count, int32_t wanted)
 {
-    if (imposed->over_count == imposed->count) return false;
-    for (int32_t k = 0; k < count; k++)
-        if (imposed->held[state->origin[nodes[k]]]) return true;
-    return false;
-}
-
-/* ---- a step ---- */
-
-static bool is_chosen(const ShvImposedCondition *condition, int32_t origin)
-{
-    int32_t low = 0, high = condition->origin_count;
+    int32_t low = 0, high = count;
     while (low < high) {
         const int32_t middle = low + (high - low) / 2;
-        if (condition->origins[middle] < origin)
+        if (sorted[middle] < wanted)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < condition->origin_count && condition->origins[low] == origin;
+    return low < count && sorted[low] == wanted;
 }
+
+static bool is_chosen(const ShvImposedCondition *condition, int32_t origin)
+{
+    return is_among(condition->origins, condition->origin_count, origin);
+}
+
+/* Whether it holds a node of the state; one that has not been looked at yet, as its origin. */
+static bool has_node(const ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state,
+                     int32_t node)
+{
+    if (node >= imposed->known_nodes) return is_chosen(condition, state->origin[node]);
+    return is_among(condition->nodes, condition->node_count, node);
+}
+
+static bool is_held(const ShvImposed *imposed, const ShvState *state, int32_t node)
+{
+    const uint8_t held = imposed->held[state->origin[node]];
+    bool found = held & BY_FACETS;
+    for (int32_t i = 0; i < imposed->count && held && !found; i++)
+        found = !is_over(&imposed->items[i], state->time) && has_node(imposed, &imposed->items[i], state, node);
+    return found;
+}
+
+bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
+{
+    bool holds = false;
+    for (int32_t k = 0; k < count && !holds && imposed->over_count < imposed->count; k++)
+        holds = is_held(imposed, state, nodes[k]);
+    return holds;
+}
+
+/* Supports along one axis: how many nodes they hold, and Σ r with r = x × axis: a rotation ω moves a node at x along the axis by ω · r. */
+typedef struct Holds {
+    int32_t count;
+    ShvVec3 sum;
+} Holds;
+
+static void add_product(ShvMat3 *sum, ShvVec3 a, ShvVec3 b)
+{
+    const double x[3] = {a.x, a.y, a.z}, y[3] = {b.x, b.y, b.z};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) sum->m[i][j] += x[i] * y[j];
+}
+
+static void add_holds(const ShvImposedCondition *condition, const ShvState *state, ShvVec3 from, int32_t node,
+                      Holds holds[3], ShvMat3 *square)
+{
+    const ShvVec3 axes[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    for (int axis = 0; axis < 3; axis++) {
+        if (!condition->definition->axes[axis]) continue;
+        const ShvVec3 r = shv_cross(shv_sub(shv_state_position(state, node), from), axes[axis]);
+        holds[axis].count++;
+        holds[axis].sum = shv_add(holds[axis].sum, r);
+        add_product(square, r, r);
+    }
+}
+
+/* Of the largest eigenvalue of what holds against rotation: below, an axis is left to turn about; of a force, or its moment about the
+   supports: below, it is rounding. */
+static const double least_hold = 1e-8, rounding = 1e-9;
+
+/* Whether translations, of which those along held axes are free to make the least of a rotation, and rotations bear a wrench: that its
+   moment, less what held nodes bear at their mean r, is in the range of the matrix, and no force is along an axis without supports. */
+static bool bears(const Holds holds[3], const ShvMat3 *square, ShvVec3 force, ShvVec3 arm)
+{
+    const double forces[3] = {force.x, force.y, force.z}, size = shv_norm(force);
+    ShvVec3 moment = shv_cross(arm, force);
+    for (int axis = 0; axis < 3; axis++) {
+        if (holds[axis].count == 0 && fabs(forces[axis]) > rounding * size) return false;
+        if (holds[axis].count > 0) moment = shv_madd(moment, -forces[axis] / holds[axis].count, holds[axis].sum);
+    }
+    const ShvMat3 inverse = shv_symmetric_pseudo_inverse(square, least_hold);
+    const ShvVec3 borne = shv_apply(square, shv_apply(&inverse, moment));
+    return shv_norm(shv_sub(moment, borne)) <= rounding * size * shv_norm(arm);
+}
+
+/* Σ r rᵀ about the mean r of each axis: its quadratic form is the sum of squares of held displacements in a rotation together with the
+   translation that makes it least. */
+ShvHold shv_imposed_hold(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count,
+                         ShvVec3 force, ShvVec3 point)
+{
+    Holds holds[3] = {{0}};
+    ShvMat3 square = {{{0.0}}};
+    const ShvVec3 from = shv_state_position(state, nodes[0]);
+    for (int32_t k = 0; k < count; k++)
+        for (int32_t i = 0; i < imposed->count && imposed->held[state->origin[nodes[k]]]; i++)
+            if (imposed->items[i].definition->kind == SHV_CONDITION_SUPPORT &&
+                shv_imposed_in_force(&imposed->items[i], state->time) &&
+                has_node(imposed, &imposed->items[i], state, nodes[k]))
+                add_holds(&imposed->items[i], state, from, nodes[k], holds, &square);
+    bool everywhere = true;
+    for (int axis = 0; axis < 3; axis++) {
+        everywhere = everywhere && holds[axis].count > 0;
+        if (holds[axis].count > 0)
+            add_product(&square, shv_scale(holds[axis].sum, -1.0 / holds[axis].count), holds[axis].sum);
+    }
+    double values[3];
+    shv_symmetric_eigen(&square, values, NULL);
+    if (everywhere && values[0] > least_hold * values[2]) return SHV_HOLD_FIXED;
+    return bears(holds, &square, force, shv_sub(point, from)) ? SHV_HOLD_BALANCED : SHV_HOLD_LOOSE;
+}
+
+/* ---- a step ---- */
 
 static ShvStatus reserve(ShvImposedCondition *condition, ShvMemory *memory, ShvError *error)
 {
@@ -212,14 +309,74 @@ static ShvStatus reserve(ShvImposedCondition *condition, ShvMemory *memory, ShvE
     return SHV_OK;
 }
 
+/* Whether a face at a corner of a tet has all its nodes chosen. */
+static bool has_chosen_face(const ShvImposedCondition *condition, const int32_t *corners_of_tet, int32_t corner)
+{
+    bool found = false;
+    for (int face = 0; face < 4 && !found; face++) {
+        bool all = face != corner; /* which is opposite to the corner of its number */
+        for (int c = 0; c < 3 && all; c++) all = is_chosen(condition, corners_of_tet[shv_face_corners[face][c]]);
+        found = all;
+    }
+    return found;
+}
+
+static bool any_has_chosen_face(const ShvImposed *imposed, const ShvImposedCondition *condition, const int32_t *corners,
+                                int32_t count)
+{
+    bool found = false;
+    for (int32_t k = 0; k < count && !found; k++)
+        found =
+            has_chosen_face(condition, imposed->model->mesh.elements + 4 * (int64_t)(corners[k] / 4), corners[k] % 4);
+    return found;
+}
+
+/* Nothing passes through a node or an edge alone, as between fragments: a copy stays held when it has a face whose nodes are all chosen, and
+   where no face of the mesh has, as on a line of supports. */
+static bool keeps_hold(const ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state,
+                       int32_t node)
+{
+    const ShvAdjacency *adjacency = &imposed->model->adjacency;
+    const int32_t origin = state->origin[node], begin = adjacency->corner_start[origin];
+    return any_has_chosen_face(imposed, condition, state->corners + state->corner_start[node],
+                               state->corner_count[node]) ||
+           !any_has_chosen_face(imposed, condition, adjacency->corners + begin,
+                                adjacency->corner_start[origin + 1] - begin);
+}
+
+static void let_go(ShvImposedCondition *condition, int32_t node)
+{
+    int32_t kept = 0;
+    for (int32_t k = 0; k < condition->node_count; k++)
+        if (condition->nodes[k] != node) condition->nodes[kept++] = condition->nodes[k];
+    condition->node_count = kept;
+}
+
+/* A copy of a node that it holds, and what is left of the node. */
+static ShvStatus adopt_copy(ShvImposed *imposed, ShvImposedCondition *condition, const ShvState *state, int32_t copy,
+                            ShvError *error)
+{
+    const int32_t parent = shv_state_split_from(state, copy);
+    if (!is_chosen(condition, state->origin[copy])) return SHV_OK;
+    if (parent < copy && !keeps_hold(imposed, condition, state, parent)) let_go(condition, parent);
+    if (!keeps_hold(imposed, condition, state, copy)) return SHV_OK;
+    SHV_TRY(reserve(condition, imposed->memory, error));
+    condition->nodes[condition->node_count++] = copy;
+    return SHV_OK;
+}
+
 static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvError *error)
 {
+    const int32_t originals = imposed->model->mesh.node_count;
     for (int32_t node = imposed->known_nodes; node < state->node_count; node++) {
         for (int32_t i = 0; i < imposed->count; i++) {
             ShvImposedCondition *condition = &imposed->items[i];
-            if (!is_chosen(condition, state->origin[node])) continue;
-            SHV_TRY(reserve(condition, imposed->memory, error));
-            condition->nodes[condition->node_count++] = node;
+            if (node >= originals) {
+                SHV_TRY(adopt_copy(imposed, condition, state, node, error));
+            } else if (is_chosen(condition, node)) {
+                SHV_TRY(reserve(condition, imposed->memory, error));
+                condition->nodes[condition->node_count++] = node;
+            }
         }
         imposed->known_nodes = node + 1;
     }

@@ -41,7 +41,7 @@ static double longest_interval(const ShvHybrid *hybrid)
 {
     enum { LEAST_STEPS = 16 };
     const double share = 0.1, flight = hybrid->scene->rigid.time_step;
-    if (hybrid->awake.count == 0 || hybrid->awake.dormant || !hybrid->coupling.mutual) return flight;
+    if (hybrid->awake.count == 0 || !hybrid->coupling.mutual) return flight;
     return fmin(flight, fmax(share * flight, LEAST_STEPS * hybrid->steps.last));
 }
 
@@ -63,8 +63,8 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     shv_hybrid_hold_waiting(hybrid);
     SHV_TRY(shv_hybrid_wake_spinning(hybrid, error));
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
-    shv_hybrid_end_dormancy(hybrid);
-    if (!hybrid->awake.dormant) SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));
+    SHV_TRY(shv_hybrid_receive_visits(hybrid, error));
+    SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));
     shv_coupled_bodies_to_flight(hybrid);
     SHV_TRY(fly(hybrid, error));
     shv_coupled_bodies_from_flight(hybrid);
@@ -134,7 +134,6 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     const double now = end_of_now(hybrid);
     if (next_wake_time(hybrid) > now) return SHV_OK;
     if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
-    hybrid->awake.dormant = false;
     while (next_wake_time(hybrid) <= now) {
         const ShvRigidContact *wake = &hybrid->wakes.items[hybrid->wakes.next++];
         /* A coupled body may have been woken by another touch before. */
@@ -144,7 +143,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
-/* Nothing is awake, or what is awake is dormant: time jumps to the next impact or the end of the interval. */
+/* Nothing is awake: time jumps to the next impact or the end of the interval. */
 static void jump(ShvHybrid *hybrid)
 {
     const double to = fmin(next_wake_time(hybrid), hybrid->interval_end);
@@ -174,7 +173,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             SHV_TRY(begin_interval(hybrid, until, error));
         }
         SHV_TRY(wake_due(hybrid, error));
-        if (hybrid->awake.count > 0 && !hybrid->awake.dormant) {
+        if (hybrid->awake.count > 0) {
             SHV_TRY(creep(hybrid, error));
             ++*taken;
         } else {

@@ -299,13 +299,14 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
     while (choose_pressing(hybrid)) continue;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (coupled_bodies->wanted[i] && !hybrid->fragments.items[i].coupled)
-            SHV_TRY(shv_coupled_bodies_add(hybrid, i, error));
+            SHV_TRY(hybrid->fragments.items[i].fixed ? shv_hybrid_wake_alone(hybrid, i, error)
+                                                     : shv_coupled_bodies_add(hybrid, i, error));
     for (int32_t place = coupled_bodies->count - 1; place >= 0; place--)
         if (!coupled_bodies->wanted[coupled_bodies->fragments[place]]) {
             let_go(hybrid, place);
             shv_surface_contact_invalidate(&hybrid->coupling.surface);
         }
-    return SHV_OK;
+    return shv_awake_refresh(hybrid, error);
 }
 
 /* ---- the step ---- */

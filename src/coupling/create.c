@@ -54,9 +54,8 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         fragment->last_insertion = hybrid->state.time;
         fragment->longest = shv_hybrid_longest(hybrid, fragment);
         shv_hybrid_begin_growth(hybrid, fragment);
-        if (starts_stretching(hybrid, fragment) ||
-            shv_imposed_holds(&hybrid->imposed, &hybrid->state, fragments->nodes + fragment->node_begin,
-                              fragment->node_count)) {
+        fragment->fixed = shv_hybrid_starts_fixed(hybrid, fragment);
+        if (starts_stretching(hybrid, fragment) || (shv_hybrid_is_held(hybrid, fragment) && !fragment->fixed)) {
             fragment->mode = SHV_MODE_FRACTURE;
         } else if (hybrid->scene->objects[fragment->object].waits) {
             shv_fragment_fit(fragment, fragments, &hybrid->state);
@@ -69,7 +68,6 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     }
     hybrid->awake.stale = true;
     SHV_TRY(shv_awake_refresh(hybrid, error));
-    shv_hybrid_make_dormant(hybrid);
     return SHV_OK;
 }
 

@@ -38,7 +38,6 @@ typedef struct ShvAwake {
     int32_t count;         /* awake fragments */
     int32_t element_count; /* their tets */
     bool stale;            /* the lists must be rebuilt */
-    bool dormant;          /* what is awake is held, unmoved, and nothing is near it */
 } ShvAwake;
 
 /* Wakes that are pending in the present interval, by time. */
@@ -241,6 +240,8 @@ void shv_hybrid_choose_threads(ShvHybrid *hybrid);
 /* wake.c */
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
+/* One that flies and that the engine's judge has not taken out, without a contact. */
+ShvStatus shv_hybrid_wake_alone(ShvHybrid *hybrid, int32_t fragment, ShvError *error);
 /* Centrifugal stress of a body, estimated, Pa; whether that wakes it; wakes what flies and spins so. */
 double shv_hybrid_centrifugal_stress(const ShvFragment *fragment);
 bool shv_hybrid_wakes_by_spin(const ShvHybrid *hybrid, const ShvFragment *fragment);
@@ -270,8 +271,6 @@ void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
-/* advance.c: whether there is one body alone, without a crack, and nothing else that moves. */
-bool shv_hybrid_is_alone(const ShvHybrid *hybrid);
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest);
 /* s: until what a cracked body carries beside its rigid motion has fallen to what it may rest with, as it falls in scenes that were
    watched: e-fold in about the longest window of a body without a crack. */
@@ -279,6 +278,8 @@ double shv_hybrid_time_to_decay(const ShvHybrid *hybrid, const ShvFragment *frag
 /* For how long what is awake may be expected to stay so, mean over its tets, s: bodies that carry too much vibration to rest to
    the latest time, or `until`; others for the geometric mean of the least and the longest time. */
 ShvStatus shv_hybrid_expect_rest(ShvHybrid *hybrid, double until, double *time, ShvError *error);
+/* advance.c: whether there is one body alone, without a crack, and nothing else that moves. */
+bool shv_hybrid_is_alone(const ShvHybrid *hybrid);
 /* substep.c: forces of the present time into state.force; kick from v(n−1/2) to v(n+1/2) with the steps `before` and
    `after` around it, all impulses and conditions, works booked; the length of the equal steps that fill what is left of
    `limit` seconds; and one of them. */
@@ -329,9 +330,15 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
    world point of one fragment in flight or awake. */
 ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error);
 ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t fragment, ShvVec3 impulse, ShvVec3 point, ShvError *error);
-/* dormant.c: whether what is awake at the start may be dormant until something comes; whether it stirs in the interval that begins. */
-void shv_hybrid_make_dormant(ShvHybrid *hybrid);
-void shv_hybrid_end_dormancy(ShvHybrid *hybrid);
+/* supported.c: whether a condition that is not over acts on a fragment; whether supports alone hold an awake fragment, leave it no rigid motion, and flight may hold it in their place; whether it
+   does from the start. From here on it does: the fitted record loses its motion and, unless its deformation is kept, goes back to where
+   the supports have it. What may be struck in the interval that begins wakes, or has been visited; all that is fixed wakes. */
+bool shv_hybrid_is_held(const ShvHybrid *hybrid, const ShvFragment *fragment);
+bool shv_hybrid_can_fix(const ShvHybrid *hybrid, const ShvFragment *fragment);
+bool shv_hybrid_starts_fixed(const ShvHybrid *hybrid, const ShvFragment *fragment);
+void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed);
+ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_wake_fixed(ShvHybrid *hybrid, ShvError *error);
 /* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
 double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
 /* Of a fragment in flight, as its engine has it, J. */

@@ -25,10 +25,10 @@ void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragme
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
-/* When it cracked last or, if it has not since, was touched by what woke it. */
+/* When it cracked last or, if it has not since, was touched by what woke it; on supports, when something could strike it last. */
 static double last_change(const ShvFragment *fragment)
 {
-    return fmax(fragment->last_insertion, fragment->last_crack);
+    return fmax(fragment->last_visit, fmax(fragment->last_insertion, fragment->last_crack));
 }
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
@@ -110,6 +110,12 @@ static void track_damage(ShvHybrid *hybrid)
     }
 }
 
+static bool window_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double age = hybrid->state.time - last_change(fragment);
+    return age >= fragment->longest && age >= window(hybrid, fragment);
+}
+
 /* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave, no
    damage grows, the contact that woke it is over, and what a rigid body cannot carry (which bounds its stress) is small
    against the energy it woke with; or when the longest window is over. */
@@ -118,11 +124,11 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     double bar, bending;
     shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    const double age = hybrid->state.time - last_change(fragment);
-    if (age >= fragment->longest && age >= window(hybrid, fragment)) return SHV_REASON_LONGEST;
+    if (window_is_over(hybrid, fragment)) return SHV_REASON_LONGEST;
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
+    const double age = hybrid->state.time - last_change(fragment);
     if (age < 2.0 * bar || !shv_waking_contact_is_over(hybrid, fragment, bar)) return SHV_REASON_NONE;
     const bool little = carried <= carried_share * reference_energy(fragment);
     return little && damage_rests(hybrid, fragment, bar) ? SHV_REASON_QUIET : SHV_REASON_NONE;
@@ -135,19 +141,14 @@ double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
     return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : longest_transits * bending;
 }
 
-static bool is_held(const ShvHybrid *hybrid, const ShvFragment *fragment)
-{
-    return shv_imposed_holds(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
-                             fragment->node_count);
-}
-
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
 {
     double bar, bending;
     const double now = hybrid->state.time;
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
     *soonest = *latest = HUGE_VAL;
-    if (is_held(hybrid, fragment)) return;
+    if (shv_hybrid_can_fix(hybrid, fragment)) *latest = fmax(now, last_change(fragment) + window(hybrid, fragment));
+    if (shv_hybrid_is_held(hybrid, fragment)) return;
     shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     const int32_t checks = fracture->quiet_checks - fragment->quiet;
     const double counted = now + (checks > 0 ? checks : 0) * hybrid->check.clock.due * hybrid->steps.last;
@@ -158,11 +159,12 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     *soonest = fmin(*soonest, *latest);
 }
 
-/* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present time. */
-static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment)
+/* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present time. What is held rests when all that
+   is awake can: neighbours, as shards in a frame, would wake each other. */
+static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, bool all_can_be_fixed)
 {
     if (fragment->mode != SHV_MODE_FRACTURE || reason_to_rest(hybrid, fragment, 0.0) == SHV_REASON_NONE) return false;
-    return !is_held(hybrid, fragment);
+    return all_can_be_fixed || !shv_hybrid_is_held(hybrid, fragment);
 }
 
 /* What a fragment carries in the terms of the ledger, without the others' impulses (shv_hybrid_velocities_without_impulses): kinetic energy
@@ -299,7 +301,9 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     ShvFragment *fragment = &hybrid->fragments.items[index];
     const Taker taker = taker_of(hybrid, fragment);
     ShvEventView event = shv_audit_event(hybrid, taker == TAKER_BIN ? SHV_RUN_BIN : SHV_RUN_SLEEP, index);
+    const bool held = shv_hybrid_is_held(hybrid, fragment);
     shv_fragment_fit(fragment, &hybrid->fragments, &hybrid->state);
+    if (held) fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
     rest_energies(hybrid, fragment, taker, &event);
     const double rigid = taker == TAKER_NODES ? event.kinetic_after : shv_fragment_kinetic(fragment);
     const double carried = event.kinetic_before - rigid + event.strain_before + event.cohesive_before;
@@ -308,9 +312,11 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     event.reason = reason_to_rest(hybrid, fragment, carried);
     if (event.reason == SHV_REASON_NONE || loses_a_bond(hybrid, fragment)) return SHV_OK;
 
-    shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
+    /* Supports take the momentum of what they hold. */
+    if (!held) shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
     if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
     if (hybrid->model.can_break) SHV_TRY(note_strength(hybrid, index, error));
+    if (held) shv_hybrid_fix(hybrid, fragment, taker == TAKER_KEPT);
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));
@@ -318,16 +324,31 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     return shv_audit_close(hybrid, &event, error);
 }
 
+/* Their longest window over: others might stay, and wake them again. */
+static bool can_all_be_fixed(const ShvHybrid *hybrid)
+{
+    bool can = hybrid->imposed.count > 0;
+    for (int32_t i = 0; i < hybrid->fragments.count && can; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_FRACTURE) continue;
+        can =
+            window_is_over(hybrid, fragment) && !loses_a_bond(hybrid, fragment) && shv_hybrid_can_fix(hybrid, fragment);
+    }
+    return can;
+}
+
 static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
 {
     bool any = false;
     track_damage(hybrid);
+    const bool all_can_be_fixed = can_all_be_fixed(hybrid);
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
-        any = may_be_quiet(hybrid, &hybrid->fragments.items[i]);
+        any = may_be_quiet(hybrid, &hybrid->fragments.items[i], all_can_be_fixed);
     if (!any) return SHV_OK;
     SHV_TRY(shv_hybrid_velocities_without_impulses(hybrid, error));
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
-        if (may_be_quiet(hybrid, &hybrid->fragments.items[i])) SHV_TRY(try_to_sleep(hybrid, i, error));
+        if (may_be_quiet(hybrid, &hybrid->fragments.items[i], all_can_be_fixed))
+            SHV_TRY(try_to_sleep(hybrid, i, error));
     shv_hybrid_resume(hybrid);
     return shv_awake_refresh(hybrid, error);
 }

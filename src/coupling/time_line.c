@@ -153,7 +153,7 @@ static double happen(ShvHybrid *hybrid, const ShvEventDefinition *event)
 /* Records and nodes of the present time, for changes from outside. */
 static ShvStatus synchronise_now(ShvHybrid *hybrid, ShvError *error)
 {
-    hybrid->awake.dormant = false;
+    SHV_TRY(shv_hybrid_wake_fixed(hybrid, error));
     SHV_TRY(shv_hybrid_observe(hybrid, error));
     return hybrid->awake.count > 0 ? shv_hybrid_synchronise(hybrid, error) : SHV_OK;
 }

@@ -79,11 +79,18 @@ static bool wakes_by_contact(const ShvHybrid *hybrid, const ShvRigidContact *con
     return is_impact(hybrid, contact) && (isfinite(fragment->strength) || !hybrid->scene->fracture.enabled);
 }
 
+/* What supports hold wakes before it is touched (supported.c). */
+static bool is_visit(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    return hybrid->fragments.items[contact->fragment].fixed && contact->obstacle < 0 && contact->other < 0;
+}
+
 static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
     const double strength = hybrid->fragments.items[contact->fragment].strength;
     if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
+    if (is_visit(hybrid, contact)) return SHV_REASON_CONTACT;
     if (rigid->wake == SHV_WAKE_CONTACT)
         return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
@@ -100,21 +107,28 @@ bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact)
     return reason_to_wake(hybrid, contact) != SHV_REASON_NONE;
 }
 
+static ShvRigidContact no_contact(const ShvHybrid *hybrid, int32_t index)
+{
+    return (ShvRigidContact){.fragment = index, .obstacle = -1, .other = -1, .time = hybrid->state.time};
+}
+
+ShvStatus shv_hybrid_wake_alone(ShvHybrid *hybrid, int32_t index, ShvError *error)
+{
+    const ShvRigidContact none = no_contact(hybrid, index);
+    if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
+    hybrid->backend->functions->remove(hybrid->backend, index);
+    return shv_hybrid_wake(hybrid, &none, error);
+}
+
 ShvStatus shv_hybrid_wake_spinning(ShvHybrid *hybrid, ShvError *error)
 {
-    bool any = false;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        const ShvRigidContact none = {.fragment = i, .obstacle = -1, .other = -1, .time = hybrid->state.time};
+        const ShvRigidContact none = no_contact(hybrid, i);
         if (fragment->mode != SHV_MODE_FLIGHT || fragment->coupled) continue;
-        if (reason_to_wake(hybrid, &none) != SHV_REASON_SPIN) continue;
-        if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
-        hybrid->awake.dormant = false;
-        hybrid->backend->functions->remove(hybrid->backend, i);
-        SHV_TRY(shv_hybrid_wake(hybrid, &none, error));
-        any = true;
+        if (reason_to_wake(hybrid, &none) == SHV_REASON_SPIN) SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
     }
-    return any ? shv_awake_refresh(hybrid, error) : SHV_OK;
+    return shv_awake_refresh(hybrid, error);
 }
 
 /* The nodes of a rigid body without stress have gravity's acceleration alone: their velocities half a step ago, in time with
@@ -145,14 +159,16 @@ static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact,
     bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
     for (int32_t i = hybrid->wakes.next; i < hybrid->wakes.count; i++) /* its own turn is to come */
         flies = flies && hybrid->wakes.items[i].fragment != contact->other;
-    return flies ? shv_coupled_bodies_add(hybrid, contact->other, error) : SHV_OK;
+    if (!flies) return SHV_OK;
+    return other->fixed ? shv_hybrid_wake_alone(hybrid, contact->other, error)
+                        : shv_coupled_bodies_add(hybrid, contact->other, error);
 }
 
 /* Its record is that of the impact, less than a step from now: it flies as far, or back. */
 static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double time)
 {
     const double elapsed = hybrid->state.time - time;
-    if (elapsed == 0.0 || hybrid->backend->keeps_nodes) return;
+    if (elapsed == 0.0 || hybrid->backend->keeps_nodes || fragment->fixed) return;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     const ShvFreeRotation rotation = shv_free_rotation_make(&fragment->inertia);
     const ShvVec3 spin = shv_free_rotation_momentum(&rotation, fragment->orientation, fragment->angular_velocity);
@@ -178,6 +194,7 @@ static bool straightens(const ShvHybrid *hybrid)
 static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
 {
     if (hybrid->backend->keeps_nodes && !straightens(hybrid)) return;
+    if (fragment->fixed && !fragment->deformed) return; /* they stand as they should, to the last bit */
     if (fragment->deformed)
         shv_fragment_unfold(fragment, &hybrid->fragments, &hybrid->state);
     else
@@ -276,7 +293,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->mode = SHV_MODE_FRACTURE;
     fragment->quiet = 0;
     fragment->strain = 0.0;
-    fragment->deformed = false;
+    fragment->deformed = fragment->fixed = false;
     fragment->wake_energy = fmax(event.kinetic_after, energy_of_blow(fragment, contact)) / fragment->mass;
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);

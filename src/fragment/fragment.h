@@ -52,6 +52,7 @@ typedef struct ShvFragment {
        velocities by the impulses of what meets it in flight. */
     bool coupled;
     bool touches_coupled; /* in the backend's last step it met a coupled body */
+    bool fixed;           /* in flight, but supports hold it (supported.c) */
     /* Of the contact that woke it (waking_contact.c); children inherit. */
     int32_t contact_obstacle, contact_other; /* the other side; −1: none of that kind */
     double contact_speed;                    /* m/s: with which it closed */
@@ -61,6 +62,8 @@ typedef struct ShvFragment {
     double growth_time, growth_sum; /* s, J: what its cohesive facets had dissipated then (rest.c) */
     double
         last_crack; /* s: when a facet was inserted, a bond failed or damage was seen to grow last; −∞: not since it woke */
+    double last_visit,
+        visit; /* s: when something was to strike it last, which supports hold; m/s: severity of the hardest such blow */
     double longest; /* s: after its last crack it rests at the latest; as it woke, children inherit */
     double cut_time,
         cut_energy; /* s, J: work of opening its minimum cut, as it was then or, before that, at its last rest (rest.c) */

@@ -15,14 +15,7 @@ static void remove_all(ShvBullet *bullet)
 
 static ShvStatus join(const ShvBullet *bullet, const ShvBulletRigidBody *body, ShvError *error)
 {
-    ShvBodyShape body_shape;
-    if (body->fragment >= 0) {
-        SHV_TRY(shv_body_shape_of_pieces(&body_shape, &body->pieces, &body->rotation.axes, body->dust, error));
-        const ShvStatus status = shv_bullet_world_add(bullet->bullet, body->number, &body_shape.shape, 1.0 / body->mass,
-                                                      body->rotation.inverse, error);
-        shv_body_shape_release(&body_shape);
-        SHV_TRY(status);
-    }
+    if (body->fragment >= 0) SHV_TRY(shv_bullet_body_add_pieces(body, bullet->bullet, error));
     if (!body->settled) return SHV_OK;
     shv_bullet_body_place(body, bullet->bullet, body->position, body->orientation);
     return shv_bullet_reach(bullet, body, bullet->step, error);

@@ -2,14 +2,21 @@
 
 /* ---- shapes ---- */
 
-static ShvStatus add_pieces(ShvBulletRigidBody *body, ShvBulletWorld *bullet, ShvError *error)
+static ShvStatus add_shape(const ShvBulletRigidBody *body, ShvBulletWorld *bullet, ShvBodyShape *body_shape,
+                           ShvError *error)
+{
+    const double mobility = body->moves ? 1.0 / body->mass : 0.0;
+    const ShvStatus status =
+        shv_bullet_world_add(bullet, body->number, &body_shape->shape, mobility, body->rotation.inverse, error);
+    shv_body_shape_release(body_shape);
+    return status;
+}
+
+ShvStatus shv_bullet_body_add_pieces(const ShvBulletRigidBody *body, ShvBulletWorld *bullet, ShvError *error)
 {
     ShvBodyShape body_shape;
     SHV_TRY(shv_body_shape_of_pieces(&body_shape, &body->pieces, &body->rotation.axes, body->dust, error));
-    const ShvStatus status =
-        shv_bullet_world_add(bullet, body->number, &body_shape.shape, 1.0 / body->mass, body->rotation.inverse, error);
-    shv_body_shape_release(&body_shape);
-    return status;
+    return add_shape(body, bullet, &body_shape, error);
 }
 
 ShvStatus shv_bullet_body_fragment(ShvBulletRigidBody *body, ShvBulletWorld *bullet, const ShvRigidWorld *world,
@@ -19,7 +26,7 @@ ShvStatus shv_bullet_body_fragment(ShvBulletRigidBody *body, ShvBulletWorld *bul
     *body = (ShvBulletRigidBody){.number = world->obstacles->count + fragment,
                                  .fragment = fragment,
                                  .obstacle = -1,
-                                 .moves = true,
+                                 .moves = !record->fixed,
                                  .fall = 1.0,
                                  .mass = record->mass,
                                  .dust = record->dust,
@@ -27,7 +34,7 @@ ShvStatus shv_bullet_body_fragment(ShvBulletRigidBody *body, ShvBulletWorld *bul
     SHV_TRY(shv_rigid_check_mass(record, error));
     body->rotation = shv_free_rotation_make(&record->inertia);
     SHV_TRY(shv_convex_pieces_make(&body->pieces, world->fragments, world->model, world->state, fragment, error));
-    const ShvStatus status = add_pieces(body, bullet, error);
+    const ShvStatus status = shv_bullet_body_add_pieces(body, bullet, error);
     if (status != SHV_OK) {
         shv_convex_pieces_release(&body->pieces);
         return status == SHV_NO_MEMORY ? status : shv_fail_within(error, status, "fragment %d", (int)record->id);
@@ -55,9 +62,7 @@ ShvStatus shv_bullet_body_obstacle(ShvBulletRigidBody *body, ShvBulletWorld *bul
     if (!body->moves) body->rotation.axes = shv_identity();
     ShvBodyShape body_shape;
     SHV_TRY(shv_body_shape_of_obstacle(&body_shape, obstacle, &body->rotation.axes, world->fragments->memory, error));
-    const ShvStatus status = shv_bullet_world_add(bullet, index, &body_shape.shape,
-                                                  body->moves ? 1.0 / body->mass : 0.0, body->rotation.inverse, error);
-    shv_body_shape_release(&body_shape);
+    const ShvStatus status = add_shape(body, bullet, &body_shape, error);
     if (status == SHV_NO_MEMORY) return status;
     if (status != SHV_OK) return shv_fail_within(error, status, "obstacle %s", obstacle->name);
     body->radius = shv_bullet_world_radius(bullet, body->number);

@@ -11,7 +11,7 @@ enum { SHV_LOAD_STEPS = 8 /* windows over which contact forces are averaged */ }
 typedef struct ShvBulletRigidBody {
     int32_t number;             /* in the world of Bullet: obstacles by their index, then fragments by theirs */
     int32_t fragment, obstacle; /* one of them is −1 */
-    bool moves;                 /* has a mass */
+    bool moves;                 /* as its mass does, and nothing holds it */
     bool round;                 /* turning does not change where its surface is */
     double mass, radius;        /* infinite where it has none */
     double friction, restitution;
@@ -67,6 +67,8 @@ ShvStatus shv_bullet_body_fragment(ShvBulletRigidBody *body, ShvBulletWorld *bul
                                    int32_t fragment, ShvError *error);
 ShvStatus shv_bullet_body_obstacle(ShvBulletRigidBody *body, ShvBulletWorld *bullet, const ShvRigidWorld *world,
                                    int32_t obstacle, ShvError *error);
+/* Once more, from its pieces. */
+ShvStatus shv_bullet_body_add_pieces(const ShvBulletRigidBody *body, ShvBulletWorld *bullet, ShvError *error);
 void shv_bullet_body_release(ShvBulletRigidBody *body, ShvBulletWorld *bullet);
 
 /* Takes the state from the record; true when somebody has changed it since it was written. */

@@ -23,6 +23,7 @@ ShvVec3 shv_bullet_relative_gravity(const ShvBullet *bullet, const ShvBulletRigi
 
 bool shv_bullet_leaves_pair(const ShvBulletRigidBody *a, const ShvBulletRigidBody *b)
 {
+    if (!a->moves && !b->moves) return true;
     if ((a->dust || b->dust) && a->fragment >= 0 && b->fragment >= 0) return true;
     return (a->coupled && (b->coupled || b->obstacle >= 0)) || (b->coupled && a->obstacle >= 0);
 }

@@ -171,7 +171,7 @@ static void note_loads(ShvBullet *bullet)
     bullet->window_ends = bullet->window > least_window * bullet->backend.world.settings->time_step;
     for (int32_t i = 0; i < bullet->body_count; i++) {
         ShvBulletRigidBody *body = &bullet->bodies[i];
-        if (!body->moves || body->leaves || body->asleep) continue;
+        if ((!body->moves && body->obstacle >= 0) || body->leaves || body->asleep) continue;
         body->load_impulse += body->impulse;
         if (!bullet->window_ends) continue;
         body->loads[body->load_next] = body->load_impulse / bullet->window;

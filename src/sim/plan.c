@@ -253,7 +253,7 @@ ShvAwakeView shv_simulation_awake(const ShvSimulation *simulation)
     const ShvHybrid *hybrid = &simulation->hybrid;
     const double now = hybrid->state.time, always = 0.1 * hybrid->state.element_count;
     ShvAwakeView view = {.rest = now, .step = hybrid->steps.last};
-    for (int32_t i = 0; i < hybrid->fragments.count && !hybrid->awake.dormant; i++) {
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_FRACTURE) continue;
         const double rest = expected_rest(hybrid, fragment);

@@ -288,6 +288,31 @@ static void test_traction(void **state)
     piece_release(&piece);
 }
 
+/* The corner of one tet leaves a node and has one of its own. */
+static int32_t split_off(Piece *piece, int32_t element, int32_t corner)
+{
+    ShvState *s = &piece->state;
+    const int32_t old = shv_state_node(s, element, corner), copy = s->node_count;
+    check_ok(shv_state_reserve(s, copy + 1, &piece->error), piece->error);
+    s->node_count = copy + 1;
+    s->connectivity[shv_corner_slot(element, corner)] = copy;
+    s->origin[copy] = s->origin[old];
+    s->mass[copy] = 0.5 * s->mass[old];
+    s->mass[old] *= 0.5;
+    shv_store3(s->reference + 3 * copy, shv_load3(s->reference + 3 * old));
+    shv_store3(s->displacement + 3 * copy, shv_load3(s->displacement + 3 * old));
+    shv_store3(s->velocity + 3 * copy, shv_load3(s->velocity + 3 * old));
+    int32_t *corners = s->corners + s->corner_start[old], kept = 0;
+    for (int32_t k = 0; k < s->corner_count[old]; k++)
+        if (corners[k] != 4 * element + corner) corners[kept++] = corners[k];
+    assert_int_equal(kept, s->corner_count[old] - 1);
+    corners[kept] = 4 * element + corner;
+    s->corner_count[old] = kept;
+    s->corner_start[copy] = s->corner_start[old] + kept;
+    s->corner_count[copy] = 1;
+    return copy;
+}
+
 /* A node of the held and pulled face is split by hand: the copy is held too, and the traction goes to the copy that owns the
    element. */
 static void test_follows_duplication(void **state)
@@ -304,16 +329,7 @@ static void test_follows_duplication(void **state)
     ShvState *s = &piece.state;
     step(&piece, &imposed, 1e-3);
     const ShvImposedFacet *facet = &imposed.items[0].facets[0];
-    const int32_t corner = shv_face_corners[facet->face][0];
-    const int32_t old = shv_state_node(s, facet->element, corner), copy = s->node_count;
-    check_ok(shv_state_reserve(s, copy + 1, &piece.error), piece.error);
-    s->node_count = copy + 1;
-    s->connectivity[shv_corner_slot(facet->element, corner)] = copy;
-    s->origin[copy] = old;
-    s->mass[copy] = 0.5 * s->mass[old];
-    s->mass[old] *= 0.5;
-    shv_store3(s->reference + 3 * copy, shv_load3(s->reference + 3 * old));
-    shv_store3(s->velocity + 3 * copy, shv_load3(s->velocity + 3 * old));
+    const int32_t copy = split_off(&piece, facet->element, shv_face_corners[facet->face][0]);
     double before = 0.0, after = 0.0;
     for (int32_t i = 0; i < copy; i++) before += s->force[3 * i + 1];
     step(&piece, &imposed, 1e-3);
@@ -326,6 +342,56 @@ static void test_follows_duplication(void **state)
     check_near(s->velocity[3 * copy], 0.0, 0.0);
     shv_imposed_release(&imposed);
     piece_release(&piece);
+}
+
+/* A tet that has but one node on the support, and the corner that it has there. */
+static void find_hanging(const Piece *piece, double x, int32_t *element, int32_t *corner)
+{
+    const ShvState *s = &piece->state;
+    int on = 0;
+    for (*element = 0; *element < s->element_count; ++*element) {
+        on = 0;
+        for (int c = 0; c < 4; c++) {
+            const bool at = fabs(s->reference[3 * shv_state_node(s, *element, c)] - x) < 1e-9;
+            if (at) *corner = c;
+            on += at;
+        }
+        if (on == 1) return;
+    }
+    fail_msg("no tet hangs by a node");
+}
+
+/* What hangs from a face of supports by a node alone is let go; from a line of them it is not, for there is nothing else to hold it by. */
+static void test_holds_by_faces(void **state)
+{
+    (void)state;
+    for (int line = 0; line < 2; line++) {
+        Piece piece;
+        piece_create(&piece);
+        int32_t element = 0, corner = 0;
+        find_hanging(&piece, 0.1, &element, &corner);
+        const int32_t old = shv_state_node(&piece.state, element, corner);
+        ShvConditionDefinition condition = condition_on_face("wall", SHV_CONDITION_SUPPORT, 0.1);
+        if (line) {
+            condition.selection.kind = SHV_SELECT_BOX;
+            for (int k = 0; k < 3; k++) {
+                condition.selection.box_min[k] = piece.state.reference[3 * old + k] - 1e-9;
+                condition.selection.box_max[k] = piece.state.reference[3 * old + k] + 1e-9;
+            }
+        }
+        ShvImposed imposed;
+        impose(&piece, &imposed, &condition, 1);
+        step(&piece, &imposed, 1e-3);
+        const int32_t copy = split_off(&piece, element, corner);
+        piece.state.velocity[3 * copy] = piece.state.velocity[3 * old] = 7.0;
+        step(&piece, &imposed, 1e-3);
+        check_near(piece.state.velocity[3 * copy], line ? 0.0 : 7.0, 0.0);
+        check_near(piece.state.velocity[3 * old], 0.0, 0.0);
+        assert_int_equal(shv_imposed_holds(&imposed, &piece.state, &copy, 1), line == 1);
+        assert_true(shv_imposed_holds(&imposed, &piece.state, &old, 1));
+        shv_imposed_release(&imposed);
+        piece_release(&piece);
+    }
 }
 
 static void test_allocation_failures(void **state)
@@ -357,6 +423,70 @@ static void test_allocation_failures(void **state)
     piece_release(&piece);
 }
 
+/* How supports hold the block under a force at its centre. */
+static ShvHold hold(Piece *piece, const ShvConditionDefinition *conditions, int32_t count, ShvVec3 force)
+{
+    ShvImposed imposed;
+    int32_t nodes[1024];
+    assert_true(piece->state.node_count <= 1024);
+    for (int32_t i = 0; i < piece->state.node_count; i++) nodes[i] = i;
+    impose(piece, &imposed, conditions, count);
+    const ShvHold result =
+        shv_imposed_hold(&imposed, &piece->state, nodes, piece->state.node_count, force, shv_vec3(0.0, 0.0, 0.0));
+    shv_imposed_release(&imposed);
+    return result;
+}
+
+static ShvConditionDefinition in_box(const char *name, ShvVec3 low, ShvVec3 high, bool x, bool y, bool z)
+{
+    ShvConditionDefinition definition = condition_on_face(name, SHV_CONDITION_SUPPORT, 0.0);
+    definition.selection.kind = SHV_SELECT_BOX;
+    shv_store3(definition.selection.box_min, low);
+    shv_store3(definition.selection.box_max, high);
+    definition.axes[0] = x;
+    definition.axes[1] = y;
+    definition.axes[2] = z;
+    return definition;
+}
+
+static void supports_leave_no_motion_or_some(void **state)
+{
+    (void)state;
+    Piece piece;
+    piece_create(&piece);
+    const ShvVec3 down = {0.0, 0.0, -1.0}, aside = {0.0, 1.0, -1.0};
+    const ShvConditionDefinition face = condition_on_face("face", SHV_CONDITION_SUPPORT, -0.1);
+    assert_int_equal(hold(&piece, &face, 1, aside), SHV_HOLD_FIXED);
+    const ShvConditionDefinition moved = condition_on_face("face", SHV_CONDITION_VELOCITY, -0.1);
+    assert_int_equal(hold(&piece, &moved, 1, down), SHV_HOLD_LOOSE);
+    ShvConditionDefinition later = face;
+    later.start = 1.0;
+    assert_int_equal(hold(&piece, &later, 1, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, NULL, 0, down), SHV_HOLD_LOOSE);
+    /* On ice, and on a slope of it. */
+    const ShvVec3 low = {-0.11, -0.06, -0.06}, high = {0.11, 0.06, 0.06};
+    const ShvConditionDefinition slides = in_box("slides", low, high, false, false, true);
+    assert_int_equal(hold(&piece, &slides, 1, down), SHV_HOLD_BALANCED);
+    assert_int_equal(hold(&piece, &slides, 1, aside), SHV_HOLD_LOOSE);
+    /* On its lower edge at one end, along y: as a door, a shelf; and a shelf on a corner of the other end, and one pulled to the hinge there,
+       which bears nothing. */
+    const ShvConditionDefinition hinge = in_box("hinge", low, shv_vec3(-0.09, 0.06, -0.04), true, true, true);
+    assert_int_equal(hold(&piece, &hinge, 1, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, &hinge, 1, shv_vec3(-0.1, 0.0, -0.05)), SHV_HOLD_BALANCED);
+    const ShvVec3 corner_low = {0.09, -0.06, -0.06}, corner_high = {0.11, -0.04, -0.04};
+    const ShvConditionDefinition shelf[2] = {hinge, in_box("corner", corner_low, corner_high, false, false, true)};
+    assert_int_equal(hold(&piece, shelf, 2, down), SHV_HOLD_FIXED);
+    const ShvConditionDefinition pulled[2] = {hinge, in_box("corner", corner_low, corner_high, true, false, false)};
+    assert_int_equal(hold(&piece, pulled, 2, down), SHV_HOLD_LOOSE);
+    /* On rollers at both ends: what bears it bears it there as well when it is turned upside down. */
+    const ShvConditionDefinition ends[2] = {
+        in_box("left", low, shv_vec3(-0.09, 0.06, -0.04), false, false, true),
+        in_box("right", shv_vec3(0.09, -0.06, -0.06), shv_vec3(0.11, 0.06, -0.04), false, false, true)};
+    assert_int_equal(hold(&piece, ends, 2, down), SHV_HOLD_BALANCED);
+    assert_int_equal(hold(&piece, ends, 1, down), SHV_HOLD_LOOSE);
+    piece_release(&piece);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,7 +497,9 @@ int main(void)
         cmocka_unit_test(test_velocity_ramp),
         cmocka_unit_test(test_traction),
         cmocka_unit_test(test_follows_duplication),
+        cmocka_unit_test(test_holds_by_faces),
         cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(supports_leave_no_motion_or_some),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,169 @@
+/* Bodies on supports. While they are struck, and until they have calmed down, they are in fracture mode; before and after that flight
+   holds them, immovable, and what is slow lies on them and meets them as on any rigid body. */
+#include <string.h>
+
+#include "coupling/hybrid.h"
+
+static bool is_of(const ShvConditionDefinition *condition, const char *object)
+{
+    return condition->object && strcmp(condition->object, object) == 0;
+}
+
+bool shv_hybrid_is_held(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return shv_imposed_holds(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
+                             fragment->node_count);
+}
+
+/* By supports alone, from start to end. */
+static bool is_supported(const ShvSceneDefinition *scene, const char *object)
+{
+    for (int32_t i = 0; i < scene->condition_count; i++) {
+        const ShvConditionDefinition *condition = &scene->conditions[i];
+        if (!is_of(condition, object)) continue;
+        if (condition->kind != SHV_CONDITION_SUPPORT || condition->start > 0.0 || !isinf(condition->end)) return false;
+    }
+    return true;
+}
+
+/* Probes want to see every step, and who does not ask for cracks wants to see vibration; bars move nodes by themselves. */
+static bool flight_may_hold(const ShvHybrid *hybrid)
+{
+    const ShvSceneDefinition *scene = hybrid->scene;
+    return hybrid->imposed.count > 0 && hybrid->coupling.mutual && !hybrid->stabiliser.active &&
+           scene->probe_count == 0 && scene->fracture.enabled;
+}
+
+/* By permanent supports alone, with its weight at its centre at the start. */
+static ShvHold hold_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    if (!flight_may_hold(hybrid) || !isfinite(fragment->strength) ||
+        !is_supported(hybrid->scene, hybrid->model.objects[fragment->object].name))
+        return SHV_HOLD_LOOSE;
+    return shv_imposed_hold(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
+                            fragment->node_count, shv_load3(hybrid->gravity), fragment->reference_centre);
+}
+
+bool shv_hybrid_can_fix(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return hold_of(hybrid, fragment) == SHV_HOLD_FIXED;
+}
+
+static bool is_still(const ShvPlacement *placement)
+{
+    return shv_norm(shv_load3(placement->velocity)) + shv_norm(shv_load3(placement->angular_velocity)) +
+               shv_norm(shv_load3(placement->stretch_rate)) ==
+           0.0;
+}
+
+/* Its weight comes on when it wakes: it must not be able to break it. What supports let slide or turn stays where it is until it is
+   pushed. */
+bool shv_hybrid_starts_fixed(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double weight = fragment->mass * shv_norm(shv_load3(hybrid->gravity));
+    return is_still(&hybrid->scene->objects[fragment->object].placement) &&
+           shv_hybrid_load_stress(fragment, weight) < hybrid->scene->rigid.wake_fraction * fragment->strength &&
+           hold_of(hybrid, fragment) != SHV_HOLD_LOOSE;
+}
+
+/* Back to the start without the sag under its weight, whose potential is given. */
+static void straighten(ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    const ShvVec3 rise = shv_sub(fragment->reference_centre, fragment->position);
+    hybrid->observer.ledger.booked[SHV_WORK_HANDOVER] -= fragment->mass * shv_dot(shv_load3(hybrid->gravity), rise);
+    fragment->position = fragment->reference_centre;
+    fragment->orientation = shv_quat_identity();
+}
+
+void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed)
+{
+    if (!deformed) straighten(hybrid, fragment);
+    fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
+    fragment->fixed = true;
+    if (fragment->last_crack > -HUGE_VAL) fragment->visit = 0.0; /* it is another body now */
+}
+
+/* ---- visitors ---- */
+
+/* Distance of a point from the box of a body, m. */
+static double distance_from(const ShvFragment *fragment, ShvVec3 point)
+{
+    const ShvVec3 x = shv_rotate(shv_quat_conjugate(fragment->orientation), shv_sub(point, fragment->position));
+    const ShvVec3 out = {fmax(0.0, fmax(fragment->low.x - x.x, x.x - fragment->high.x)),
+                         fmax(0.0, fmax(fragment->low.y - x.y, x.y - fragment->high.y)),
+                         fmax(0.0, fmax(fragment->low.z - x.z, x.z - fragment->high.z))};
+    return shv_norm(out);
+}
+
+/* Of the severity of the hardest blow: what wakes it, and what keeps it awake. A weaker one is met in flight, as by a body that has borne
+   more; and what bounces on while it rings would keep it awake for long. */
+static const double waking_share = 1.0 / 3.0, keeping_share = 0.9;
+
+typedef struct Visitor {
+    ShvVec3 position;
+    double radius, speed, mass; /* m, m/s, kg; infinite: moves by script */
+} Visitor;
+
+/* Whether it may reach the body within an interval. */
+static bool may_reach(const ShvHybrid *hybrid, const ShvFragment *fragment, const Visitor *visitor, double interval)
+{
+    const double fall = shv_norm(shv_load3(hybrid->gravity)) * interval;
+    const double way = 2.0 * (visitor->speed + fall) * interval; /* 2: for rounding, and more */
+    return !(distance_from(fragment, visitor->position) > visitor->radius + way);
+}
+
+/* Whether a blow may come in an interval that is not met in flight; notes its severity, by the rule of impacts (wake.c). What is slower
+   than bodies at rest seem in flight lies on the body, or pushes it where supports let it slide. */
+static bool is_felt(const ShvHybrid *hybrid, ShvFragment *fragment, const Visitor *visitor, double interval)
+{
+    const double ratio = isfinite(visitor->mass) ? sqrt(fmax(1.0, visitor->mass / fragment->mass)) : 1.0;
+    const double severity = visitor->speed * ratio, share = fragment->fixed ? waking_share : keeping_share;
+    const double slow = 2.0 * shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
+    const bool weak = !(severity > share * fragment->visit) || !(visitor->speed > slow);
+    if ((weak && (!fragment->fixed || shv_hybrid_can_fix(hybrid, fragment))) ||
+        !may_reach(hybrid, fragment, visitor, interval))
+        return false;
+    fragment->visit = fmax(fragment->visit, severity);
+    return true;
+}
+
+static bool is_visited(const ShvHybrid *hybrid, ShvFragment *fragment, double interval)
+{
+    bool visited = false;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
+        const ShvObstacle *o = &hybrid->obstacles.items[i];
+        const Visitor visitor = {o->position, o->bounding_radius,
+                                 shv_norm(o->velocity) + shv_norm(o->angular_velocity) * o->bounding_radius,
+                                 o->motion == SHV_OBSTACLE_FREE ? o->mass : HUGE_VAL};
+        if (o->motion != SHV_OBSTACLE_FIXED) visited |= is_felt(hybrid, fragment, &visitor, interval);
+    }
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *f = &hybrid->fragments.items[i];
+        const Visitor visitor = {f->position, f->radius,
+                                 shv_norm(f->velocity) + shv_norm(f->angular_velocity) * f->radius, f->mass};
+        if (f->mode == SHV_MODE_FLIGHT && !f->fixed) visited |= is_felt(hybrid, fragment, &visitor, interval);
+    }
+    return visited;
+}
+
+ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error)
+{
+    if (!flight_may_hold(hybrid)) return SHV_OK;
+    const double interval = hybrid->interval_end - hybrid->state.time;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        ShvFragment *fragment = &hybrid->fragments.items[i];
+        const bool held =
+            fragment->fixed || (fragment->mode == SHV_MODE_FRACTURE && shv_hybrid_is_held(hybrid, fragment));
+        if (!held || !is_visited(hybrid, fragment, interval)) continue;
+        if (fragment->fixed) SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
+        fragment->last_visit = hybrid->interval_end;
+    }
+    return shv_awake_refresh(hybrid, error);
+}
+
+ShvStatus shv_hybrid_wake_fixed(ShvHybrid *hybrid, ShvError *error)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        if (hybrid->fragments.items[i].fixed) SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
+    return shv_awake_refresh(hybrid, error);
+}
