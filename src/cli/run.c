@@ -87,6 +87,9 @@ static double largest_mass_fraction(const ShvFrameView *frame)
     return total > 0.0 ? largest / total : 0.0;
 }
 
+/* Of the largest energy: what springs of cracks lose by damping is told beyond. */
+static const double damped_share = 0.01;
+
 static double share(double part, double whole)
 {
     return whole > 0.0 ? part / whole : 0.0;
@@ -139,10 +142,13 @@ static void print_summary(const ShvFrameView *frame, const char *path, double wa
         printf("  bars did %.1f %% of the work that bars and elastic forces did together; largest edge strain %.3g\n",
                100.0 * frame->bar_work_share, frame->edge_strain);
     if (frame->inserted > 0)
-        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings; failed area × G: "
+        printf("  cohesive tractions took %.4g J; the cohesive law says %.4g J for their openings%s; failed area × G: "
                "%.4g J\n",
                -ledger->cohesive,
                ledger->fracture_dissipation + ledger->cohesive_recoverable + ledger->cohesive_released,
+               share(-ledger->cohesive_defect, ledger->largest) > damped_share
+                   ? ", and the step damped their springs by the rest: a smaller fracture.safety resolves them better"
+                   : "",
                ledger->fracture_energy_area);
     if (frame->worst_overshoot > 0.0)
         printf("  stress at insertion at most %.3f of the strength%s\n", frame->worst_overshoot,

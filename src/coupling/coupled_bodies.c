@@ -120,13 +120,15 @@ static void let_go(ShvHybrid *hybrid, int32_t place)
 
 /* ---- contacts with what is in flight ---- */
 
-/* Flight sees them with the velocities of now, */
+/* Flight sees them with the velocities of now, which gravity alone has changed since the last kick (records are those of the observer
+   after a frame: with half of the next one's impulses), */
 void shv_coupled_bodies_to_flight(ShvHybrid *hybrid)
 {
     const double half = 0.5 * hybrid->state.last_step;
     for (int32_t i = 0; i < hybrid->coupling.bodies.count; i++) {
         ShvFragment *fragment = &hybrid->fragments.items[hybrid->coupling.bodies.fragments[i]];
         fragment->velocity = shv_madd(hybrid->coupling.bodies.items[i].velocity, half, shv_load3(hybrid->gravity));
+        fragment->angular_velocity = hybrid->coupling.bodies.items[i].angular_velocity;
     }
 }
 

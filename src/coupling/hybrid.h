@@ -339,6 +339,8 @@ bool shv_hybrid_starts_fixed(const ShvHybrid *hybrid, const ShvFragment *fragmen
 void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed);
 ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_wake_fixed(ShvHybrid *hybrid, ShvError *error);
+/* Whether something pressed on it in the last step as only a blow does. */
+bool shv_hybrid_is_struck(const ShvHybrid *hybrid, const ShvFragment *fragment);
 /* wake.c: estimate of the stress, Pa, that a force on a fragment, N, brings about. */
 double shv_hybrid_load_stress(const ShvFragment *fragment, double load);
 /* Of a fragment in flight, as its engine has it, J. */

@@ -324,15 +324,15 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     return shv_audit_close(hybrid, &event, error);
 }
 
-/* Their longest window over: others might stay, and wake them again. */
+/* Their longest window over, for others might stay and wake them again; and no blow that they bear just now, for it would lose its rebound. */
 static bool can_all_be_fixed(const ShvHybrid *hybrid)
 {
     bool can = hybrid->imposed.count > 0;
     for (int32_t i = 0; i < hybrid->fragments.count && can; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_FRACTURE) continue;
-        can =
-            window_is_over(hybrid, fragment) && !loses_a_bond(hybrid, fragment) && shv_hybrid_can_fix(hybrid, fragment);
+        can = window_is_over(hybrid, fragment) && !loses_a_bond(hybrid, fragment) &&
+              !shv_hybrid_is_struck(hybrid, fragment) && shv_hybrid_can_fix(hybrid, fragment);
     }
     return can;
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "coupling/hybrid.h"
+#include "coupling/near.h"
 
 static bool is_of(const ShvConditionDefinition *condition, const char *object)
 {
@@ -85,63 +86,71 @@ void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed)
 
 /* ---- visitors ---- */
 
-/* Distance of a point from the box of a body, m. */
-static double distance_from(const ShvFragment *fragment, ShvVec3 point)
-{
-    const ShvVec3 x = shv_rotate(shv_quat_conjugate(fragment->orientation), shv_sub(point, fragment->position));
-    const ShvVec3 out = {fmax(0.0, fmax(fragment->low.x - x.x, x.x - fragment->high.x)),
-                         fmax(0.0, fmax(fragment->low.y - x.y, x.y - fragment->high.y)),
-                         fmax(0.0, fmax(fragment->low.z - x.z, x.z - fragment->high.z))};
-    return shv_norm(out);
-}
-
 /* Of the severity of the hardest blow: what wakes it, and what keeps it awake. A weaker one is met in flight, as by a body that has borne
    more; and what bounces on while it rings would keep it awake for long. */
 static const double waking_share = 1.0 / 3.0, keeping_share = 0.9;
+
+/* Of the radius that it had at the start: what deforms may reach a little farther. */
+static const double largest_radius = 1.1;
+
+/* A body that supports hold, in an interval. */
+typedef struct Host {
+    const ShvHybrid *hybrid;
+    ShvFragment *fragment;
+    double interval; /* s */
+    bool firm;       /* supports leave it no motion; or it is awake, and moves if they do */
+    bool known;
+    ShvNear near; /* once it is known: where its tets are */
+} Host;
 
 typedef struct Visitor {
     ShvVec3 position;
     double radius, speed, mass; /* m, m/s, kg; infinite: moves by script */
 } Visitor;
 
-/* Whether it may reach the body within an interval. */
-static bool may_reach(const ShvHybrid *hybrid, const ShvFragment *fragment, const Visitor *visitor, double interval)
+static bool may_reach(Host *host, const Visitor *visitor)
 {
-    const double fall = shv_norm(shv_load3(hybrid->gravity)) * interval;
-    const double way = 2.0 * (visitor->speed + fall) * interval; /* 2: for rounding, and more */
-    return !(distance_from(fragment, visitor->position) > visitor->radius + way);
+    const double fall = shv_norm(shv_load3(host->hybrid->gravity)) * host->interval;
+    const double reach =
+        visitor->radius + 2.0 * (visitor->speed + fall) * host->interval; /* 2: for rounding, and more */
+    const double distance = shv_norm(shv_sub(visitor->position, host->fragment->position));
+    if (distance > largest_radius * host->fragment->radius + reach) return false;
+    if (!host->known) shv_near_find(host->hybrid, host->fragment, &host->near);
+    host->known = true;
+    return shv_near_meets(&host->near, visitor->position, reach);
 }
 
-/* Whether a blow may come in an interval that is not met in flight; notes its severity, by the rule of impacts (wake.c). What is slower
-   than bodies at rest seem in flight lies on the body, or pushes it where supports let it slide. */
-static bool is_felt(const ShvHybrid *hybrid, ShvFragment *fragment, const Visitor *visitor, double interval)
+/* Whether a blow may come that is not met in flight; notes its severity, by the rule of impacts (wake.c). What is slower than bodies at
+   rest seem in flight lies on the body, or pushes it where supports let it. */
+static bool feels(Host *host, const Visitor *visitor)
 {
+    ShvFragment *fragment = host->fragment;
     const double ratio = isfinite(visitor->mass) ? sqrt(fmax(1.0, visitor->mass / fragment->mass)) : 1.0;
     const double severity = visitor->speed * ratio, share = fragment->fixed ? waking_share : keeping_share;
-    const double slow = 2.0 * shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
+    const double slow = 2.0 * shv_norm(shv_load3(host->hybrid->gravity)) * host->hybrid->scene->rigid.time_step;
     const bool weak = !(severity > share * fragment->visit) || !(visitor->speed > slow);
-    if ((weak && (!fragment->fixed || shv_hybrid_can_fix(hybrid, fragment))) ||
-        !may_reach(hybrid, fragment, visitor, interval))
-        return false;
+    if ((weak && host->firm) || !may_reach(host, visitor)) return false;
     fragment->visit = fmax(fragment->visit, severity);
     return true;
 }
 
 static bool is_visited(const ShvHybrid *hybrid, ShvFragment *fragment, double interval)
 {
+    Host host = {.hybrid = hybrid, .fragment = fragment, .interval = interval};
+    host.firm = !fragment->fixed || shv_hybrid_can_fix(hybrid, fragment);
     bool visited = false;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         const ShvObstacle *o = &hybrid->obstacles.items[i];
         const Visitor visitor = {o->position, o->bounding_radius,
                                  shv_norm(o->velocity) + shv_norm(o->angular_velocity) * o->bounding_radius,
                                  o->motion == SHV_OBSTACLE_FREE ? o->mass : HUGE_VAL};
-        if (o->motion != SHV_OBSTACLE_FIXED) visited |= is_felt(hybrid, fragment, &visitor, interval);
+        if (o->motion != SHV_OBSTACLE_FIXED) visited |= feels(&host, &visitor);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *f = &hybrid->fragments.items[i];
         const Visitor visitor = {f->position, f->radius,
                                  shv_norm(f->velocity) + shv_norm(f->angular_velocity) * f->radius, f->mass};
-        if (f->mode == SHV_MODE_FLIGHT && !f->fixed) visited |= is_felt(hybrid, fragment, &visitor, interval);
+        if (f->mode == SHV_MODE_FLIGHT && !f->fixed) visited |= feels(&host, &visitor);
     }
     return visited;
 }
@@ -159,6 +168,25 @@ ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error)
         fragment->last_visit = hybrid->interval_end;
     }
     return shv_awake_refresh(hybrid, error);
+}
+
+/* Of its weight: what presses harder on another body than it may by lying on it strikes it. */
+static const double most_weights = 3.0;
+
+bool shv_hybrid_is_struck(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    const double weights = most_weights * shv_norm(shv_load3(hybrid->gravity)) * hybrid->state.last_step;
+    bool struck = false;
+    for (int32_t k = 0; k < hybrid->coupling.surface.pair_count && !struck; k++) {
+        const ShvFacetPair *pair = &hybrid->coupling.surface.pairs[k];
+        const int own = pair->fragments[0] == fragment->id ? 0 : 1;
+        const bool obstacle = pair->element < 0;
+        if (pair->fragments[own] != fragment->id || (obstacle && own != 0)) continue;
+        const double mass = obstacle ? hybrid->obstacles.items[-1 - pair->element].mass
+                                     : hybrid->fragments.items[pair->fragments[!own]].mass;
+        struck = pair->normal_impulse > weights * mass; /* never of an obstacle that does not move freely */
+    }
+    return struck;
 }
 
 ShvStatus shv_hybrid_wake_fixed(ShvHybrid *hybrid, ShvError *error)

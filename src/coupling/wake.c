@@ -2,6 +2,8 @@
    unchanged, since both sides use the lumped inertia. */
 #include "coupling/hybrid.h"
 
+#include <string.h>
+
 /* A touch from a gap, or one that closes faster than resting and rolling bodies do: a body that stands on one edge may slam on
    the other, and one may touch from the start. */
 static bool is_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
@@ -190,12 +192,21 @@ static bool straightens(const ShvHybrid *hybrid)
     return hybrid->backend->keeps_nodes && !hybrid->stabiliser.active;
 }
 
+/* What flight held stands as it should, to the last bit, and has no motion. */
+static void stand_still(ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    for (int32_t k = 0; k < fragment->node_count; k++)
+        memset(hybrid->state.velocity + 3 * (int64_t)hybrid->fragments.nodes[fragment->node_begin + k], 0,
+               3 * sizeof(double));
+}
+
 /* Nodes get the rigid motion, on top of the deformation that was kept. */
 static void give_motion(ShvHybrid *hybrid, ShvFragment *fragment)
 {
     if (hybrid->backend->keeps_nodes && !straightens(hybrid)) return;
-    if (fragment->fixed && !fragment->deformed) return; /* they stand as they should, to the last bit */
-    if (fragment->deformed)
+    if (fragment->fixed && !fragment->deformed)
+        stand_still(hybrid, fragment);
+    else if (fragment->deformed)
         shv_fragment_unfold(fragment, &hybrid->fragments, &hybrid->state);
     else
         shv_hybrid_scatter(hybrid, fragment);

@@ -907,7 +907,7 @@ static const ShvKey fracture_keys[] = {
      .sentence =
          "The run stops when the residual of the energy ledger, and what changes of the step's length made, exceed "
          "this share of the largest energy together, or when contacts have given as much and what lifts all bodies by "
-         "their radius, though no obstacle is driven."},
+         "their radius, though no obstacle is driven, or cohesive tractions have given as much more than their law."},
 };
 static const ShvTable fracture_table = {.name = "fracture",
                                         .sentence = "Bodies while they may break.",

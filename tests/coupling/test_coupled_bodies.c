@@ -111,12 +111,44 @@ static void a_push_turns_it(void **state)
     end(&scene);
 }
 
+/* Thrown on a corner of the lower cube; `watched`: looked at after each interval. */
+static ShvFragment after_impact(bool watched)
+{
+    Scene scene;
+    ShvError error = {0};
+    int64_t taken;
+    const ShvFragment *upper = begin(&scene);
+    scene.stage.scene.rigid.wake_fraction = 1e9; /* it stays rigid */
+    const ShvVec3 beside = shv_add(upper->position, shv_vec3(0.02, 0.015, 0.0));
+    check_ok(shv_hybrid_push(&scene.hybrid, 1, shv_vec3(0.0, 0.0, -2.0 * mass), beside, &error), error);
+    for (int i = 0; i < 60; i++) {
+        check_ok(shv_hybrid_advance(&scene.hybrid, scene.hybrid.state.time + 5e-5, 0, &taken, &error), error);
+        if (watched) check_ok(shv_hybrid_observe(&scene.hybrid, &error), error);
+    }
+    check_ok(shv_hybrid_observe(&scene.hybrid, &error), error);
+    const ShvFragment result = scene.hybrid.fragments.items[1];
+    assert_true(scene.hybrid.observer.balance.contact < -0.01); /* it has met the lower one */
+    end(&scene);
+    return result;
+}
+
+static void watching_changes_nothing(void **state)
+{
+    (void)state;
+    const ShvFragment one = after_impact(false), other = after_impact(true);
+    assert_memory_equal(&one.position, &other.position, sizeof one.position);
+    assert_memory_equal(&one.orientation, &other.orientation, sizeof one.orientation);
+    assert_memory_equal(&one.velocity, &other.velocity, sizeof one.velocity);
+    assert_memory_equal(&one.angular_velocity, &other.angular_velocity, sizeof one.angular_velocity);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_set_velocity_throws_it),
         cmocka_unit_test(an_impulse_adds_to_what_it_has),
         cmocka_unit_test(a_push_turns_it),
+        cmocka_unit_test(watching_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
