@@ -190,7 +190,8 @@ typedef struct ShvCohesive {
     int32_t live_count;     /* not separated: */
     int32_t *live;          /* cohesive facets, increasing */
     /* The present step: live facets with a split corner that do not rest, listed anew when others come or many fail. */
-    bool unlisted;             /* the lists do not fit any more */
+    bool unlisted;             /* the lists do not fit any more; */
+    bool idle;                 /* or from the next time on, since many of their facets carry no more */
     const uint8_t *list_awake; /* what they were made with */
     int32_t rotation_count;
     ShvFacetRotation *rotations;
@@ -200,7 +201,7 @@ typedef struct ShvCohesive {
     int32_t *chunks;    /* of facets in the lists (closure.c), colour by colour; as many as `rotations` have room for */
     int32_t colour_start[SHV_CLOSING_COLOURS + 1]; /* into `chunks` */
     bool pushed;                                   /* some closing forces are not zero */
-    double booked_time;                            /* s: of the time whose step was booked last */
+    double booked_time, begun_time;                /* s: of the time whose step was booked, begun last */
     int32_t point_count;                           /* of facets that carry: */
     ShvCohesivePoint *points;
     int32_t most_facets;   /* round one node of the mesh */

@@ -227,18 +227,18 @@ static const double idle_share = 0.05;
 /* In a step nodes may become faster by this factor before faces that were apart meet unseen; the next step finds them. */
 static const double most_speeding = 4.0;
 
-/* A facet that has failed, and whose faces will not meet in this step. */
-static bool stays_apart(ShvCohesive *cohesive, const ShvState *state, int32_t k)
+/* A facet that has failed, and whose faces will not meet in this step; `anew`: it has not been asked at this time before. */
+static bool stays_apart(ShvCohesive *cohesive, const ShvState *state, int32_t k, bool anew)
 {
     const ShvFacetRotation *rotation = &cohesive->rotations[k];
     double *apart = &cohesive->apart[rotation->index];
     if (!(*apart > 0.0) || rotation->carries || !(state->last_step > 0.0)) return false;
     const double way = state->last_step * shv_cohesive_spread_of_speeds(rotation, state);
-    *apart -= way;
+    if (anew) *apart -= way;
     return *apart > most_speeding * way;
 }
 
-static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
+static void begin_facets(ShvCohesive *cohesive, const ShvState *state, bool anew)
 {
     const int32_t count = cohesive->rotation_count, threads = cohesive->model->threads;
     int32_t separated = 0, idle = 0;
@@ -247,7 +247,7 @@ static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
     for (int32_t k = 0; k < count; k++) {
         ShvFacetRotation *rotation = &cohesive->rotations[k];
         if (cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED) continue;
-        rotation->known = !stays_apart(cohesive, state, k);
+        rotation->known = !stays_apart(cohesive, state, k, anew);
         if (rotation->known) begin_facet(cohesive, state, k);
         separated += cohesive->phase[rotation->index] == SHV_COHESIVE_SEPARATED;
         idle += rotation->carries && cohesive->phase[rotation->index] != SHV_COHESIVE_CARRYING;
@@ -255,7 +255,7 @@ static void begin_facets(ShvCohesive *cohesive, const ShvState *state)
     cohesive->pushed = false;
     if (separated > 0) shv_cohesive_drop_separated(cohesive);
     cohesive->pair_count -= 3 * separated;
-    if (idle > idle_share * count) cohesive->unlisted = true; /* from the next step on */
+    cohesive->idle = idle > idle_share * count;
 }
 
 /* What is called opened for good, so that faces are elastic when they close: a tenth of the final opening, or of the elastic
@@ -304,14 +304,17 @@ static void end_pushes(ShvCohesive *cohesive, const ShvState *state)
 
 void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake)
 {
+    const bool goes_on =
+        state->time != cohesive->begun_time; /* else the observer has looked at this time, which changes nothing */
+    cohesive->begun_time = state->time;
     end_pushes(cohesive, state);
-    const bool anew = cohesive->unlisted || cohesive->list_awake != awake;
+    const bool anew = cohesive->unlisted || (goes_on && cohesive->idle) || cohesive->list_awake != awake;
     if (anew) {
         pass_clusters(cohesive, state, true, false);
         shv_cohesive_keep_pulls(cohesive);
         shv_cohesive_list(cohesive, state, awake);
     }
-    begin_facets(cohesive, state);
+    begin_facets(cohesive, state, goes_on);
     pass_clusters(cohesive, state, !anew, true);
     cohesive->pull_kick = cohesive->pull_step = 0.0;
 }

@@ -293,12 +293,23 @@ static int by_number(const void *a, const void *b)
     return (x->found > y->found) - (x->found < y->found); /* points of one facet and one feature */
 }
 
+/* By numbers of steps, which the observer does not count: it may look at a time before or after lists were made anew. */
+static bool detection_is_due(ShvSurfaceContact *contact, const ShvState *state)
+{
+    const int64_t steps = state->step - contact->detected_step;
+    if (!contact->detect_now && steps > 0 && steps < contact->detection_interval) return false;
+    contact->detect_now = false;
+    contact->detected_step = state->step;
+    contact->detection_interval = shv_surface_speed_detection(contact, state->last_step);
+    return true;
+}
+
 ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies, double step, ShvError *error)
 {
     contact->pair_count = contact->found_count = 0;
     shv_surface_measure_speeds(contact, bodies);
     SHV_TRY(find_pairs(contact, bodies, 0, step, error));
-    if (contact->steps_since_detection <= 0 && contact->candidates[1].count > 0)
+    if (detection_is_due(contact, bodies->state) && contact->candidates[1].count > 0)
         SHV_TRY(find_pairs(contact, bodies, 1, contact->detection_interval * step, error));
     SHV_RESERVE(contact->memory, SHV_PART_CONTACT, contact->pairs, contact->pair_capacity, contact->pair_count,
                 "contact", error);

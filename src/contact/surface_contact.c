@@ -59,7 +59,7 @@ void shv_surface_contact_wake(ShvSurfaceContact *contact)
 
 void shv_surface_contact_recheck(ShvSurfaceContact *contact)
 {
-    contact->steps_since_detection = -1; /* whether this time has been counted or not */
+    contact->detect_now = true; /* whether this time has been counted or not */
 }
 
 /* ---- before the kick ---- */

@@ -111,6 +111,7 @@ typedef struct ShvSurfaceContact {
     bool woken;          /* coupled bodies woke */
     bool idle;           /* nothing can meet */
     bool obstacles_only; /* no surface can meet another one */
+    bool detect_now;     /* coupled bodies are looked at together at this time, whenever they were last */
     /* what the lists were made from */
     int32_t known_nodes, known_fragments, known_cohesive, known_live;
     ShvSurfaceList list;
@@ -133,9 +134,9 @@ typedef struct ShvSurfaceContact {
     double seen_time;                         /* s: time up to which motion has been counted */
     double gravity;                           /* m/s² */
     ShvSurfaceCandidates candidates[2]; /* where something deforms or an obstacle is met; between coupled bodies */
-    int32_t steps_since_detection,
-        detection_interval; /* steps since coupled bodies were looked at together; until they are again */
-    int32_t *watched;       /* nodes of candidates that are not coupled bodies': places in list.nodes */
+    int64_t detected_step;              /* when coupled bodies were looked at together last, */
+    int32_t detection_interval;         /* steps until they are again */
+    int32_t *watched;                   /* nodes of candidates that are not coupled bodies': places in list.nodes */
     int32_t watched_count, watched_capacity;
     ShvSurfacePlaces watched_facets; /* likewise, of facets */
     double *before;                  /* 3 per watched node: velocity before the kick, m/s */

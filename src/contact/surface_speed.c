@@ -90,8 +90,7 @@ static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
            contact->skin[SHV_SURFACE_OBSTACLES];
 }
 
-/* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
-static int32_t detection_interval_for(const ShvSurfaceContact *contact, double step)
+int32_t shv_surface_speed_detection(const ShvSurfaceContact *contact, double step)
 {
     const double share = 0.1; /* of a facet's size: twice the way of both sides from one detection to the next */
     double fastest = 0.0;
@@ -128,10 +127,6 @@ bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies 
     for (int32_t i = 0; bodies->coupled_bodies && i < bodies->fragment_count; i++)
         if (bodies->coupled_bodies[i])
             contact->fragments[i].path += state->last_step * coupled_body_speed(contact, bodies->coupled_bodies[i]);
-    if (++contact->steps_since_detection >= contact->detection_interval) {
-        contact->steps_since_detection = 0;
-        contact->detection_interval = detection_interval_for(contact, state->last_step);
-    }
     return --contact->steps_to_check <= 0 &&
            obstacles_outrun(contact, 2.0 * SHV_SURFACE_STEPS_BETWEEN_CHECKS * state->last_step);
 }

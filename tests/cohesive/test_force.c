@@ -360,6 +360,7 @@ static void unsettled_clusters_never_give_energy(void **state)
         double allowed = 0.0, spared = 0.0, size;
         for (uint64_t k = 0; k < 40; k++) {
             const double energy_debt = check_energy_debt(&f);
+            f.state.time += step;
             shv_cohesive_begin(&f.cohesive, &f.state, NULL);
             double stored = 0.0;
             for (int32_t i = 0; i < f.cohesive.point_count; i++) stored += f.cohesive.points[i].stored;

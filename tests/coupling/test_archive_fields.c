@@ -19,9 +19,9 @@ typedef struct Size {
     }
 static const Size sizes[] = {
     SIZE(ShvState, "model/state_archive.c", 144),
-    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 888),
+    SIZE(ShvCohesive, "cohesive/cohesive_archive.c", 896),
     SIZE(ShvCohesivePoint, "cohesive/cohesive_archive.c", 256),
-    SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1320),
+    SIZE(ShvSurfaceContact, "contact/contact_archive.c", 1328),
     SIZE(ShvImposed, "conditions/condition_archive.c", 80),
     SIZE(ShvImposedCondition, "conditions/condition_archive.c", 88),
     SIZE(ShvObstacle, "shape/obstacle_archive.c", 520),
