@@ -268,8 +268,8 @@ static bool bears(const Holds holds[3], const ShvMat3 *square, ShvVec3 force, Sh
 
 /* Σ r rᵀ about the mean r of each axis: its quadratic form is the sum of squares of held displacements in a rotation together with the
    translation that makes it least. */
-ShvHold shv_imposed_hold(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count,
-                         ShvVec3 force, ShvVec3 point)
+ShvRestraint shv_imposed_restraint(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes,
+                                   int32_t count, ShvVec3 force, ShvVec3 point)
 {
     Holds holds[3] = {{0}};
     ShvMat3 square = {{{0.0}}};
@@ -288,8 +288,8 @@ ShvHold shv_imposed_hold(const ShvImposed *imposed, const ShvState *state, const
     }
     double values[3];
     shv_symmetric_eigen(&square, values, NULL);
-    if (everywhere && values[0] > least_hold * values[2]) return SHV_HOLD_FIXED;
-    return bears(holds, &square, force, shv_sub(point, from)) ? SHV_HOLD_BALANCED : SHV_HOLD_LOOSE;
+    if (everywhere && values[0] > least_hold * values[2]) return SHV_FULLY_RESTRAINED;
+    return bears(holds, &square, force, shv_sub(point, from)) ? SHV_IN_EQUILIBRIUM : SHV_UNRESTRAINED;
 }
 
 /* ---- a step ---- */
@@ -358,7 +358,8 @@ static ShvStatus adopt_copy(ShvImposed *imposed, ShvImposedCondition *condition,
 {
     const int32_t parent = shv_state_split_from(state, copy);
     if (!is_chosen(condition, state->origin[copy])) return SHV_OK;
-    if (parent < copy && !keeps_hold(imposed, condition, state, parent)) let_go(condition, parent);
+    if (parent < copy /* a later one has its own turn */ && !keeps_hold(imposed, condition, state, parent))
+        let_go(condition, parent);
     if (!keeps_hold(imposed, condition, state, copy)) return SHV_OK;
     SHV_TRY(reserve(condition, imposed->memory, error));
     condition->nodes[condition->node_count++] = copy;

@@ -54,9 +54,9 @@ bool shv_imposed_in_force(const ShvImposedCondition *condition, double time);
 bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count);
 /* How the supports in force hold these nodes of the state as a rigid body: it moves under a force at a point; it may be moved, but stays
    under that one; it may not. */
-typedef enum ShvHold { SHV_HOLD_LOOSE, SHV_HOLD_BALANCED, SHV_HOLD_FIXED } ShvHold;
-ShvHold shv_imposed_hold(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count,
-                         ShvVec3 force, ShvVec3 point);
+typedef enum ShvRestraint { SHV_UNRESTRAINED, SHV_IN_EQUILIBRIUM, SHV_FULLY_RESTRAINED } ShvRestraint;
+ShvRestraint shv_imposed_restraint(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes,
+                                   int32_t count, ShvVec3 force, ShvVec3 point);
 
 /* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;
    adopts nodes that were duplicated since the last call. */

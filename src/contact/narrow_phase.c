@@ -300,7 +300,7 @@ static bool detection_is_due(ShvSurfaceContact *contact, const ShvState *state)
     if (!contact->detect_now && steps > 0 && steps < contact->detection_interval) return false;
     contact->detect_now = false;
     contact->detected_step = state->step;
-    contact->detection_interval = shv_surface_speed_detection(contact, state->last_step);
+    contact->detection_interval = shv_surface_detection_interval(contact, state->last_step);
     return true;
 }
 

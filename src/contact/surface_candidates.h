@@ -35,7 +35,7 @@ ShvStatus shv_narrow_phase(ShvSurfaceContact *contact, const ShvSurfaceBodies *b
    leave their skin aside: contact->steps_to_check is 0). */
 bool shv_surface_speed_count(ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies);
 /* Steps until coupled bodies are looked at together again: what flies past its neighbours is looked at more often. */
-int32_t shv_surface_speed_detection(const ShvSurfaceContact *contact, double step);
+int32_t shv_surface_detection_interval(const ShvSurfaceContact *contact, double step);
 /* Steps, up to a number, that a node may be left to itself for; 0: it may leave its skin in the next. */
 int32_t shv_surface_speed_steps(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies,
                                 const ShvSurfaceNode *node, double step, int32_t most);

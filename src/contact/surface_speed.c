@@ -90,7 +90,7 @@ static bool obstacles_outrun(const ShvSurfaceContact *contact, double ahead)
            contact->skin[SHV_SURFACE_OBSTACLES];
 }
 
-int32_t shv_surface_speed_detection(const ShvSurfaceContact *contact, double step)
+int32_t shv_surface_detection_interval(const ShvSurfaceContact *contact, double step)
 {
     const double share = 0.1; /* of a facet's size: twice the way of both sides from one detection to the next */
     double fastest = 0.0;

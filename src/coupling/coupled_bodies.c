@@ -72,8 +72,10 @@ static ShvMat3 world_inverse(const ShvFragment *fragment, const ShvFreeRotation 
     return shv_free_rotation_world_inverse(rotation, fragment->orientation);
 }
 
+/* What supports hold goes along awake: it has no motion as a rigid body. */
 ShvStatus shv_coupled_bodies_add(ShvHybrid *hybrid, int32_t index, ShvError *error)
 {
+    if (hybrid->fragments.items[index].fixed) return shv_hybrid_wake_alone(hybrid, index, error);
     SHV_TRY(shv_coupled_bodies_reserve(hybrid, error));
     ShvCoupledBodies *coupled_bodies = &hybrid->coupling.bodies;
     ShvFragment *fragment = &hybrid->fragments.items[index];
@@ -301,8 +303,7 @@ ShvStatus shv_coupled_bodies_choose(ShvHybrid *hybrid, double interval, ShvError
     while (choose_pressing(hybrid)) continue;
     for (int32_t i = 0; i < hybrid->fragments.count; i++)
         if (coupled_bodies->wanted[i] && !hybrid->fragments.items[i].coupled)
-            SHV_TRY(hybrid->fragments.items[i].fixed ? shv_hybrid_wake_alone(hybrid, i, error)
-                                                     : shv_coupled_bodies_add(hybrid, i, error));
+            SHV_TRY(shv_coupled_bodies_add(hybrid, i, error));
     for (int32_t place = coupled_bodies->count - 1; place >= 0; place--)
         if (!coupled_bodies->wanted[coupled_bodies->fragments[place]]) {
             let_go(hybrid, place);

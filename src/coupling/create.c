@@ -67,8 +67,7 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
         }
     }
     hybrid->awake.stale = true;
-    SHV_TRY(shv_awake_refresh(hybrid, error));
-    return SHV_OK;
+    return shv_awake_refresh(hybrid, error);
 }
 
 /* Where nothing can meet anything, Bullet is left out. */

@@ -96,7 +96,7 @@ static double obstacle_energy(const ShvHybrid *hybrid, const ShvObstacle *obstac
 static void changed(ShvHybrid *hybrid)
 {
     shv_surface_contact_invalidate(&hybrid->coupling.surface);
-    hybrid->awake.stale = true; /* what is dormant goes on: it sees what comes near */
+    hybrid->awake.stale = true;
 }
 
 /* ---- obstacles ---- */

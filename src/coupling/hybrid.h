@@ -237,7 +237,9 @@ ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_awake_follow(ShvHybrid *hybrid, ShvError *error);
 /* threads.c: gives loops as many threads as have work and find a processor, where the scene leaves that open. */
 void shv_hybrid_choose_threads(ShvHybrid *hybrid);
-/* wake.c */
+/* wake.c: speed that bodies at rest seem to have in flight, m/s; severity of an impact, v √max(1, m_other/m_own), m/s. */
+double shv_hybrid_rest_speed(const ShvHybrid *hybrid);
+double shv_hybrid_severity(double speed, double own_mass, double other_mass);
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact);
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error);
 /* One that flies and that the engine's judge has not taken out, without a contact. */
@@ -330,14 +332,15 @@ double shv_hybrid_next_event_time(const ShvHybrid *hybrid);
    world point of one fragment in flight or awake. */
 ShvStatus shv_hybrid_apply(ShvHybrid *hybrid, const ShvEventDefinition *event, ShvError *error);
 ShvStatus shv_hybrid_push(ShvHybrid *hybrid, int32_t fragment, ShvVec3 impulse, ShvVec3 point, ShvError *error);
-/* supported.c: whether a condition that is not over acts on a fragment; whether supports alone hold an awake fragment, leave it no rigid motion, and flight may hold it in their place; whether it
-   does from the start. From here on it does: the fitted record loses its motion and, unless its deformation is kept, goes back to where
-   the supports have it. What may be struck in the interval that begins wakes, or has been visited; all that is fixed wakes. */
+/* supported.c: whether a condition that is not over acts on a fragment; whether supports alone hold an awake one and restrain all its
+   rigid motion, so that flight may hold it in their place; whether flight does from the start. From here on it does: the fitted record,
+   without motion, goes back to where the supports have it unless its deformation is kept. At the beginning of an interval what may be
+   struck in it wakes, and what is awake is noted as approached; all that is fixed wakes. */
 bool shv_hybrid_is_held(const ShvHybrid *hybrid, const ShvFragment *fragment);
 bool shv_hybrid_can_fix(const ShvHybrid *hybrid, const ShvFragment *fragment);
 bool shv_hybrid_starts_fixed(const ShvHybrid *hybrid, const ShvFragment *fragment);
 void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed);
-ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error);
+ShvStatus shv_hybrid_wake_approached(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_wake_fixed(ShvHybrid *hybrid, ShvError *error);
 /* Whether something pressed on it in the last step as only a blow does. */
 bool shv_hybrid_is_struck(const ShvHybrid *hybrid, const ShvFragment *fragment);

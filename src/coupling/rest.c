@@ -28,7 +28,7 @@ void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragme
 /* When it cracked last or, if it has not since, was touched by what woke it; on supports, when something could strike it last. */
 static double last_change(const ShvFragment *fragment)
 {
-    return fmax(fragment->last_visit, fmax(fragment->last_insertion, fragment->last_crack));
+    return fmax(fragment->last_approach, fmax(fragment->last_insertion, fragment->last_crack));
 }
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
@@ -316,7 +316,7 @@ static ShvStatus try_to_sleep(ShvHybrid *hybrid, int32_t index, ShvError *error)
     if (!held) shv_audit_nodes(hybrid, fragment, event.momentum_before, event.angular_before, &event);
     if (hybrid->model.can_break) shv_cohesive_settle(&hybrid->cohesive, &hybrid->state, index);
     if (hybrid->model.can_break) SHV_TRY(note_strength(hybrid, index, error));
-    if (held) shv_hybrid_fix(hybrid, fragment, taker == TAKER_KEPT);
+    if (held && taker != TAKER_BIN) shv_hybrid_fix(hybrid, fragment, taker == TAKER_KEPT);
     hand_over(hybrid, fragment, taker, &event);
     event.cohesive_after = shv_audit_cohesive(hybrid, fragment);
     if (taker != TAKER_BIN) SHV_TRY(hybrid->backend->functions->add(hybrid->backend, index, error));

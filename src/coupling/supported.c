@@ -36,18 +36,18 @@ static bool flight_may_hold(const ShvHybrid *hybrid)
 }
 
 /* By permanent supports alone, with its weight at its centre at the start. */
-static ShvHold hold_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
+static ShvRestraint restraint_of(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
     if (!flight_may_hold(hybrid) || !isfinite(fragment->strength) ||
         !is_supported(hybrid->scene, hybrid->model.objects[fragment->object].name))
-        return SHV_HOLD_LOOSE;
-    return shv_imposed_hold(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
-                            fragment->node_count, shv_load3(hybrid->gravity), fragment->reference_centre);
+        return SHV_UNRESTRAINED;
+    return shv_imposed_restraint(&hybrid->imposed, &hybrid->state, hybrid->fragments.nodes + fragment->node_begin,
+                                 fragment->node_count, shv_load3(hybrid->gravity), fragment->reference_centre);
 }
 
 bool shv_hybrid_can_fix(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
-    return hold_of(hybrid, fragment) == SHV_HOLD_FIXED;
+    return restraint_of(hybrid, fragment) == SHV_FULLY_RESTRAINED;
 }
 
 static bool is_still(const ShvPlacement *placement)
@@ -64,7 +64,7 @@ bool shv_hybrid_starts_fixed(const ShvHybrid *hybrid, const ShvFragment *fragmen
     const double weight = fragment->mass * shv_norm(shv_load3(hybrid->gravity));
     return is_still(&hybrid->scene->objects[fragment->object].placement) &&
            shv_hybrid_load_stress(fragment, weight) < hybrid->scene->rigid.wake_fraction * fragment->strength &&
-           hold_of(hybrid, fragment) != SHV_HOLD_LOOSE;
+           restraint_of(hybrid, fragment) != SHV_UNRESTRAINED;
 }
 
 /* Back to the start without the sag under its weight, whose potential is given. */
@@ -79,12 +79,11 @@ static void straighten(ShvHybrid *hybrid, ShvFragment *fragment)
 void shv_hybrid_fix(ShvHybrid *hybrid, ShvFragment *fragment, bool deformed)
 {
     if (!deformed) straighten(hybrid, fragment);
-    fragment->velocity = fragment->angular_velocity = shv_vec3(0.0, 0.0, 0.0);
     fragment->fixed = true;
-    if (fragment->last_crack > -HUGE_VAL) fragment->visit = 0.0; /* it is another body now */
+    if (fragment->last_crack > -HUGE_VAL) fragment->approach_severity = 0.0; /* it is another body now */
 }
 
-/* ---- visitors ---- */
+/* ---- what approaches ---- */
 
 /* Of the severity of the hardest blow: what wakes it, and what keeps it awake. A weaker one is met in flight, as by a body that has borne
    more; and what bounces on while it rings would keep it awake for long. */
@@ -94,68 +93,68 @@ static const double waking_share = 1.0 / 3.0, keeping_share = 0.9;
 static const double largest_radius = 1.1;
 
 /* A body that supports hold, in an interval. */
-typedef struct Host {
+typedef struct Supported {
     const ShvHybrid *hybrid;
     ShvFragment *fragment;
     double interval; /* s */
     bool firm;       /* supports leave it no motion; or it is awake, and moves if they do */
     bool known;
     ShvNear near; /* once it is known: where its tets are */
-} Host;
+} Supported;
 
-typedef struct Visitor {
+typedef struct Approaching {
     ShvVec3 position;
     double radius, speed, mass; /* m, m/s, kg; infinite: moves by script */
-} Visitor;
+} Approaching;
 
-static bool may_reach(Host *host, const Visitor *visitor)
+static bool may_reach(Supported *supported, const Approaching *body)
 {
-    const double fall = shv_norm(shv_load3(host->hybrid->gravity)) * host->interval;
+    const double fall = shv_norm(shv_load3(supported->hybrid->gravity)) * supported->interval;
     const double reach =
-        visitor->radius + 2.0 * (visitor->speed + fall) * host->interval; /* 2: for rounding, and more */
-    const double distance = shv_norm(shv_sub(visitor->position, host->fragment->position));
-    if (distance > largest_radius * host->fragment->radius + reach) return false;
-    if (!host->known) shv_near_find(host->hybrid, host->fragment, &host->near);
-    host->known = true;
-    return shv_near_meets(&host->near, visitor->position, reach);
+        body->radius + 2.0 * (body->speed + fall) * supported->interval; /* 2: for rounding, and more */
+    const double distance = shv_norm(shv_sub(body->position, supported->fragment->position));
+    if (distance > largest_radius * supported->fragment->radius + reach) return false;
+    if (!supported->known) shv_near_find(supported->hybrid, supported->fragment, &supported->near);
+    supported->known = true;
+    return shv_near_meets(&supported->near, body->position, reach);
 }
 
 /* Whether a blow may come that is not met in flight; notes its severity, by the rule of impacts (wake.c). What is slower than bodies at
    rest seem in flight lies on the body, or pushes it where supports let it. */
-static bool feels(Host *host, const Visitor *visitor)
+static bool may_be_struck(Supported *supported, const Approaching *body)
 {
-    ShvFragment *fragment = host->fragment;
-    const double ratio = isfinite(visitor->mass) ? sqrt(fmax(1.0, visitor->mass / fragment->mass)) : 1.0;
-    const double severity = visitor->speed * ratio, share = fragment->fixed ? waking_share : keeping_share;
-    const double slow = 2.0 * shv_norm(shv_load3(host->hybrid->gravity)) * host->hybrid->scene->rigid.time_step;
-    const bool weak = !(severity > share * fragment->visit) || !(visitor->speed > slow);
-    if ((weak && host->firm) || !may_reach(host, visitor)) return false;
-    fragment->visit = fmax(fragment->visit, severity);
+    ShvFragment *fragment = supported->fragment;
+    const double severity = shv_hybrid_severity(body->speed, fragment->mass, body->mass);
+    const double share = fragment->fixed ? waking_share : keeping_share;
+    const bool weak = !(severity > share * fragment->approach_severity) ||
+                      !(body->speed > 2.0 * shv_hybrid_rest_speed(supported->hybrid));
+    if ((weak && supported->firm) || !may_reach(supported, body)) return false;
+    fragment->approach_severity = fmax(fragment->approach_severity, severity);
     return true;
 }
 
-static bool is_visited(const ShvHybrid *hybrid, ShvFragment *fragment, double interval)
+static bool is_approached(const ShvHybrid *hybrid, ShvFragment *fragment, double interval)
 {
-    Host host = {.hybrid = hybrid, .fragment = fragment, .interval = interval};
-    host.firm = !fragment->fixed || shv_hybrid_can_fix(hybrid, fragment);
-    bool visited = false;
+    Supported supported = {.hybrid = hybrid, .fragment = fragment, .interval = interval};
+    supported.firm = !fragment->fixed || shv_hybrid_can_fix(hybrid, fragment);
+    bool approached = false;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
         const ShvObstacle *o = &hybrid->obstacles.items[i];
-        const Visitor visitor = {o->position, o->bounding_radius,
-                                 shv_norm(o->velocity) + shv_norm(o->angular_velocity) * o->bounding_radius,
-                                 o->motion == SHV_OBSTACLE_FREE ? o->mass : HUGE_VAL};
-        if (o->motion != SHV_OBSTACLE_FIXED) visited |= feels(&host, &visitor);
+        const Approaching body = {o->position, o->bounding_radius,
+                                  shv_norm(o->velocity) + shv_norm(o->angular_velocity) * o->bounding_radius,
+                                  o->motion == SHV_OBSTACLE_FREE ? o->mass : HUGE_VAL};
+        if (o->motion != SHV_OBSTACLE_FIXED) approached |= may_be_struck(&supported, &body);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *f = &hybrid->fragments.items[i];
-        const Visitor visitor = {f->position, f->radius,
-                                 shv_norm(f->velocity) + shv_norm(f->angular_velocity) * f->radius, f->mass};
-        if (f->mode == SHV_MODE_FLIGHT && !f->fixed) visited |= feels(&host, &visitor);
+        const Approaching body = {f->position, f->radius,
+                                  shv_norm(f->velocity) + shv_norm(f->angular_velocity) * f->radius, f->mass};
+        if (f->mode == SHV_MODE_FLIGHT && !f->fixed) approached |= may_be_struck(&supported, &body);
     }
-    return visited;
+    return approached;
 }
 
-ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error)
+ShvStatus shv_hybrid_wake_approached(ShvHybrid *hybrid, ShvError *error)
 {
     if (!flight_may_hold(hybrid)) return SHV_OK;
     const double interval = hybrid->interval_end - hybrid->state.time;
@@ -163,9 +162,9 @@ ShvStatus shv_hybrid_receive_visits(ShvHybrid *hybrid, ShvError *error)
         ShvFragment *fragment = &hybrid->fragments.items[i];
         const bool held =
             fragment->fixed || (fragment->mode == SHV_MODE_FRACTURE && shv_hybrid_is_held(hybrid, fragment));
-        if (!held || !is_visited(hybrid, fragment, interval)) continue;
+        if (!held || (fragment->fixed && fragment->dust) || !is_approached(hybrid, fragment, interval)) continue;
         if (fragment->fixed) SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
-        fragment->last_visit = hybrid->interval_end;
+        fragment->last_approach = hybrid->interval_end;
     }
     return shv_awake_refresh(hybrid, error);
 }

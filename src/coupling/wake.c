@@ -4,21 +4,29 @@
 
 #include <string.h>
 
+double shv_hybrid_rest_speed(const ShvHybrid *hybrid)
+{
+    return shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
+}
+
 /* A touch from a gap, or one that closes faster than resting and rolling bodies do: a body that stands on one edge may slam on
    the other, and one may touch from the start. */
 static bool is_impact(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
-    const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * hybrid->scene->rigid.time_step;
-    return contact->fresh || contact->closing_speed > 2.0 * rest_speed;
+    return contact->fresh || contact->closing_speed > 2.0 * shv_hybrid_rest_speed(hybrid);
 }
 
-/* v √max(1, m_other/m_own); what is held fast counts as ratio 1, since the estimate's factor K already holds for a rigid
-   wall. */
+/* What is held fast counts as ratio 1, since the estimate's factor K already holds for a rigid wall. */
+double shv_hybrid_severity(double speed, double own_mass, double other_mass)
+{
+    return speed * (isfinite(other_mass) ? sqrt(fmax(1.0, other_mass / own_mass)) : 1.0);
+}
+
 static double severity(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
-    const double own = hybrid->fragments.items[contact->fragment].mass, other = contact->other_mass;
     if (!is_impact(hybrid, contact)) return 0.0;
-    return contact->closing_speed * (isfinite(other) ? sqrt(fmax(1.0, other / own)) : 1.0);
+    return shv_hybrid_severity(contact->closing_speed, hybrid->fragments.items[contact->fragment].mass,
+                               contact->other_mass);
 }
 
 /* Times the impact or load that a body has borne: what it takes to wake it again, above the scatter from step to step. */
@@ -82,7 +90,7 @@ static bool wakes_by_contact(const ShvHybrid *hybrid, const ShvRigidContact *con
 }
 
 /* What supports hold wakes before it is touched (supported.c). */
-static bool is_visit(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+static bool is_approach(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
     return hybrid->fragments.items[contact->fragment].fixed && contact->obstacle < 0 && contact->other < 0;
 }
@@ -92,15 +100,14 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
     const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
     const double strength = hybrid->fragments.items[contact->fragment].strength;
     if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
-    if (is_visit(hybrid, contact)) return SHV_REASON_CONTACT;
+    if (is_approach(hybrid, contact)) return SHV_REASON_CONTACT;
     if (rigid->wake == SHV_WAKE_CONTACT)
         return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
     if (shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
-    const double rest_speed = shv_norm(shv_load3(hybrid->gravity)) * rigid->time_step;
-    const bool audit =
-        hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh && contact->closing_speed > rest_speed;
+    const bool audit = hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh &&
+                       contact->closing_speed > shv_hybrid_rest_speed(hybrid);
     return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;
 }
 
@@ -161,9 +168,7 @@ static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact,
     bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
     for (int32_t i = hybrid->wakes.next; i < hybrid->wakes.count; i++) /* its own turn is to come */
         flies = flies && hybrid->wakes.items[i].fragment != contact->other;
-    if (!flies) return SHV_OK;
-    return other->fixed ? shv_hybrid_wake_alone(hybrid, contact->other, error)
-                        : shv_coupled_bodies_add(hybrid, contact->other, error);
+    return flies ? shv_coupled_bodies_add(hybrid, contact->other, error) : SHV_OK;
 }
 
 /* Its record is that of the impact, less than a step from now: it flies as far, or back. */

@@ -434,7 +434,7 @@ static ShvStatus replace(ShvFragments *fragments, const ShvModel *model, ShvStat
     like.parent = index;
     like.birth = state->time;
     like.death = (double)NAN;
-    like.last_visit = like.visit = 0.0;
+    like.last_approach = like.approach_severity = 0.0;
     fragments->items[index].mode = SHV_MODE_DEAD;
     fragments->items[index].death = state->time;
     fragments->items[index].node_count = 0;

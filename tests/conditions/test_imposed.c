@@ -424,15 +424,15 @@ static void test_allocation_failures(void **state)
 }
 
 /* How supports hold the block under a force at its centre. */
-static ShvHold hold(Piece *piece, const ShvConditionDefinition *conditions, int32_t count, ShvVec3 force)
+static ShvRestraint hold(Piece *piece, const ShvConditionDefinition *conditions, int32_t count, ShvVec3 force)
 {
     ShvImposed imposed;
     int32_t nodes[1024];
     assert_true(piece->state.node_count <= 1024);
     for (int32_t i = 0; i < piece->state.node_count; i++) nodes[i] = i;
     impose(piece, &imposed, conditions, count);
-    const ShvHold result =
-        shv_imposed_hold(&imposed, &piece->state, nodes, piece->state.node_count, force, shv_vec3(0.0, 0.0, 0.0));
+    const ShvRestraint result =
+        shv_imposed_restraint(&imposed, &piece->state, nodes, piece->state.node_count, force, shv_vec3(0.0, 0.0, 0.0));
     shv_imposed_release(&imposed);
     return result;
 }
@@ -456,34 +456,34 @@ static void supports_leave_no_motion_or_some(void **state)
     piece_create(&piece);
     const ShvVec3 down = {0.0, 0.0, -1.0}, aside = {0.0, 1.0, -1.0};
     const ShvConditionDefinition face = condition_on_face("face", SHV_CONDITION_SUPPORT, -0.1);
-    assert_int_equal(hold(&piece, &face, 1, aside), SHV_HOLD_FIXED);
+    assert_int_equal(hold(&piece, &face, 1, aside), SHV_FULLY_RESTRAINED);
     const ShvConditionDefinition moved = condition_on_face("face", SHV_CONDITION_VELOCITY, -0.1);
-    assert_int_equal(hold(&piece, &moved, 1, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, &moved, 1, down), SHV_UNRESTRAINED);
     ShvConditionDefinition later = face;
     later.start = 1.0;
-    assert_int_equal(hold(&piece, &later, 1, down), SHV_HOLD_LOOSE);
-    assert_int_equal(hold(&piece, NULL, 0, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, &later, 1, down), SHV_UNRESTRAINED);
+    assert_int_equal(hold(&piece, NULL, 0, down), SHV_UNRESTRAINED);
     /* On ice, and on a slope of it. */
     const ShvVec3 low = {-0.11, -0.06, -0.06}, high = {0.11, 0.06, 0.06};
     const ShvConditionDefinition slides = in_box("slides", low, high, false, false, true);
-    assert_int_equal(hold(&piece, &slides, 1, down), SHV_HOLD_BALANCED);
-    assert_int_equal(hold(&piece, &slides, 1, aside), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, &slides, 1, down), SHV_IN_EQUILIBRIUM);
+    assert_int_equal(hold(&piece, &slides, 1, aside), SHV_UNRESTRAINED);
     /* On its lower edge at one end, along y: as a door, a shelf; and a shelf on a corner of the other end, and one pulled to the hinge there,
        which bears nothing. */
     const ShvConditionDefinition hinge = in_box("hinge", low, shv_vec3(-0.09, 0.06, -0.04), true, true, true);
-    assert_int_equal(hold(&piece, &hinge, 1, down), SHV_HOLD_LOOSE);
-    assert_int_equal(hold(&piece, &hinge, 1, shv_vec3(-0.1, 0.0, -0.05)), SHV_HOLD_BALANCED);
+    assert_int_equal(hold(&piece, &hinge, 1, down), SHV_UNRESTRAINED);
+    assert_int_equal(hold(&piece, &hinge, 1, shv_vec3(-0.1, 0.0, -0.05)), SHV_IN_EQUILIBRIUM);
     const ShvVec3 corner_low = {0.09, -0.06, -0.06}, corner_high = {0.11, -0.04, -0.04};
     const ShvConditionDefinition shelf[2] = {hinge, in_box("corner", corner_low, corner_high, false, false, true)};
-    assert_int_equal(hold(&piece, shelf, 2, down), SHV_HOLD_FIXED);
+    assert_int_equal(hold(&piece, shelf, 2, down), SHV_FULLY_RESTRAINED);
     const ShvConditionDefinition pulled[2] = {hinge, in_box("corner", corner_low, corner_high, true, false, false)};
-    assert_int_equal(hold(&piece, pulled, 2, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, pulled, 2, down), SHV_UNRESTRAINED);
     /* On rollers at both ends: what bears it bears it there as well when it is turned upside down. */
     const ShvConditionDefinition ends[2] = {
         in_box("left", low, shv_vec3(-0.09, 0.06, -0.04), false, false, true),
         in_box("right", shv_vec3(0.09, -0.06, -0.06), shv_vec3(0.11, 0.06, -0.04), false, false, true)};
-    assert_int_equal(hold(&piece, ends, 2, down), SHV_HOLD_BALANCED);
-    assert_int_equal(hold(&piece, ends, 1, down), SHV_HOLD_LOOSE);
+    assert_int_equal(hold(&piece, ends, 2, down), SHV_IN_EQUILIBRIUM);
+    assert_int_equal(hold(&piece, ends, 1, down), SHV_UNRESTRAINED);
     piece_release(&piece);
 }
 
