@@ -21,7 +21,8 @@ static ShvVec3 against_frame(const ShvSurfaceContact *contact, ShvVec3 velocity)
 static double obstacle_speed(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodies)
 {
     double largest = 0.0;
-    for (int32_t k = 0; bodies->obstacles && k < bodies->obstacles->count; k++) {
+    if (!bodies->obstacles || bodies->obstacles->count == 0) return 0.0;
+    for (int32_t k = 0; k < bodies->obstacles->count; k++) {
         const ShvObstacle *obstacle = &bodies->obstacles->items[k];
         if (obstacle->motion == SHV_OBSTACLE_FIXED) continue;
         const double speed =
@@ -194,8 +195,9 @@ void shv_surface_speed_choose(ShvSurfaceContact *contact, const ShvSurfaceBodies
     for (int speed_class = 0; speed_class < SHV_SURFACE_SPEED_CLASSES; speed_class++)
         contact->skin[speed_class] = least * contact->size * (double)(1 << speed_class);
     contact->speed[SHV_SURFACE_OBSTACLES] = obstacle_speed(contact, bodies);
+    /* no upper limit: few candidates are with obstacles, and none where all are far away */
     contact->skin[SHV_SURFACE_OBSTACLES] =
-        fmax(contact->skin[0], skin_for(contact, step * contact->speed[SHV_SURFACE_OBSTACLES]));
+        fmax(contact->skin[0], STEPS_TO_LAST * step * contact->speed[SHV_SURFACE_OBSTACLES]);
     for (int32_t k = 0; k < contact->list.node_count; k++)
         shv_surface_speed_node(contact, bodies, &contact->list.nodes[k], step);
     for (int32_t k = 0; k < contact->list.facet_count; k++)

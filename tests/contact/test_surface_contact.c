@@ -814,6 +814,36 @@ static void test_idle(void **state)
     surfaces_release(&s);
 }
 
+/* Times that all candidates are chosen anew while two bodies meet that fly together, `floor`: far above one. */
+static int64_t rebuilds_of_a_pair(ShvVec3 together, bool floor)
+{
+    Surfaces s;
+    surfaces_define(&s);
+    surfaces_place(surfaces_ball(&s, 0.02, 0.006), shv_vec3(-0.021, 0.0, 10.0),
+                   shv_add(together, shv_vec3(2.0, 0.0, 0.0)));
+    surfaces_place(surfaces_box(&s, 0.03, 0.03, 0.03, 0.012), shv_vec3(0.016, 0.0, 10.0),
+                   shv_add(together, shv_vec3(-2.0, 0.0, 0.0)));
+    surfaces_build(&s, 0.3, floor);
+    const double step = surfaces_stable_step(&s);
+    for (int k = 0; k < 300; k++) surfaces_step(&s, step);
+    const int64_t rebuilds = s.contact.rebuilds;
+    surfaces_release(&s);
+    return rebuilds;
+}
+
+/* What two bodies cost is what they do to each other: how fast they fly together does not count, nor do obstacles that are out of
+   reach. */
+static void test_common_motion(void **state)
+{
+    (void)state;
+    const ShvVec3 none = shv_vec3(0.0, 0.0, 0.0), fast = shv_vec3(30.0, 40.0, 0.0);
+    const int64_t alone = rebuilds_of_a_pair(none, false);
+    assert_true(alone > 0);
+    assert_int_equal(rebuilds_of_a_pair(fast, false), alone);
+    assert_int_equal(rebuilds_of_a_pair(none, true), alone);
+    assert_true(rebuilds_of_a_pair(fast, true) <= alone + 3); /* 256 steps each with the floor in mind */
+}
+
 /* Fails at every allocation in turn, and goes on when there is memory again. */
 static void test_out_of_memory(void **state)
 {
@@ -899,6 +929,7 @@ int main(void)
                                        cmocka_unit_test(test_late_cracks),
                                        cmocka_unit_test(test_lists_go_on),
                                        cmocka_unit_test(test_idle),
+                                       cmocka_unit_test(test_common_motion),
                                        cmocka_unit_test(test_out_of_memory),
                                        cmocka_unit_test(test_friction_is_checked),
                                        cmocka_unit_test(test_unstable_motion)};
