@@ -35,9 +35,10 @@ ShvMaterialDefinition shv_library_definition(const ShvLibraryMaterial *material)
 
 /* What the solver makes of it, m: infinite where nothing can open. */
 typedef struct ShvLibraryFigures {
-    double cohesive_zone; /* (π/8) E/(1−ν²) G/σ² */
-    double resolved_edge; /* longest mean edge at which five fit into the zone */
-    double snap_back;     /* 2 E G/σ² */
+    double cohesive_zone;        /* (π/8) E/(1−ν²) G/σ² */
+    double resolved_edge;        /* longest mean edge at which five fit into the zone */
+    double snap_back;            /* 2 E G/σ² */
+    double compressive_strength; /* Pa: 2 τ tan(45° + φ/2), at which a free column breaks */
 } ShvLibraryFigures;
 ShvLibraryFigures shv_library_figures(const ShvLibraryMaterial *material);
 

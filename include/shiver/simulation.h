@@ -224,7 +224,7 @@ typedef struct ShvMaterialView {
     double tip_toughness;              /* times G: estimate of what a crack tip costs on this mesh, at least 1 */
     double youngs_modulus, poissons_ratio; /* Pa */
     double tip_strength;                   /* Pa: c √(E G/mesh_edge), for `tip_strength`; 0 in run files */
-    double shear_strength;                 /* Pa, mode II, in effect; 0 in run files */
+    double compressive_strength;           /* Pa: of a free column, 2 τ tan(45° + φ/2), in effect; 0 in run files */
 } ShvMaterialView;
 
 /* An object's half-open ranges in the joint mesh. */

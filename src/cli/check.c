@@ -57,11 +57,6 @@ static void warn_order(const ShvPreflight *p)
         printf("  note: its nodes stand in rank and file: cracks follow their planes%s;\n"
                "        'pattern: unstructured' has no such planes (docs/glass.md)\n",
                m->unresolved == SHV_UNRESOLVED_TIP_STRENGTH ? "" : ", and begin at up to 1.4 times the strength");
-    if (m->shear_strength <= m->strength && m->unresolved != SHV_UNRESOLVED_TIP_STRENGTH)
-        printf("  warning: it is no stronger in shear (%.3g Pa) than in tension (%.3g Pa), and grinds to crumbs where "
-               "it is\n"
-               "           struck; brittle materials hold several times as much: give cohesive_strength_shear\n",
-               m->shear_strength, m->strength);
 }
 
 static void warn_bonds(const ShvPreflight *p)

@@ -57,6 +57,7 @@ static void print_row(bool markdown, const ShvLibraryMaterial *entry)
         const ShvLibraryNumber *number = find_number(entry, columns[i].key);
         print_number(markdown, 4, number ? number->value * columns[i].scale : (double)NAN);
     }
+    print_number(markdown, 4, figures.compressive_strength * 1e-6);
     print_number(markdown, 3, unit * figures.cohesive_zone);
     print_number(markdown, 2, unit * figures.resolved_edge);
     print_number(markdown, 3, unit * figures.snap_back);
@@ -71,27 +72,30 @@ static void print_row(bool markdown, const ShvLibraryMaterial *entry)
 
 static void print_table(bool markdown)
 {
-    static const char *const lengths[][3] = {{"R, mm", "h, mm", "s, mm"},
-                                             {"cohesive zone, mm", "largest resolved edge, mm", "snap-back above, mm"}};
+    enum { FIGURES = 4 };
+    static const char *const figures[][FIGURES] = {
+        {"fc, MPa", "R, mm", "h, mm", "s, mm"},
+        {"fc, MPa", "cohesive zone, mm", "largest resolved edge, mm", "snap-back above, mm"}};
     static const char unresolved[] = "unresolved";
     if (markdown)
         printf("| name | material |");
     else
         shv_cli_print_padded("name", 15);
     for (int i = 0; i < COLUMNS; i++) print_cell(markdown, columns[i].heading);
-    for (int i = 0; i < 3; i++) print_cell(markdown, lengths[markdown][i]);
+    for (int i = 0; i < FIGURES; i++) print_cell(markdown, figures[markdown][i]);
     if (markdown)
         printf(" `%s` |\n|---|---|", unresolved);
     else
         shv_cli_print_padded(unresolved, -14);
     if (!markdown) printf("  material\n");
-    for (int i = 0; i < COLUMNS + 4 && markdown; i++) printf("---|");
+    for (int i = 0; i < COLUMNS + FIGURES + 1 && markdown; i++) printf("---|");
     if (markdown) printf("\n");
     for (int32_t i = 0; i < shv_library_count(); i++) print_row(markdown, shv_library_get(i));
     if (!markdown)
         printf("\nσ, τ: strength in tension and in shear; φ: friction angle; m: Weibull modulus; V₀, A₀: volume, "
                "surface of "
-               "strength σ; R: cohesive\nzone; h: largest mean edge that resolves it; s: longer edges snap back "
+               "strength σ; fc: at which a free column\nbreaks, 2 τ tan(45° + φ/2); R: cohesive zone; h: largest mean "
+               "edge that resolves it; s: longer edges snap back "
                "(docs/materials.md)\n");
 }
 
@@ -182,6 +186,8 @@ static void print_json(void)
         shv_cli_print_json_number(figures.cohesive_zone);
         printf(", \"resolved_edge\": ");
         shv_cli_print_json_number(figures.resolved_edge);
+        printf(", \"compressive_strength\": ");
+        shv_cli_print_json_number(figures.compressive_strength);
         printf("}");
     }
     printf("}\n");

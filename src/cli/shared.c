@@ -231,12 +231,23 @@ static void print_tip(const ShvMaterialView *m)
             "edges\n"
             "             this long it is a weaker material; use a finer mesh\n",
             m->tip_strength, m->strength);
-    if (m->shear_strength <= m->strength)
-        printf("    warning: it is no stronger in shear (%.3g Pa) than in tension (%.3g Pa), and grinds to crumbs "
-               "where it "
-               "is\n"
-               "             struck; brittle materials hold several times as much: give cohesive_strength_shear\n",
-               m->shear_strength, m->strength);
+}
+
+/* Brittle materials bear ten times as much in compression as in tension; with less than this many times what is struck is crushed
+   where it is struck, and that cushions the blow. */
+static const double least_compressive = 4.0;
+
+static void warn_of_crushing(const ShvMaterialView *m)
+{
+    const double times = m->compressive_strength / m->strength;
+    if (!(times > 0.0 && times < least_compressive)) return;
+    printf(
+        "    warning: a column of it is crushed at %.3g Pa, %.2g times its strength in tension; of brittle materials "
+        "it "
+        "is some\n"
+        "             ten times: what is struck grinds to crumbs; give cohesive_strength_shear, half of the strength "
+        "in compression\n",
+        m->compressive_strength, times);
 }
 
 void shv_cli_print_cohesion(const ShvMaterialView *m)
@@ -260,6 +271,7 @@ void shv_cli_print_cohesion(const ShvMaterialView *m)
                "    and cost G (docs/glass.md)\n",
                m->tip_toughness);
     if (m->unresolved == SHV_UNRESOLVED_TIP_STRENGTH && m->tip_strength > 0.0) print_tip(m);
+    warn_of_crushing(m);
 }
 
 void shv_cli_print_cohesion_json(const ShvMaterialView *m)

@@ -192,6 +192,12 @@ double shv_material_snap_back(const ShvMaterial *material)
     return 2.0 * material->youngs_modulus * energy_over_squared_strength(material);
 }
 
+double shv_material_compressive_strength(const ShvMaterial *material)
+{
+    const double tangent = sqrt(1.0 + material->friction * material->friction) + material->friction;
+    return 2.0 * material->strength[SHV_SHEAR] * tangent;
+}
+
 double shv_material_final_opening(const ShvMaterial *material)
 {
     const double energy = material->fracture_energy[SHV_NORMAL], strength = material->strength[SHV_NORMAL];

@@ -65,6 +65,9 @@ double shv_material_tip_strength(const ShvMaterial *material, double edge);
    where nothing can open. */
 double shv_material_cohesive_zone(const ShvMaterial *material);
 double shv_material_snap_back(const ShvMaterial *material);
+/* Stress along a free column at which planes in it slide, 2 τ tan(45° + φ/2) (Mohr and Coulomb; the longer planes through a mesh
+   of tets bear a little more, docs/cohesive.md), Pa; infinite where nothing can. */
+double shv_material_compressive_strength(const ShvMaterial *material);
 /* Final normal opening α G/σ (PPR) or 2 G/σ (Camacho-Ortiz), m. */
 double shv_material_final_opening(const ShvMaterial *material);
 

@@ -417,7 +417,7 @@ ShvMaterialView shv_simulation_material(const ShvSimulation *simulation, int32_t
         .youngs_modulus = material->youngs_modulus,
         .poissons_ratio = material->poissons_ratio,
         .tip_strength = material->mesh_edge > 0.0 ? shv_material_tip_strength(material, material->mesh_edge) : 0.0,
-        .shear_strength = material->strength[SHV_SHEAR],
+        .compressive_strength = shv_material_compressive_strength(material),
     };
 }
 

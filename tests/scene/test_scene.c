@@ -473,6 +473,35 @@ static void the_library_fills_in_what_is_left_out(void **state)
     }
 }
 
+/* MPa, as the sources have it: what τ and φ come to where something is crushed. With the cohesion of a Mohr-Coulomb line alone and
+   not its friction, a brick was crushed at 8. */
+static void columns_of_the_library_bear_what_their_sources_say(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double least, most;
+    } columns[] = {{"soda_lime_glass", 800, 1000},
+                   {"tempered_glass", 990, 1010},
+                   {"alumina", 2900, 3100},
+                   {"plaster", 25, 30},
+                   {"pmma", 100, 125},
+                   {"porcelain", 580, 600},
+                   {"stoneware", 290, 310},
+                   {"brick", 29, 31},
+                   {"concrete_c30", 37, 39},
+                   {"concrete_c50", 57, 59},
+                   {"mortar", 9.9, 10.1},
+                   {"granite", 165, 175},
+                   {"ice", 9.9, 10.1}};
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        const ShvLibraryFigures figures = shv_library_figures(shv_library_find(columns[i].name));
+        assert_true(figures.compressive_strength >= columns[i].least * 1e6);
+        assert_true(figures.compressive_strength <= columns[i].most * 1e6);
+    }
+    assert_true(isinf(shv_library_figures(shv_library_find("steel")).compressive_strength));
+}
+
 static void unknown_library_material_is_reported(void **state)
 {
     (void)state;
@@ -736,6 +765,7 @@ int main(void)
         cmocka_unit_test(every_key_arrives),
         cmocka_unit_test(full_scene_has_every_key),
         cmocka_unit_test(the_library_fills_in_what_is_left_out),
+        cmocka_unit_test(columns_of_the_library_bear_what_their_sources_say),
         cmocka_unit_test(unknown_library_material_is_reported),
         cmocka_unit_test(what_is_left_out_has_its_default),
         cmocka_unit_test(overrides_take_the_place_of_keys),
