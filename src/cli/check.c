@@ -45,10 +45,11 @@ static void warn_wall(const ShvPreflight *p)
         printf(": they break late under a\n           blow, and into too many pieces; take edges of %.2g m at most, or "
                "'smoothing: edges' (docs/walls.md)",
                p->wall_thickness);
+    else
+        printf(": 'smoothing: edges' lets them bend (docs/walls.md)");
     printf("\n");
 }
 
-/* Of shear strength, tip_strength warns by itself. */
 static void warn_order(const ShvPreflight *p)
 {
     const ShvMaterialView *m = &p->cohesion;
