@@ -331,10 +331,10 @@ static bool any_has_chosen_face(const ShvImposed *imposed, const ShvImposedCondi
     return found;
 }
 
-/* Nothing passes through a node or an edge alone, as between fragments: a copy stays held when it has a face whose nodes are all chosen, and
+/* Nothing passes through a node or an edge alone, as between fragments: a copy is held when it has a face whose nodes are all chosen, and
    where no face of the mesh has, as on a line of supports. */
-static bool keeps_hold(const ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state,
-                       int32_t node)
+static bool is_held_by_faces(const ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state,
+                             int32_t node)
 {
     const ShvAdjacency *adjacency = &imposed->model->adjacency;
     const int32_t origin = state->origin[node], begin = adjacency->corner_start[origin];
@@ -344,7 +344,7 @@ static bool keeps_hold(const ShvImposed *imposed, const ShvImposedCondition *con
                                 adjacency->corner_start[origin + 1] - begin);
 }
 
-static void let_go(ShvImposedCondition *condition, int32_t node)
+static void remove_node(ShvImposedCondition *condition, int32_t node)
 {
     int32_t kept = 0;
     for (int32_t k = 0; k < condition->node_count; k++)
@@ -352,18 +352,16 @@ static void let_go(ShvImposedCondition *condition, int32_t node)
     condition->node_count = kept;
 }
 
-/* A copy of a node that it holds, and what is left of the node. */
-static ShvStatus adopt_copy(ShvImposed *imposed, ShvImposedCondition *condition, const ShvState *state, int32_t copy,
-                            ShvError *error)
+void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
 {
-    const int32_t parent = shv_state_split_from(state, copy);
-    if (!is_chosen(condition, state->origin[copy])) return SHV_OK;
-    if (parent < copy /* a later one has its own turn */ && !keeps_hold(imposed, condition, state, parent))
-        let_go(condition, parent);
-    if (!keeps_hold(imposed, condition, state, copy)) return SHV_OK;
-    SHV_TRY(reserve(condition, imposed->memory, error));
-    condition->nodes[condition->node_count++] = copy;
-    return SHV_OK;
+    for (int32_t k = 0; k < count; k++)
+        for (int32_t i = 0; i < imposed->count && imposed->held[state->origin[nodes[k]]]; i++) {
+            ShvImposedCondition *condition = &imposed->items[i];
+            if (condition->definition->kind == SHV_CONDITION_SUPPORT &&
+                is_among(condition->nodes, condition->node_count, nodes[k]) &&
+                !is_held_by_faces(imposed, condition, state, nodes[k]))
+                remove_node(condition, nodes[k]);
+        }
 }
 
 static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvError *error)
@@ -372,12 +370,9 @@ static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvErro
     for (int32_t node = imposed->known_nodes; node < state->node_count; node++) {
         for (int32_t i = 0; i < imposed->count; i++) {
             ShvImposedCondition *condition = &imposed->items[i];
-            if (node >= originals) {
-                SHV_TRY(adopt_copy(imposed, condition, state, node, error));
-            } else if (is_chosen(condition, node)) {
-                SHV_TRY(reserve(condition, imposed->memory, error));
-                condition->nodes[condition->node_count++] = node;
-            }
+            if (!is_chosen(condition, node < originals ? node : state->origin[node])) continue;
+            SHV_TRY(reserve(condition, imposed->memory, error));
+            condition->nodes[condition->node_count++] = node;
         }
         imposed->known_nodes = node + 1;
     }

@@ -337,10 +337,25 @@ static bool can_all_be_fixed(const ShvHybrid *hybrid)
     return can;
 }
 
+/* What hangs by nodes of its supports, and can swing, is let go when it should have calmed down: it would swing to the end. */
+static void let_hanging_go(ShvHybrid *hybrid)
+{
+    const ShvFragments *fragments = &hybrid->fragments;
+    for (int32_t i = 0; i < fragments->count && hybrid->imposed.count > 0; i++) {
+        const ShvFragment *fragment = &fragments->items[i];
+        const int32_t *nodes = fragments->nodes + fragment->node_begin;
+        if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment) &&
+            shv_imposed_restraint(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count,
+                                  shv_load3(hybrid->gravity), fragment->position) == SHV_UNRESTRAINED)
+            shv_imposed_let_go(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count);
+    }
+}
+
 static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
 {
     bool any = false;
     track_damage(hybrid);
+    let_hanging_go(hybrid);
     const bool all_can_be_fixed = can_all_be_fixed(hybrid);
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i], all_can_be_fixed);
