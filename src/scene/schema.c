@@ -582,10 +582,11 @@ static void start_traction(void *item)
                                             .key_count = LENGTH_OF(prefix##_keys),                                     \
                                             .size = sizeof(ShvConditionItem),                                          \
                                             .start = start_##prefix}
-CONDITION_TABLE(
-    support, "supports",
-    "Nodes that are held at rest. Where a body cracks, what has a face whose nodes are all chosen stays held; a node "
-    "alone holds nothing, unless no face is chosen there.");
+CONDITION_TABLE(support, "supports",
+                "Nodes that are held at rest, and their copies where a body cracks. A piece that hangs by nodes alone, "
+                "without a face "
+                "whose nodes are all chosen, and can move, is let go when its longest time awake is over, unless no "
+                "face is chosen there.");
 CONDITION_TABLE(velocity, "imposed_velocities", "Nodes that move as told.");
 CONDITION_TABLE(traction, "tractions", "A load on a part of the surface.");
 
