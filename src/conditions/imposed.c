@@ -331,17 +331,16 @@ static bool any_has_chosen_face(const ShvImposed *imposed, const ShvImposedCondi
     return found;
 }
 
-/* Nothing passes through a node or an edge alone, as between fragments: a copy is held when it has a face whose nodes are all chosen, and
-   where no face of the mesh has, as on a line of supports. */
-static bool is_held_by_faces(const ShvImposed *imposed, const ShvImposedCondition *condition, const ShvState *state,
-                             int32_t node)
+static bool has_chosen_faces(const ShvImposed *imposed, const ShvImposedCondition *condition)
 {
     const ShvAdjacency *adjacency = &imposed->model->adjacency;
-    const int32_t origin = state->origin[node], begin = adjacency->corner_start[origin];
-    return any_has_chosen_face(imposed, condition, state->corners + state->corner_start[node],
-                               state->corner_count[node]) ||
-           !any_has_chosen_face(imposed, condition, adjacency->corners + begin,
-                                adjacency->corner_start[origin + 1] - begin);
+    bool found = false;
+    for (int32_t k = 0; k < condition->origin_count && !found; k++) {
+        const int32_t origin = condition->origins[k], begin = adjacency->corner_start[origin];
+        found = any_has_chosen_face(imposed, condition, adjacency->corners + begin,
+                                    adjacency->corner_start[origin + 1] - begin);
+    }
+    return found;
 }
 
 static void remove_node(ShvImposedCondition *condition, int32_t node)
@@ -352,16 +351,18 @@ static void remove_node(ShvImposedCondition *condition, int32_t node)
     condition->node_count = kept;
 }
 
+/* Nothing passes through a node or an edge alone, as between fragments. */
 void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
 {
-    for (int32_t k = 0; k < count; k++)
-        for (int32_t i = 0; i < imposed->count && imposed->held[state->origin[nodes[k]]]; i++) {
-            ShvImposedCondition *condition = &imposed->items[i];
-            if (condition->definition->kind == SHV_CONDITION_SUPPORT &&
-                is_among(condition->nodes, condition->node_count, nodes[k]) &&
-                !is_held_by_faces(imposed, condition, state, nodes[k]))
+    for (int32_t i = 0; i < imposed->count; i++) {
+        ShvImposedCondition *condition = &imposed->items[i];
+        if (condition->definition->kind != SHV_CONDITION_SUPPORT || !has_chosen_faces(imposed, condition)) continue;
+        for (int32_t k = 0; k < count; k++)
+            if (is_among(condition->nodes, condition->node_count, nodes[k]) &&
+                !any_has_chosen_face(imposed, condition, state->corners + state->corner_start[nodes[k]],
+                                     state->corner_count[nodes[k]]))
                 remove_node(condition, nodes[k]);
-        }
+    }
 }
 
 static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvError *error)

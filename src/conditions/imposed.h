@@ -57,8 +57,8 @@ bool shv_imposed_holds(const ShvImposed *imposed, const ShvState *state, const i
 typedef enum ShvRestraint { SHV_UNRESTRAINED, SHV_IN_EQUILIBRIUM, SHV_FULLY_RESTRAINED } ShvRestraint;
 ShvRestraint shv_imposed_restraint(const ShvImposed *imposed, const ShvState *state, const int32_t *nodes,
                                    int32_t count, ShvVec3 force, ShvVec3 point);
-/* Takes those of these nodes off their supports by which a piece only hangs: those without a face whose nodes are all held, where the mesh
-   has such faces. */
+/* Takes those of these nodes off their supports by which a piece only hangs: those without a face whose nodes are all chosen. A support
+   that has no such face at all, along a line or at points, keeps its nodes. */
 void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count);
 
 /* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;

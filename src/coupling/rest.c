@@ -25,10 +25,16 @@ void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragme
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
-/* When it cracked last or, if it has not since, was touched by what woke it; on supports, when something could strike it last. */
+/* When it cracked last or, if it has not since, was touched by what woke it; */
+static double last_crack(const ShvFragment *fragment)
+{
+    return fmax(fragment->last_insertion, fragment->last_crack);
+}
+
+/* on supports, when something could strike it last. */
 static double last_change(const ShvFragment *fragment)
 {
-    return fmax(fragment->last_approach, fmax(fragment->last_insertion, fragment->last_crack));
+    return fmax(fragment->last_approach, last_crack(fragment));
 }
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
@@ -110,9 +116,9 @@ static void track_damage(ShvHybrid *hybrid)
     }
 }
 
-static bool window_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment)
+static bool window_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double begun)
 {
-    const double age = hybrid->state.time - last_change(fragment);
+    const double age = hybrid->state.time - begun;
     return age >= fragment->longest && age >= window(hybrid, fragment);
 }
 
@@ -124,7 +130,7 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     double bar, bending;
     shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
     const ShvFractureDefinition *fracture = &hybrid->scene->fracture;
-    if (window_is_over(hybrid, fragment)) return SHV_REASON_LONGEST;
+    if (window_is_over(hybrid, fragment, last_change(fragment))) return SHV_REASON_LONGEST;
     if (fragment->quiet < fracture->quiet_checks) return SHV_REASON_NONE;
     /* The chapter's rule: a number of checks without insertion is enough, touching or not. */
     if (hybrid->scene->rigid.wake == SHV_WAKE_CONTACT) return SHV_REASON_CHECKS;
@@ -331,20 +337,21 @@ static bool can_all_be_fixed(const ShvHybrid *hybrid)
     for (int32_t i = 0; i < hybrid->fragments.count && can; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
         if (fragment->mode != SHV_MODE_FRACTURE) continue;
-        can = window_is_over(hybrid, fragment) && !loses_a_bond(hybrid, fragment) &&
+        can = window_is_over(hybrid, fragment, last_change(fragment)) && !loses_a_bond(hybrid, fragment) &&
               !shv_hybrid_is_struck(hybrid, fragment) && shv_hybrid_can_fix(hybrid, fragment);
     }
     return can;
 }
 
-/* What hangs by nodes of its supports, and can swing, is let go when it should have calmed down: it would swing to the end. */
+/* What hangs by nodes of its supports, and can swing, is let go when it should have calmed down: it would swing to the end, and its
+   neighbours come near it all the time. */
 static void let_hanging_go(ShvHybrid *hybrid)
 {
     const ShvFragments *fragments = &hybrid->fragments;
     for (int32_t i = 0; i < fragments->count && hybrid->imposed.count > 0; i++) {
         const ShvFragment *fragment = &fragments->items[i];
         const int32_t *nodes = fragments->nodes + fragment->node_begin;
-        if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment) &&
+        if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment, last_crack(fragment)) &&
             shv_imposed_restraint(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count,
                                   shv_load3(hybrid->gravity), fragment->position) == SHV_UNRESTRAINED)
             shv_imposed_let_go(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count);

@@ -146,12 +146,49 @@ static void it_calms_down(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* A block that is cracked along its length, and held by one half of an end: the other half hangs by the nodes of the crack's end. It
+   swings until it should have calmed down, then it falls, and all rests. */
+static void what_hangs_by_nodes_is_let_go(void **state)
+{
+    (void)state;
+    Stage stage;
+    stage_make(&stage);
+    const ShvCrackDefinition crack = {
+        .plane = {.kind = SHV_SELECT_PLANE, .plane_normal = {0.0, 1.0}, .plane_offset = 0.004, .tolerance = 1e-6}};
+    ShvObjectDefinition *block = stage_box(&stage, "block", plate, 0.01, 0.0);
+    block->mesh.pattern = SHV_PATTERN_BRICKS; /* five layers, with facets between */
+    block->cracks = &crack;
+    block->crack_count = 1;
+    ShvConditionDefinition *support = stage_support(&stage, "end", "block");
+    support->selection.kind = SHV_SELECT_BOX;
+    for (int k = 0; k < 3; k++) {
+        support->selection.box_min[k] = k == 0 ? 0.0399 : -1.0;
+        support->selection.box_max[k] = k == 1 ? 0.0041 : 1.0;
+    }
+    stage.scene.gravity[1] = 9.81; /* so that it turns about them, away from the half that is held */
+    stage.scene.gravity[2] = 0.0;
+    stage.scene.fracture.longest = 0.02;
+    stage.scene.duration = 0.2;
+    ShvSimulation *simulation = stage_start(&stage);
+    const ShvFrameView *frame = stage_finish(simulation);
+    assert_int_equal(frame->alive_count, 2);
+    assert_false(frame->fracture);
+    double farthest = 0.0;
+    for (int32_t i = 0; i < frame->fragment_count; i++) {
+        if (isfinite(frame->fragments[i].death)) continue;
+        farthest = fmax(farthest, frame->fragments[i].position[1]);
+    }
+    assert_true(farthest > 0.05);
+    shv_simulation_destroy(simulation);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_wakes_when_something_comes),
         cmocka_unit_test(it_calms_down),
         cmocka_unit_test(it_is_not_fixed_where_something_happens),
+        cmocka_unit_test(what_hangs_by_nodes_is_let_go),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
