@@ -348,7 +348,8 @@ static bool can_all_be_fixed(const ShvHybrid *hybrid)
 static void let_hanging_go(ShvHybrid *hybrid)
 {
     const ShvFragments *fragments = &hybrid->fragments;
-    for (int32_t i = 0; i < fragments->count && hybrid->imposed.count > 0; i++) {
+    if (!hybrid->model.can_break || hybrid->imposed.count == 0) return;
+    for (int32_t i = 0; i < fragments->count; i++) {
         const ShvFragment *fragment = &fragments->items[i];
         const int32_t *nodes = fragments->nodes + fragment->node_begin;
         if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment, last_crack(fragment)) &&
