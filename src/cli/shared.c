@@ -242,11 +242,10 @@ static void warn_of_crushing(const ShvMaterialView *m)
     const double times = m->compressive_strength / m->strength;
     if (!(times > 0.0 && times < least_compressive)) return;
     printf(
-        "    warning: a column of it is crushed at %.3g Pa, %.2g times its strength in tension; of brittle materials "
-        "it "
-        "is some\n"
-        "             ten times: what is struck grinds to crumbs; give cohesive_strength_shear, half of the strength "
-        "in compression\n",
+        "    warning: a column of it is crushed at %.3g Pa, %.2g times its strength in tension; brittle materials bear "
+        "some\n"
+        "             ten times as much: what is struck grinds to crumbs; give cohesive_strength_shear, half of the\n"
+        "             strength in compression\n",
         m->compressive_strength, times);
 }
 

@@ -367,11 +367,10 @@ void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_
 
 static ShvStatus adopt_nodes(ShvImposed *imposed, const ShvState *state, ShvError *error)
 {
-    const int32_t originals = imposed->model->mesh.node_count;
     for (int32_t node = imposed->known_nodes; node < state->node_count; node++) {
         for (int32_t i = 0; i < imposed->count; i++) {
             ShvImposedCondition *condition = &imposed->items[i];
-            if (!is_chosen(condition, node < originals ? node : state->origin[node])) continue;
+            if (!is_chosen(condition, state->origin[node])) continue;
             SHV_TRY(reserve(condition, imposed->memory, error));
             condition->nodes[condition->node_count++] = node;
         }
