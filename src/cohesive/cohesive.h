@@ -335,8 +335,8 @@ typedef struct ShvCohesiveEnergy {
     double spring_step;
     int32_t inserted, failed;
     /* facets that have gone through half of their law or more, but not all, and dissipated less than half of what that
-       takes: what clusters that have not settled were softened by */
-    int32_t softened;
+       takes: what clusters that have not settled were softened by. 64 bits, so that no bytes of a checkpoint are undefined */
+    int64_t softened;
 } ShvCohesiveEnergy;
 ShvCohesiveEnergy shv_cohesive_energy(const ShvCohesive *cohesive, const ShvState *state);
 /* Recoverable energy of all facets of a fragment, those to others included, J: what is lost when it becomes rigid. */

@@ -227,7 +227,7 @@ ShvStatus shv_simulation_fill(ShvSimulation *simulation, bool animation, ShvErro
     simulation->frame.inserted = hybrid->observer.cohesive_energy.inserted;
     simulation->frame.failed = hybrid->observer.cohesive_energy.failed;
     SHV_TRY(count_pieces(hybrid, simulation->frame.pieces, error));
-    simulation->frame.softened = hybrid->observer.cohesive_energy.softened;
+    simulation->frame.softened = (int32_t)hybrid->observer.cohesive_energy.softened;
     simulation->frame.audited = hybrid->wake_audit.audited;
     simulation->frame.missed = hybrid->wake_audit.missed;
     simulation->frame.worst_overshoot = hybrid->cohesive.worst_overshoot;
