@@ -12,7 +12,7 @@
 #define CAST_GYPSUM "part 3 of a study of cast gypsum, abstract (discovery.researcher.life)"
 #define VEKINIS     "G. Vekinis, M. F. Ashby, P. W. R. Beaumont, J. Mater. Sci. 28 (1993) 3221"
 /* Shear values where nobody measured them, from numbers that somebody did. */
-#define HALF(strength) "half of the compressive strength fc (Tresca, as there is no friction angle), fc = " strength
+#define TRESCA(strength) "half of the compressive strength fc (Tresca, as there is no friction angle), fc = " strength
 /* Where the angle of friction is known, the cohesion of the line of that slope through the compressive strength. */
 #define COHESION_AT_ANGLE(strength)                                                                                    \
     "fc/(2 tan (45° + φ/2)), the Mohr-Coulomb line of the friction angle φ through fc = " strength
@@ -90,7 +90,7 @@ static const ShvLibraryMaterial materials[] = {
                  {"fracture_energy", 8.0, "as soda_lime_glass", false},
                  {"cohesive_strength", 120e6, "in bending, tempered; " FLOAT_GLASS, false},
                  {"fracture_energy_shear", 33.3, SLIDES, false},
-                 {"cohesive_strength_shear", 500e6, HALF("1000 MPa; ") FLOAT_GLASS, false},
+                 {"cohesive_strength_shear", 500e6, TRESCA("1000 MPa; ") FLOAT_GLASS, false},
                  {"weibull_modulus", 20.0,
                   "assumption: the compression of its surface, which scatters little, is most of its strength", false}},
      .remark = "The strength holds the compression of its surface. What is stored within, and lets a real pane crumble "
@@ -108,7 +108,7 @@ static const ShvLibraryMaterial materials[] = {
                   true},
                  {"cohesive_strength", 380e6, "strength in bending; " MUNRO, false},
                  {"fracture_energy_shear", 110.0, SLIDES, false},
-                 {"cohesive_strength_shear", 1.5e9, HALF("3000 MPa; ") MUNRO, false},
+                 {"cohesive_strength_shear", 1.5e9, TRESCA("3000 MPa; ") MUNRO, false},
                  {"weibull_modulus", 11.0, "near the 11.8 of small discs of pure alumina; " MICHALEK, false}},
      .remark = "Grains of 5 µm."},
     {.name = "concrete",
@@ -121,7 +121,7 @@ static const ShvLibraryMaterial materials[] = {
                  {"fracture_energy", 31.1, RUIZ "; the Abaqus manual has 19.6 J/m² for the same beam", true},
                  {"cohesive_strength", 10.45e6, JOHN_SHAH, false},
                  {"fracture_energy_shear", 156.0, SLIDES, false},
-                 {"cohesive_strength_shear", 52.25e6, HALF("10 σ, assumption: as a rule of concrete"), false},
+                 {"cohesive_strength_shear", 52.25e6, TRESCA("10 σ, assumption: as a rule of concrete"), false},
                  {"weibull_modulus", 6.6, EC_SCATTER, false}},
      .remark = "The strength is high; common concrete bears a few MPa and has a longer zone."},
     {.name = "plaster",
@@ -170,7 +170,7 @@ static const ShvLibraryMaterial materials[] = {
                   false},
                  {"cohesive_strength", 60e6, PORCELAIN, false},
                  {"fracture_energy_shear", 114.0, SLIDES, false},
-                 {"cohesive_strength_shear", 295e6, HALF("590 MPa; ") PORCELAIN, false},
+                 {"cohesive_strength_shear", 295e6, TRESCA("590 MPa; ") PORCELAIN, false},
                  {"weibull_modulus", 10.0, "Weibull moduli of 3 to 14 of fired clay, Cerâmica 65 (2019) 240, abstract",
                   false}},
      .remark = "At the lower end of technical porcelain: glazed ware with the scratches of use."},
@@ -189,7 +189,7 @@ static const ShvLibraryMaterial materials[] = {
            "data sheet (Refin) quotes it",
            false},
           {"fracture_energy_shear", 91.3, SLIDES, false},
-          {"cohesive_strength_shear", 150e6, HALF("300 MPa, handbook value"), true},
+          {"cohesive_strength_shear", 150e6, TRESCA("300 MPa, handbook value"), true},
           {"weibull_modulus", 10.0, "Weibull moduli of 3 to 14 of fired clay, Cerâmica 65 (2019) 240, abstract", false},
           {"weibull_volume", 3.3e-6,
            "assumption: V/(2(m+1)²), what counts of a tile of 300 x 300 x 9 mm that is bent by three lines", true}},
@@ -208,7 +208,7 @@ static const ShvLibraryMaterial materials[] = {
                  {"cohesive_strength", 2.33e6,
                   "strength in bending a tenth of 30 MPa (" NOOR "), that in tension less by 1.29 (" GOOCH ")", false},
                  {"fracture_energy_shear", 435.0, SLIDES, false},
-                 {"cohesive_strength_shear", 15e6, HALF("30 MPa, as above"), false},
+                 {"cohesive_strength_shear", 15e6, TRESCA("30 MPa, as above"), false},
                  {"weibull_modulus", 5.0, "coefficient of variation of about 25 % in tension; " VERMELTFOORT, false}},
      .remark = "A brick of middling strength."},
     {.name = "concrete_c30",
@@ -251,7 +251,7 @@ static const ShvLibraryMaterial materials[] = {
                  {"fracture_energy", 43.5, LOURENCO, true},
                  {"cohesive_strength", 1.5e6, "half of a strength in bending of 3 MPa, handbook value", true},
                  {"fracture_energy_shear", 145.0, SLIDES, false},
-                 {"cohesive_strength_shear", 5e6, HALF("10 MPa, its class"), false},
+                 {"cohesive_strength_shear", 5e6, TRESCA("10 MPa, its class"), false},
                  {"weibull_modulus", 5.0, "assumption: as brick", false}},
      .remark = "Of joints and renders. The mortar of impact tests, much stronger, is `concrete`."},
     {.name = "granite",
@@ -285,7 +285,7 @@ static const ShvLibraryMaterial materials[] = {
                   false},
                  {"cohesive_strength", 1.5e6, "of 0.7 to 3.1 MPa; " PETROVIC, false},
                  {"fracture_energy_shear", 3.2, SLIDES, false},
-                 {"cohesive_strength_shear", 5e6, HALF("10 MPa, of 5 to 25; ") PETROVIC, false},
+                 {"cohesive_strength_shear", 5e6, TRESCA("10 MPa, of 5 to 25; ") PETROVIC, false},
                  {"weibull_modulus", 5.0, PETROVIC, false}},
      .remark = "Under impact, where it does not creep."},
     {.name = "steel",

@@ -331,7 +331,7 @@ static bool any_has_chosen_face(const ShvImposed *imposed, const ShvImposedCondi
     return found;
 }
 
-static bool has_chosen_faces(const ShvImposed *imposed, const ShvImposedCondition *condition)
+static bool holds_faces(const ShvImposed *imposed, const ShvImposedCondition *condition)
 {
     const ShvAdjacency *adjacency = &imposed->model->adjacency;
     bool found = false;
@@ -352,11 +352,11 @@ static void remove_node(ShvImposedCondition *condition, int32_t node)
 }
 
 /* Nothing passes through a node or an edge alone, as between fragments. */
-void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
+void shv_imposed_release_nodes(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count)
 {
     for (int32_t i = 0; i < imposed->count; i++) {
         ShvImposedCondition *condition = &imposed->items[i];
-        if (condition->definition->kind != SHV_CONDITION_SUPPORT || !has_chosen_faces(imposed, condition)) continue;
+        if (condition->definition->kind != SHV_CONDITION_SUPPORT || !holds_faces(imposed, condition)) continue;
         for (int32_t k = 0; k < count; k++)
             if (is_among(condition->nodes, condition->node_count, nodes[k]) &&
                 !any_has_chosen_face(imposed, condition, state->corners + state->corner_start[nodes[k]],

@@ -59,7 +59,7 @@ ShvRestraint shv_imposed_restraint(const ShvImposed *imposed, const ShvState *st
                                    int32_t count, ShvVec3 force, ShvVec3 point);
 /* Takes those of these nodes off their supports by which a piece only hangs: those without a face whose nodes are all chosen. A support
    that has no such face at all, along a line or at points, keeps its nodes. Of a model that can break. */
-void shv_imposed_let_go(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count);
+void shv_imposed_release_nodes(ShvImposed *imposed, const ShvState *state, const int32_t *nodes, int32_t count);
 
 /* After the forces of time n, before the kick: adds tractions to state->force and remembers the velocities of held nodes;
    adopts nodes that were duplicated since the last call. */

@@ -25,16 +25,16 @@ void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragme
     *bending = shortest > 0.0 ? fmax(*bar, 0.5 * longest * longest / (1.03 * material->bar_speed * shortest)) : *bar;
 }
 
-/* When it cracked last or, if it has not since, was touched by what woke it; */
-static double last_crack(const ShvFragment *fragment)
+/* When it cracked last or, if it has not since, was touched by what woke it. */
+static double time_of_last_crack(const ShvFragment *fragment)
 {
     return fmax(fragment->last_insertion, fragment->last_crack);
 }
 
-/* on supports, when something could strike it last. */
+/* The same or, on supports, when something could strike it last, if that was later. */
 static double last_change(const ShvFragment *fragment)
 {
-    return fmax(fragment->last_approach, last_crack(fragment));
+    return fmax(fragment->last_approach, time_of_last_crack(fragment));
 }
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
@@ -343,19 +343,19 @@ static bool can_all_be_fixed(const ShvHybrid *hybrid)
     return can;
 }
 
-/* What hangs by nodes of its supports, and can swing, is let go when it should have calmed down: it would swing to the end, and its
-   neighbours come near it all the time. */
-static void let_hanging_go(ShvHybrid *hybrid)
+/* Pieces that supports hold by nodes alone, so that they are mechanisms, come off when they should have calmed down: they would swing to
+   the end. Neighbours, which come near them all the time, do not count. */
+static void release_unrestrained(ShvHybrid *hybrid)
 {
     const ShvFragments *fragments = &hybrid->fragments;
     if (!hybrid->model.can_break || hybrid->imposed.count == 0) return;
     for (int32_t i = 0; i < fragments->count; i++) {
         const ShvFragment *fragment = &fragments->items[i];
         const int32_t *nodes = fragments->nodes + fragment->node_begin;
-        if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment, last_crack(fragment)) &&
+        if (fragment->mode == SHV_MODE_FRACTURE && window_is_over(hybrid, fragment, time_of_last_crack(fragment)) &&
             shv_imposed_restraint(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count,
                                   shv_load3(hybrid->gravity), fragment->position) == SHV_UNRESTRAINED)
-            shv_imposed_let_go(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count);
+            shv_imposed_release_nodes(&hybrid->imposed, &hybrid->state, nodes, fragment->node_count);
     }
 }
 
@@ -363,7 +363,7 @@ static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
 {
     bool any = false;
     track_damage(hybrid);
-    let_hanging_go(hybrid);
+    release_unrestrained(hybrid);
     const bool all_can_be_fixed = can_all_be_fixed(hybrid);
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i], all_can_be_fixed);

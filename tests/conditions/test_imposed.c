@@ -388,7 +388,7 @@ static void test_holds_by_faces(void **state)
         step(&piece, &imposed, 1e-3);
         check_near(piece.state.velocity[3 * copy], 0.0, 0.0);
         const int32_t both[] = {old, copy};
-        shv_imposed_let_go(&imposed, &piece.state, both, 2);
+        shv_imposed_release_nodes(&imposed, &piece.state, both, 2);
         piece.state.velocity[3 * copy] = piece.state.velocity[3 * old] = 7.0;
         step(&piece, &imposed, 1e-3);
         check_near(piece.state.velocity[3 * copy], line ? 0.0 : 7.0, 0.0);
