@@ -123,8 +123,8 @@ static double next_wake_time(const ShvHybrid *hybrid)
    make them long and short by turns, which vibration near the stable step does not bear. */
 static double end_of_now(const ShvHybrid *hybrid)
 {
-    if (hybrid->awake.count == 0) return hybrid->state.time;
     const double left = hybrid->interval_end - hybrid->state.time;
+    if (hybrid->awake.count == 0 || !(left > 0.0)) return hybrid->state.time;
     return hybrid->state.time + 0.5 * shv_hybrid_choose_step(hybrid, left);
 }
 
@@ -136,9 +136,7 @@ static ShvStatus wake_due(ShvHybrid *hybrid, ShvError *error)
     if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
     while (next_wake_time(hybrid) <= now) {
         const ShvRigidContact *wake = &hybrid->wakes.items[hybrid->wakes.next++];
-        /* A coupled body may have been woken by another touch before. */
-        if (hybrid->fragments.items[wake->fragment].mode == SHV_MODE_FLIGHT)
-            SHV_TRY(shv_hybrid_wake(hybrid, wake, error));
+        SHV_TRY(shv_hybrid_wake(hybrid, wake, error));
     }
     return shv_awake_refresh(hybrid, error);
 }
@@ -180,6 +178,7 @@ ShvStatus shv_hybrid_advance(ShvHybrid *hybrid, double until, int64_t steps, int
             jump(hybrid);
         }
         if (hybrid->interval_end <= hybrid->state.time) {
+            SHV_TRY(wake_due(hybrid, error)); /* of its last half step */
             SHV_TRY(shv_hybrid_find_squeeze(hybrid, error));
             SHV_TRY(shv_hybrid_sleep_quiet(hybrid, error));
         } else if (rest_is_due(hybrid)) {

@@ -104,6 +104,10 @@ static ShvStatus create_parts(ShvHybrid *hybrid, const char *folder, ShvError *e
     SHV_TRY(require_stable(hybrid, error));
     if (hybrid->model.can_break) SHV_TRY(create_fracture(hybrid, error));
     SHV_TRY(shv_obstacles_create(&hybrid->obstacles, hybrid->memory, scene, folder, error));
+    const size_t obstacles = (size_t)hybrid->obstacles.count;
+    hybrid->observer.ghost.obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, obstacles, sizeof(ShvObstacle));
+    if (obstacles > 0 && !hybrid->observer.ghost.obstacles)
+        return shv_fail_memory(error, "obstacles at a time", obstacles * sizeof(ShvObstacle));
     SHV_TRY(shv_imposed_create(&hybrid->imposed, &hybrid->model, scene, error));
     SHV_TRY(shv_fragments_create(&hybrid->fragments, &hybrid->model, &hybrid->state, error));
     if (hybrid->model.can_break && scene->fracture.connectivity == SHV_CONNECTIVITY_BONDS)

@@ -149,11 +149,10 @@ typedef struct ShvGhost {
     double *before;       /* 3 per node: v(n−1/2) */
     double *displacement; /* 3 per node, with bars only: they move nodes */
     int64_t capacity;
-    ShvObstacle *obstacles; /* as they were before the ghost step */
+    ShvObstacle *obstacles; /* as they are at this time: with half of that step's impulses */
     double kinetic;         /* J, of awake nodes and coupled bodies: Σ ½ m v₋·v₊ */
     double
         obstacle_exchange; /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
-    ShvVec3 obstacle_momentum, obstacle_angular; /* kg m/s, kg m²/s: likewise, so that sums are those of one time */
     double first[SHV_WORK_COUNT];                /* J: first halves of the works of the step to come */
 } ShvGhost;
 

@@ -17,23 +17,25 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
                        count * sizeof(double), error);
         ghost->capacity = hybrid->state.node_capacity;
     }
-    if (ghost->obstacles || hybrid->obstacles.count == 0) return SHV_OK;
-    const size_t count = (size_t)hybrid->obstacles.count;
-    ghost->obstacles = shv_allocate(hybrid->memory, SHV_PART_SHAPE, count, sizeof(ShvObstacle));
-    return ghost->obstacles ? SHV_OK : shv_fail_memory(error, "obstacles at a time", count * sizeof(ShvObstacle));
+    return SHV_OK;
 }
 
-/* Momentum of a time is that of the mean velocity, for free obstacles as for nodes: half of the ghost step's impulses. */
-static void exchange_with_obstacles(ShvHybrid *hybrid)
+static void see_obstacles(ShvHybrid *hybrid)
+{
+    const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
+    if (bytes > 0) memcpy(hybrid->observer.ghost.obstacles, hybrid->obstacles.items, bytes);
+}
+
+/* Takes the ghost step back: velocities of this time are the means, for free obstacles as for nodes. */
+static void take_back_obstacles(ShvHybrid *hybrid)
 {
     ShvGhost *ghost = &hybrid->observer.ghost;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
-        const ShvObstacle *before = &ghost->obstacles[i], *after = &hybrid->obstacles.items[i];
-        if (before->motion != SHV_OBSTACLE_FREE) continue;
-        const ShvVec3 impulse = shv_scale(shv_sub(after->velocity, before->velocity), before->mass);
-        const ShvVec3 turn = shv_sub(shv_obstacle_angular_momentum(after), shv_obstacle_angular_momentum(before));
-        ghost->obstacle_momentum = shv_madd(ghost->obstacle_momentum, 0.5, impulse);
-        ghost->obstacle_angular = shv_madd(ghost->obstacle_angular, 0.5, turn);
+        ShvObstacle *seen = &ghost->obstacles[i], *item = &hybrid->obstacles.items[i];
+        const ShvObstacle before = *seen;
+        seen->velocity = shv_scale(shv_add(before.velocity, item->velocity), 0.5);
+        seen->angular_velocity = shv_scale(shv_add(before.angular_velocity, item->angular_velocity), 0.5);
+        *item = before;
     }
     /* As it is booked: impulses act one after another, so that velocities before and after the step do not tell. */
     ghost->obstacle_exchange = hybrid->coupling.surface.obstacle_work[0];
@@ -59,10 +61,8 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     shv_coupled_bodies_keep(hybrid);
     memset(ghost->first, 0, sizeof ghost->first);
     ghost->obstacle_exchange = 0.0;
-    ghost->obstacle_momentum = ghost->obstacle_angular = shv_vec3(0.0, 0.0, 0.0);
+    see_obstacles(hybrid);
     if (state->last_step > 0.0) {
-        const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
-        if (bytes > 0) memcpy(ghost->obstacles, hybrid->obstacles.items, bytes);
         const size_t moved = hybrid->stabiliser.active ? 3 * (size_t)state->node_count * sizeof(double) : 0;
         if (moved > 0) memcpy(ghost->displacement, state->displacement, moved);
         const ShvLedger booked = hybrid->observer.ledger;
@@ -72,8 +72,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
             ghost->first[i] = hybrid->observer.ledger.booked[i] - booked.booked[i] - hybrid->observer.ledger.pending[i];
         hybrid->observer.ledger = booked;
         if (moved > 0) memcpy(state->displacement, ghost->displacement, moved);
-        exchange_with_obstacles(hybrid);
-        if (bytes > 0) memcpy(hybrid->obstacles.items, ghost->obstacles, bytes);
+        take_back_obstacles(hybrid);
     }
     ghost->kinetic = shv_coupled_bodies_put_back(hybrid);
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
@@ -134,8 +133,6 @@ static void add_awake(const ShvHybrid *hybrid, ShvLedgerView *balance)
     const ShvState *state = &hybrid->state;
     const ShvVec3 gravity = shv_load3(hybrid->gravity);
     balance->kinetic += hybrid->observer.ghost.kinetic + hybrid->observer.ghost.obstacle_exchange;
-    shv_add_to3(balance->momentum, hybrid->observer.ghost.obstacle_momentum);
-    shv_add_to3(balance->angular_momentum, hybrid->observer.ghost.obstacle_angular);
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
         const int32_t node = hybrid->awake.nodes[k];
         const ShvVec3 x = shv_state_position(state, node);
@@ -179,12 +176,12 @@ static void add_fragment(const ShvHybrid *hybrid, ShvLedgerView *balance, const 
 
 static void add_obstacle(const ShvHybrid *hybrid, ShvLedgerView *balance, int32_t index)
 {
-    const ShvObstacle *obstacle = &hybrid->obstacles.items[index];
+    const ShvObstacle *obstacle = &hybrid->obstacles.items[index], *seen = &hybrid->observer.ghost.obstacles[index];
     if (obstacle->motion != SHV_OBSTACLE_FREE || shv_hybrid_waits(hybrid, index)) return;
     balance->kinetic += shv_obstacle_kinetic(obstacle);
     balance->gravity_potential -= obstacle->mass * shv_dot(shv_load3(hybrid->gravity), obstacle->position);
-    shv_add_to3(balance->momentum, shv_scale(obstacle->velocity, obstacle->mass));
-    shv_add_to3(balance->angular_momentum, shv_obstacle_angular_momentum(obstacle)); /* about the origin already */
+    shv_add_to3(balance->momentum, shv_scale(seen->velocity, seen->mass));
+    shv_add_to3(balance->angular_momentum, shv_obstacle_angular_momentum(seen)); /* about the origin already */
 }
 
 static void add_works(ShvHybrid *hybrid, ShvLedgerView *balance)
@@ -368,6 +365,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->observer.ghost.first, 0, sizeof hybrid->observer.ghost.first);
+    see_obstacles(hybrid);
     if (hybrid->awake.count > 0) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)

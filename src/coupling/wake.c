@@ -160,17 +160,6 @@ static void leave_flight(ShvHybrid *hybrid, const ShvRigidContact *contact)
     hybrid->backend->functions->remove(hybrid->backend, contact->fragment);
 }
 
-/* What it has met, if that is rigid still, goes along with it. */
-static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
-{
-    if (!hybrid->coupling.mutual || contact->other < 0) return SHV_OK;
-    const ShvFragment *other = &hybrid->fragments.items[contact->other];
-    bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
-    for (int32_t i = hybrid->wakes.next; i < hybrid->wakes.count; i++) /* its own turn is to come */
-        flies = flies && hybrid->wakes.items[i].fragment != contact->other;
-    return flies ? shv_coupled_bodies_add(hybrid, contact->other, error) : SHV_OK;
-}
-
 /* Its record is that of the impact, less than a step from now: it flies as far, or back. */
 static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double time)
 {
@@ -186,6 +175,19 @@ static void bring_to_now(const ShvHybrid *hybrid, ShvFragment *fragment, double 
     fragment->orientation = shv_free_rotation_advance(&rotation, fragment->orientation,
                                                       elapsed > 0.0 ? spin : shv_scale(spin, -1.0), fabs(elapsed));
     fragment->angular_velocity = shv_free_rotation_velocity(&rotation, fragment->orientation, spin);
+}
+
+/* What it has met, if that is rigid still, goes along with it. */
+static ShvStatus take_partner(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
+{
+    if (!hybrid->coupling.mutual || contact->other < 0) return SHV_OK;
+    ShvFragment *other = &hybrid->fragments.items[contact->other];
+    bool flies = other->mode == SHV_MODE_FLIGHT && !other->coupled;
+    for (int32_t i = hybrid->wakes.next; i < hybrid->wakes.count; i++) /* its own turn is to come */
+        flies = flies && hybrid->wakes.items[i].fragment != contact->other;
+    if (!flies) return SHV_OK;
+    bring_to_now(hybrid, other, contact->time);
+    return shv_coupled_bodies_add(hybrid, contact->other, error);
 }
 
 /* Whether a fragment wakes in its shape at the start, though its nodes flew on their own. Bars hold lengths to about 1e-3, edge by
@@ -290,6 +292,8 @@ static double energy_of_blow(const ShvFragment *fragment, const ShvRigidContact 
 ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, ShvError *error)
 {
     ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    /* a coupled body may have been woken by another touch before */
+    if (fragment->mode != SHV_MODE_FLIGHT) return take_partner(hybrid, contact, error);
     const double start = shv_now();
     ShvEventView event = shv_audit_event(hybrid, SHV_RUN_WAKE, contact->fragment);
     event.obstacle = contact->obstacle;

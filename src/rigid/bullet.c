@@ -134,7 +134,7 @@ static ShvStatus begin(ShvBullet *bullet, ShvError *error)
                             : shv_norm(body->spin);
         body->impact_time = -1.0;
         body->until = bullet->step;
-        body->leaves = body->meets = body->later_impact = body->thrown = false;
+        body->leaves = body->waits = body->meets = body->later_impact = body->thrown = false;
         body->stopped = body->held = body->solved = body->restless = body->supported = false;
         body->rebounds = body->kinematic = false;
         body->work = body->square = 0.0;

@@ -42,6 +42,7 @@ typedef struct ShvBulletRigidBody {
     double impact_time; /* s since its start at which it meets something fast; −1: nothing, or it does not move */
     double until;       /* s since its start: goes no further */
     bool leaves;        /* wakes */
+    bool waits;         /* for what has just woken at its impact with it, as of `until` */
     bool later_impact;  /* something fast, on its foreseen way after its impact */
     bool thrown;        /* by its impact, off that way; or it meets again */
     bool stopped;       /* its impact did not throw it back */

@@ -82,23 +82,33 @@ static ShvRigidContact report(ShvBullet *bullet, const ShvContactPair *contact_p
                              .load = shv_bullet_body_load(body)};
 }
 
+/* Whether something that does not fall bears it. Bodies that only press on one another fall together. */
+static bool is_borne(ShvBullet *bullet, int32_t own)
+{
+    const ShvBulletRigidBody *body = &bullet->bodies[own];
+    const bool rests = body->asleep || isinf(bullet->bodies[shv_set_root(bullet->heaps, own)].heap_mass);
+    return rests && shv_bullet_body_load(body) > 0.0;
+}
+
 /* Leaves flight as it is at the contact's time of impact. What it hit waits there for the rest of the step, so that it does not get
    into what is no longer in its world. */
 static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
 {
     ShvBulletRigidBody *body = &bullet->bodies[own], *partner = &bullet->bodies[other];
     body->leaves = true;
-    if (partner->moves && (partner->fragment >= 0 || partner->impact_time >= 0.0))
+    if (partner->moves && (partner->fragment >= 0 || partner->impact_time >= 0.0)) {
         partner->until = fmin(partner->until, time);
+        partner->waits = true;
+    }
     if (body->coupled) return; /* it will be there when somebody else has led it there */
     const ShvQuat orientation = shv_bullet_body_orientation(body, time);
-    const bool supported = shv_bullet_body_load(body) > 0.0;
+    const bool borne = is_borne(bullet, own);
     const double before = shv_bullet_body_energy(body, bullet->gravity);
     body->position = shv_bullet_body_position(body, time, bullet->gravity);
-    if (!supported) body->velocity = shv_bullet_body_velocity(body, time, bullet->gravity);
+    if (!borne) body->velocity = shv_bullet_body_velocity(body, time, bullet->gravity);
     body->orientation = orientation;
     shv_bullet_body_write(body, &bullet->backend.world);
-    if (supported) /* what holds it has worked */
+    if (borne) /* what bears it has worked */
         bullet->backend.contact_work += shv_bullet_body_energy(body, bullet->gravity) - before;
 }
 

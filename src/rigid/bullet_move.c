@@ -81,12 +81,13 @@ static void undo_overlaps(const ShvBullet *bullet, ShvBulletRigidBody *body)
         shv_quat_unit(shv_quat_multiply(shv_quat_exponential(shv_scale(body->turn, bullet->step)), body->orientation));
 }
 
-/* A body that waits at the place of its impact with something that has just woken. */
+/* A body that goes no further in this step: at the place of its impact with something that has just woken, which brings it the rest of
+   the step, or where it would get into what has been struck. */
 static void wait_there(const ShvBullet *bullet, ShvBulletRigidBody *body)
 {
     const ShvVec3 position = shv_bullet_body_position(body, body->until, bullet->gravity);
     const ShvQuat orientation = shv_bullet_body_orientation(body, body->until);
-    body->velocity = shv_bullet_body_velocity(body, body->until, bullet->gravity);
+    body->velocity = shv_bullet_body_velocity(body, body->waits ? body->until : bullet->step, bullet->gravity);
     body->position = position;
     body->orientation = orientation;
 }
@@ -106,7 +107,10 @@ static void move_body(const ShvBullet *bullet, ShvBulletRigidBody *body)
         move_struck(bullet, body, momentum);
     else
         move_evenly(bullet, body, momentum);
-    body->velocity = body->new_velocity;
+    /* what it waits for brings it the rest of gravity's velocity, unless something bears it */
+    const bool falls_on = body->waits && !bullet->bodies[body->island].supported;
+    const double left = falls_on ? bullet->step - body->until : 0.0;
+    body->velocity = shv_madd(body->new_velocity, -left, bullet->gravity);
     body->angular_momentum = momentum;
     undo_overlaps(bullet, body);
 }
@@ -259,7 +263,8 @@ void shv_bullet_move(ShvBullet *bullet)
     for (int32_t i = 0; i < bullet->body_count; i++) {
         ShvBulletRigidBody *body = &bullet->bodies[i];
         if (!body->moves || body->leaves || ((body->asleep || body->coupled) && !body->solved)) continue;
-        if (body->solved || !bullet->backend.world.settings->bullet.exact_flight)
+        const bool stopped = body->until < bullet->step && !body->waits;
+        if (body->solved || stopped || !bullet->backend.world.settings->bullet.exact_flight)
             change += shv_bullet_body_energy(body, bullet->gravity) - body->energy;
         shv_bullet_body_write(body, &bullet->backend.world);
     }

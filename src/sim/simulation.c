@@ -124,9 +124,8 @@ static ShvStatus view_fragments(ShvSimulation *simulation, ShvError *error)
 
 static void view_obstacles(ShvSimulation *simulation)
 {
-    const ShvObstacles *obstacles = &simulation->hybrid.obstacles;
-    for (int32_t i = 0; i < obstacles->count; i++) {
-        const ShvObstacle *obstacle = &obstacles->items[i];
+    for (int32_t i = 0; i < simulation->hybrid.obstacles.count; i++) {
+        const ShvObstacle *obstacle = &simulation->hybrid.observer.ghost.obstacles[i];
         ShvObstacleView *view = &simulation->views.obstacles[i];
         view->name = obstacle->definition->name;
         shv_store3(view->position, shv_hybrid_waits(&simulation->hybrid, i)
