@@ -115,6 +115,14 @@ double shv_power(double x, double a)
     return exp_of_pair(hi, fma(a, l.hi, -hi) + a * l.lo);
 }
 
+double shv_cube_root(double x)
+{
+    int exponent;
+    const double significand = frexp(x, &exponent);
+    const int third = (int)floor(exponent / 3.0);
+    return ldexp(shv_power(ldexp(significand, exponent - 3 * third), 1.0 / 3.0), third);
+}
+
 /* x − n π/2 for x ≥ 0 as a pair, |result| ≤ π/4, and n mod 4 (Cody and Waite in three parts). The first step is
    exact for n < 2^40: x and n times the high part are multiples of 2^-53 (or x < π/4 and n = 0). */
 static Pair reduce(double x, int *quadrant)

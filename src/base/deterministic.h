@@ -12,6 +12,8 @@ double shv_log(double x);
 /* x^a for x ≥ 0; small whole and half exponents by multiplication and square root. 0^0 = 1. NaN for x < 0, except
    x^0 = 1. */
 double shv_power(double x, double a);
+/* Of x ≥ 0. That of 8 x is twice that of x to the bit: a length from a volume does not depend on the unit. */
+double shv_cube_root(double x);
 /* Radians; NaN beyond |x| = 2^40. */
 double shv_sin(double x);
 double shv_cos(double x);

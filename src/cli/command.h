@@ -94,6 +94,8 @@ int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments);
 int shv_cli_end_loading(ShvStatus status, ShvDiagnostics *diagnostics, const ShvError *error);
 /* Each fault of an input on a line of stderr; whether there are errors among them, which then need no message more. */
 bool shv_cli_print_faults(const ShvDiagnostics *diagnostics);
+/* Whether anything in the scene can crack. */
+bool shv_cli_can_break(const ShvSimulation *simulation);
 /* Makes the simulation of a scene, has it shown, and puts both away; returns the exit status. */
 typedef ShvStatus (*ShvInspection)(ShvSimulation *simulation, const ShvArguments *arguments, ShvError *error);
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show);

@@ -44,14 +44,6 @@ static void print_course(const ShvTrial *trial)
     printf("%lld steps in %.4g awake s, %d fragments\n", (long long)trial->steps, trial->awake, (int)trial->fragments);
 }
 
-static bool can_break(const ShvSimulation *simulation)
-{
-    bool can = false;
-    for (int32_t i = 0; i < shv_simulation_material_count(simulation) && !can; i++)
-        can = shv_simulation_material(simulation, i).breakable;
-    return can;
-}
-
 /* Bounds far apart say no more than that it depends on what breaks. A scene that may break and has not yet tells nothing at all. */
 static void print_range(const ShvTrial *trial, bool may_break)
 {
@@ -161,7 +153,7 @@ static ShvStatus print_any(ShvSimulation *simulation, const ShvArguments *argume
         return SHV_OK;
     }
     print_plan(&plan);
-    print_trial(&plan.trial, can_break(simulation));
+    print_trial(&plan.trial, shv_cli_can_break(simulation));
     printf("\n");
     shv_cli_print_materials(materials_of(simulation));
     return SHV_OK;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/timer.h"
+#include "cli/command.h"
 
 ShvProgress shv_progress_start(double duration, bool quiet)
 {
@@ -30,6 +31,8 @@ static void tell(const ShvProgress *progress, double to_go, char *text, size_t s
     const double spread = shv_time_to_go_spread;
     if (isnan(to_go))
         snprintf(text, size, "time to go: cannot tell yet");
+    else if (progress->estimate.unbreakable)
+        snprintf(text, size, "about %.3g s to go", to_go);
     else if (!progress->woken)
         snprintf(text, size, "about %.3g s to go if nothing breaks", to_go);
     else
@@ -68,6 +71,7 @@ void shv_progress_tick(ShvProgress *progress)
     const ShvRunSample sample = {.processor = shv_processor_now(),
                                  .summary = shv_simulation_summary(progress->simulation),
                                  .awake = shv_simulation_awake(progress->simulation)};
+    if (!progress->estimate.begun) progress->estimate.unbreakable = !shv_cli_can_break(progress->simulation);
     progress->sampled = now;
     progress->asking = shv_now() - now;
     progress->woken |= sample.awake.load > 0.0;

@@ -165,6 +165,14 @@ int shv_cli_load_scene(ShvScene **scene, const ShvArguments *arguments)
     return shv_cli_end_loading(status, diagnostics, &error);
 }
 
+bool shv_cli_can_break(const ShvSimulation *simulation)
+{
+    bool can = false;
+    for (int32_t i = 0; i < shv_simulation_material_count(simulation) && !can; i++)
+        can = shv_simulation_material(simulation, i).breakable;
+    return can;
+}
+
 int shv_cli_inspect(const ShvArguments *arguments, ShvInspection show)
 {
     ShvScene *scene;

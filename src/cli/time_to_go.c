@@ -48,8 +48,9 @@ static double cost_of(const ShvCostRate *rate, double work)
    was done so far, and to the share of the simulated time that is left for it (docs/decisions.md). */
 static double load_of_waking_again(const ShvTimeToGo *estimate)
 {
-    const double share = 0.8;
-    const double left = fmax(0.0, estimate->duration - estimate->last.summary.time);
+    const double share = 0.8, now = estimate->last.summary.time;
+    const double from = estimate->unbreakable ? fmax(now, estimate->last.awake.rest) : now;
+    const double left = fmax(0.0, estimate->duration - from);
     return estimate->duration > 0.0 ? share * estimate->load * left / estimate->duration : 0.0;
 }
 

@@ -19,6 +19,7 @@ typedef struct ShvRunSample {
 typedef struct ShvTimeToGo {
     double duration; /* s, simulated */
     double start;    /* s: of processor time, at the first sample */
+    bool unbreakable; /* nothing in the scene can crack: what is awake stays as it is until it rests */
     bool begun;
     ShvRunSample last;
     ShvCostRate flight, fracture;

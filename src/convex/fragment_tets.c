@@ -40,7 +40,7 @@ void shv_fragment_tets_measure(ShvFragmentTets *tets)
     tets->volume = 0.0;
     for (int32_t t = 0; t < tets->tet_count; t++) measure(tets, t);
     /* a regular tet of edge h has the volume h³ / (6 √2) */
-    tets->edge = shv_power(6.0 * sqrt(2.0) * tets->volume / tets->tet_count, 1.0 / 3.0);
+    tets->edge = shv_cube_root(6.0 * sqrt(2.0) * tets->volume / tets->tet_count);
 }
 
 /* Copies of a node that bonds hold together are one node of the shape. Returns how many there are; each node's label is its

@@ -51,6 +51,18 @@ static void steps_cost_what_their_load_did(void **state)
     check_near(shv_time_to_go(&estimate), 4.0, 1e-9);
 }
 
+/* What cannot crack is as dear to the end as it is; it wakes again only once it has come to rest. */
+static void what_cannot_break_wakes_after_its_rest(void **state)
+{
+    (void)state;
+    ShvTimeToGo estimate = {.duration = 1.0, .unbreakable = true};
+    add(&estimate, 0.0, 0.0, 0, (ShvAwakeView){.load = 100.0, .ahead = 100.0, .rest = 1.0});
+    add(&estimate, 2.0, 0.001, 1000, (ShvAwakeView){.load = 100.0, .ahead = 99.9, .rest = 1.0});
+    check_near(shv_time_to_go(&estimate), 2.0 * 999.0, 1e-9);
+    estimate.last.awake = (ShvAwakeView){.load = 100.0, .ahead = 0.2, .rest = 0.003};
+    check_near(shv_time_to_go(&estimate), 4.0 + 0.8 * 2.0 * 0.997, 1e-9);
+}
+
 /* Time that was flown through between two samples of something awake is no load. */
 static void flight_between_is_no_load(void **state)
 {
@@ -88,9 +100,13 @@ static void late_costs_count_more(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_told_before_it_is_seen), cmocka_unit_test(a_resumed_run_is_measured_from_there),
-        cmocka_unit_test(steps_cost_what_their_load_did),    cmocka_unit_test(flight_between_is_no_load),
-        cmocka_unit_test(flight_and_steps_are_added),        cmocka_unit_test(late_costs_count_more),
+        cmocka_unit_test(nothing_is_told_before_it_is_seen),
+        cmocka_unit_test(a_resumed_run_is_measured_from_there),
+        cmocka_unit_test(steps_cost_what_their_load_did),
+        cmocka_unit_test(what_cannot_break_wakes_after_its_rest),
+        cmocka_unit_test(flight_between_is_no_load),
+        cmocka_unit_test(flight_and_steps_are_added),
+        cmocka_unit_test(late_costs_count_more),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
