@@ -37,7 +37,7 @@ static const Size sizes[] = {
     SIZE(ShvProbes, "coupling/hybrid_archive.c", 80),
     SIZE(ShvCoupledBodies, "coupling/hybrid_archive.c", 96),
     SIZE(ShvSolid, "coupling/hybrid_archive.c", 408),
-    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5400),
+    SIZE(ShvHybrid, "coupling/hybrid_archive.c", 5352),
 };
 
 static void test_no_field_is_new(void **state)
