@@ -191,9 +191,9 @@ void ShvCollider::sphere_part(const ShvBulletBody &sphere, const Placed &part, b
         }
     } else if (height > 0) {
         static const std::vector<btVector3> point(1, btVector3(0, 0, 0));
-        const ShvCore core = {part.convex->vertices, part.convex->centre, part.convex->core};
+        const ShvCore core = {part.convex->vertices, part.convex->centre, part.convex->core, part.convex->radius};
         const ShvNearest nearest =
-            shv_nearest({point, point[0], 1}, core, *part.axes, part.origin - centre, normal, BT_LARGE_FLOAT);
+            shv_nearest({point, point[0], 1, 0}, core, *part.axes, part.origin - centre, normal, BT_LARGE_FLOAT);
         if (nearest.apart) {
             normal = nearest.normal;
             height = normal.dot(centre - part.origin) - part.highest(normal);
@@ -219,7 +219,8 @@ bool ShvCollider::try_nearest(const Placed &first, const Placed &second, btScala
     const btScalar far = limit + (1 - share_first) * a_part.radius + (1 - share_second) * b_part.radius;
     const btVector3 start = guess.fuzzyZero() ? btVector3(0, 1, 0) : guess * *first.axes;
     const ShvNearest nearest =
-        shv_nearest({a_part.vertices, a_part.centre, share_first}, {b_part.vertices, b_part.centre, share_second},
+        shv_nearest({a_part.vertices, a_part.centre, share_first, a_part.radius},
+                    {b_part.vertices, b_part.centre, share_second, b_part.radius},
                     first.axes->transposeTimes(*second.axes), (second.origin - first.origin) * *first.axes, start, far);
     if (nearest.far) return false;
     if (!nearest.apart) return true;

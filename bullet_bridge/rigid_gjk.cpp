@@ -1,5 +1,7 @@
 #include "bullet_bridge/rigid_gjk.hpp"
 
+#include <cmath>
+
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
 enum { most_rounds = 64 };
@@ -21,9 +23,19 @@ static btVector3 farthest(const ShvCore &core, const btVector3 &direction)
     return best ? core.centre + core.share * (*best - core.centre) : core.centre;
 }
 
+// A power of two, which changes no bit: the smaller core is of a radius of 4 to 8. Bullet takes a tet whose triple product is below
+// 1e-8, whatever its unit, for flat: splinters a thousandth of the largest body's size would find no direction.
+static btScalar unit_of(const ShvCore &first, const ShvCore &second)
+{
+    const btScalar radius =
+        first.radius > 0 && second.radius > 0 ? btMin(first.radius, second.radius) : btMax(first.radius, second.radius);
+    return radius > 0 ? std::ldexp(4.0, -std::ilogb(radius)) : 1;
+}
+
 ShvNearest shv_nearest(const ShvCore &first, const ShvCore &second, const btMatrix3x3 &axes, const btVector3 &origin,
                        const btVector3 &guess, btScalar far)
 {
+    const btScalar unit = unit_of(first, second);
     ShvNearest result;
     btVoronoiSimplexSolver simplex;
     simplex.reset();
@@ -31,9 +43,10 @@ ShvNearest shv_nearest(const ShvCore &first, const ShvCore &second, const btMatr
     btVector3 nearest = guess;
     btScalar distance2 = BT_LARGE_FLOAT, largest2 = 0;
     for (int round = 0; round < most_rounds; round++) {
-        const btVector3 p = farthest(first, -nearest), q = origin + axes * farthest(second, nearest * axes), w = p - q;
+        const btVector3 p = farthest(first, -nearest) * unit,
+                        q = (origin + axes * farthest(second, nearest * axes)) * unit, w = p - q;
         const btScalar along = nearest.dot(w);
-        result.far = along > 0 && along * along > nearest.length2() * far * far;
+        result.far = along > 0 && along * along > nearest.length2() * (far * unit) * (far * unit);
         if (result.far) return result;
         if (distance2 - along <= converged * distance2 || simplex.inSimplex(w)) break;
         largest2 = btMax(largest2, w.length2());
@@ -58,6 +71,6 @@ ShvNearest shv_nearest(const ShvCore &first, const ShvCore &second, const btMatr
     simplex.compute_points(p, q);
     result.apart = true;
     result.normal = nearest.normalized();
-    result.middle = (p + q) / 2;
+    result.middle = (p + q) / (2 * unit);
     return result;
 }

@@ -14,6 +14,7 @@ struct ShvCore {
     const std::vector<btVector3> &vertices; // at least one
     btVector3 centre;
     btScalar share;
+    btScalar radius; // about the centre, of the vertices; 0: a point
 };
 
 struct ShvNearest {

@@ -290,8 +290,9 @@ static void test_loads_of_a_stack(void **unused)
 
 /* ---- scale ---- */
 
-/* A stack with gaps, thrown sideways: position of the third box at the end over the size. Lengths and time² scale. */
-static ShvVec3 thrown(double size)
+/* A stack with gaps, thrown sideways: position of the third box at the end over the size. Lengths and time² scale. `far`: size of a cube
+   far away, 0 without one. */
+static ShvVec3 thrown_beside(double size, double far)
 {
     World world;
     world_begin(&world);
@@ -302,6 +303,7 @@ static ShvVec3 thrown(double size)
         box->placement.rotation_axis[1] = 1.0;
         box->placement.rotation_degrees = 17.0 * i;
     }
+    if (far > 0.0) world_box(&world, far, far, far, far)->placement.position[2] = 1000.0 * far;
     world_floor(&world, 0.4, 0.3);
     world_build(&world);
     bullet_fly(&world);
@@ -310,6 +312,21 @@ static ShvVec3 thrown(double size)
     const ShvVec3 end = shv_scale(world.fragments.items[2].position, 1.0 / size);
     world_end(&world);
     return end;
+}
+
+static ShvVec3 thrown(double size)
+{
+    return thrown_beside(size, 0.0);
+}
+
+/* Whatever the scene's largest body is, to the bit: Bullet takes simplices of less than 1e-8 of its units for flat. */
+static void test_large_and_far_is_nothing_to_small(void **unused)
+{
+    (void)unused;
+    const ShvVec3 alone = thrown(1e-3), beside = thrown_beside(1e-3, 100.0);
+    check_near(beside.x, alone.x, 0.0);
+    check_near(beside.y, alone.y, 0.0);
+    check_near(beside.z, alone.z, 0.0);
 }
 
 static void test_small_and_large_behave_alike(void **unused)
@@ -465,6 +482,7 @@ int main(void)
         cmocka_unit_test(test_stack_rests),
         cmocka_unit_test(test_loads_of_a_stack),
         cmocka_unit_test(test_small_and_large_behave_alike),
+        cmocka_unit_test(test_large_and_far_is_nothing_to_small),
         cmocka_unit_test(test_same_run_same_bits),
         cmocka_unit_test(test_hopeless_bodies_are_refused),
         cmocka_unit_test(test_degenerate_tets_fall),
