@@ -119,8 +119,8 @@ double shv_cube_root(double x)
 {
     int exponent;
     const double significand = frexp(x, &exponent);
-    const int third = (int)floor(exponent / 3.0);
-    return ldexp(shv_power(ldexp(significand, exponent - 3 * third), 1.0 / 3.0), third);
+    const int thirds = (int)floor(exponent / 3.0);
+    return ldexp(shv_power(ldexp(significand, exponent - 3 * thirds), 1.0 / 3.0), thirds);
 }
 
 /* x − n π/2 for x ≥ 0 as a pair, |result| ≤ π/4, and n mod 4 (Cody and Waite in three parts). The first step is

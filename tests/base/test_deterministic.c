@@ -91,6 +91,19 @@ static void powers_over_the_plane(void **state)
         }
 }
 
+static void cube_roots_know_no_unit(void **state)
+{
+    (void)state;
+    check_near(shv_cube_root(0.0), 0.0, 0.0);
+    for (int64_t i = 0; i < 20000; i++) {
+        const double x = exp2(draw(-1000.0, 1000.0, i));
+        const double root = shv_cube_root(x);
+        check_relative("cube root", x, 0.0, root, cbrtl((long double)x));
+        check_near(shv_cube_root(x / 8.0), 0.5 * root, 0.0);
+        check_near(shv_cube_root(64.0 * x), 4.0 * root, 0.0);
+    }
+}
+
 static void powers_of_special_values(void **state)
 {
     (void)state;
@@ -175,6 +188,7 @@ int main(void)
         cmocka_unit_test(logarithm_over_its_whole_range),
         cmocka_unit_test(logarithm_of_special_values),
         cmocka_unit_test(powers_over_the_plane),
+        cmocka_unit_test(cube_roots_know_no_unit),
         cmocka_unit_test(powers_of_special_values),
         cmocka_unit_test(sine_and_cosine_over_wide_ranges),
         cmocka_unit_test(sine_and_cosine_near_their_zeros),
