@@ -162,8 +162,9 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t index, const ShvP
         return status;
     }
     shv_fragment_scatter(fragment, &hybrid->fragments, &hybrid->state);
-    hybrid->observer.ledger.booked[SHV_WORK_EVENT] +=
-        shv_hybrid_kinetic_in_flight(hybrid, fragment) + weigh(hybrid, fragment->mass, fragment->position) - before;
+    hybrid->observer.ledger.booked[SHV_WORK_EVENT] += shv_hybrid_kinetic_in_flight(hybrid, fragment) +
+                                                      fragment->strain +
+                                                      weigh(hybrid, fragment->mass, fragment->position) - before;
     changed(hybrid);
     return SHV_OK;
 }

@@ -152,6 +152,32 @@ static void bodies_come_and_go(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* A body that was stretched when it went to rest takes its strain with it, and brings it back. */
+static void strain_comes_and_goes(void **state)
+{
+    (void)state;
+    Stage stage;
+    ShvError error;
+    stage_make(&stage);
+    stage_box(&stage, "there", side, 0.02, 1.0)->placement.stretch_rate[2] = 20.0;
+    stage.material.breakable = false;
+    stage.scene.fracture.deformation = SHV_DEFORMATION_KEEP;
+    ShvSimulation *simulation = stage_start(&stage);
+    check_ok(shv_simulation_step(simulation, 0.1, &error), error);
+    const ShvFrameView *frame = shv_simulation_frame(simulation);
+    assert_int_equal(frame->fragments[0].mode, SHV_FRAGMENT_FLIGHT);
+    const double strain = frame->ledger.strain, residual = frame->ledger.residual;
+    assert_true(strain > 1e-3 * frame->ledger.largest);
+    const ShvPlacement at = {.position = {0.0, 0.0, 2.0}};
+    check_ok(shv_simulation_leave(simulation, "there", &error), error);
+    check_near(shv_simulation_frame(simulation)->ledger.strain, 0.0, 0.0);
+    check_near(shv_simulation_frame(simulation)->ledger.residual, residual, 1e-9 * strain);
+    check_ok(shv_simulation_enter(simulation, "there", &at, &error), error);
+    check_near(shv_simulation_frame(simulation)->ledger.strain, strain, 1e-9 * strain);
+    check_near(shv_simulation_frame(simulation)->ledger.residual, residual, 1e-9 * strain);
+    shv_simulation_destroy(simulation);
+}
+
 static void obstacles_come_and_go(void **state)
 {
     (void)state;
@@ -246,10 +272,11 @@ static void what_waits_is_checked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_go_where_frames_would), cmocka_unit_test(a_push_gives_its_impulse),
-        cmocka_unit_test(events_move_what_flies),      cmocka_unit_test(bodies_come_and_go),
-        cmocka_unit_test(obstacles_come_and_go),       cmocka_unit_test(an_obstacle_may_have_no_name),
-        cmocka_unit_test(events_are_told_once),        cmocka_unit_test(what_waits_is_checked),
+        cmocka_unit_test(steps_go_where_frames_would),  cmocka_unit_test(a_push_gives_its_impulse),
+        cmocka_unit_test(events_move_what_flies),       cmocka_unit_test(bodies_come_and_go),
+        cmocka_unit_test(strain_comes_and_goes),        cmocka_unit_test(obstacles_come_and_go),
+        cmocka_unit_test(an_obstacle_may_have_no_name), cmocka_unit_test(events_are_told_once),
+        cmocka_unit_test(what_waits_is_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
