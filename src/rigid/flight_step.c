@@ -213,13 +213,14 @@ static bool pushed_by_script(const ShvFlightStep *step, int32_t count)
     return false;
 }
 
-static void answer_impact(ShvFlightStep *step, int32_t count, double restitution_share)
+/* Whether anything closed. */
+static bool answer_impact(ShvFlightStep *step, int32_t count, double restitution_share)
 {
-    if (count == 0) return;
+    if (count == 0) return false;
     const ShvRigidMotion before = motion_of(step);
     bool closing = false;
     for (int32_t i = 0; i < count; i++) closing |= -shv_touch_normal_speed(&before, &step->touches[i]) > no_speed(step);
-    if (!closing) return;
+    if (!closing) return false;
     ShvRigidMotion after;
     ShvTouchWork work = strike(step, count, restitution_share, &after);
     /* Newton's restitution with friction can create energy (Kane 1984); the plastic solution cannot. */
@@ -231,6 +232,7 @@ static void answer_impact(ShvFlightStep *step, int32_t count, double restitution
     set_motion(step, after.velocity, momentum_of(step, after.angular_velocity));
     step->work.normal += work.normal;
     step->work.friction += work.friction;
+    return true;
 }
 
 /* An overlap that no motion explains: moved out along the deepest touch's normal, its potential energy booked. Answers
@@ -295,8 +297,12 @@ static void book_hold(ShvFlightStep *step, int32_t count, double share, const Sh
     keep_obstacles(step, count);
 }
 
-/* To the next impact or the end of the step. */
-static void move_on(ShvFlightStep *step, int32_t count)
+/* Of the step: what does not count as getting on. A fragment that does not, and closes on nothing that it touches, is stopped by no
+   impact but by a corner that counts as inside from one moment to the next, for good: it goes on for a share of what is left. */
+static const double no_progress = 1e-12, blind_share = 1.0 / 16.0;
+
+/* To the next impact or the end of the step; `blind`: past what seems to be one now. */
+static void move_on(ShvFlightStep *step, int32_t count, bool blind)
 {
     const double left = step->step - step->now;
     const ShvRigidMotion before = motion_of(step);
@@ -310,9 +316,9 @@ static void move_on(ShvFlightStep *step, int32_t count)
     flight.orientation = fragment->orientation;
     flight.rotation = &step->body->rotation;
     flight.fastest = shv_free_rotation_fastest(flight.rotation, flight.orientation, flight.angular_momentum);
-    double duration = left;
-    bool impact = false;
-    for (int32_t o = 0; o < step->world->obstacles->count; o++)
+    double duration = blind ? blind_share * left : left;
+    bool impact = blind;
+    for (int32_t o = 0; o < step->world->obstacles->count && !blind; o++)
         impact |= shv_time_of_impact(&flight, &step->body->arms, &step->others[o], step->body->slop, &duration);
     const double share = duration / left;
     const ShvVec3 change =
@@ -376,12 +382,15 @@ bool shv_flight_step_run(ShvFlightStep *step, ShvRigidContact *contact)
     ShvFlightBody *body = step->body;
     if (body->resting && still_rests(step)) return false;
     body->resting = false;
+    bool blind = false;
     for (int event = 0; event < MOST_EVENTS && step->now < step->step; event++) {
         int32_t count = find_touches(step);
         if (event == 0 && undo_overlap(step, count)) count = find_touches(step);
         if (wakes(step, count, contact)) return true;
-        answer_impact(step, count, event < BOUNCING_EVENTS ? 1.0 : 0.0);
-        move_on(step, count);
+        const bool answered = answer_impact(step, count, event < BOUNCING_EVENTS ? 1.0 : 0.0);
+        const double before = step->now;
+        move_on(step, count, blind && !answered);
+        blind = !answered && step->now - before <= no_progress * step->step;
     }
     come_to_rest(step);
     uint8_t *last = body->touched;
