@@ -17,8 +17,8 @@ typedef struct ShvRunSample {
 } ShvRunSample;
 
 typedef struct ShvTimeToGo {
-    double duration; /* s, simulated */
-    double start;    /* s: of processor time, at the first sample */
+    double duration;  /* s, simulated */
+    double start;     /* s: of processor time, at the first sample */
     bool unbreakable; /* nothing in the scene can crack: what is awake stays as it is until it rests */
     bool begun;
     ShvRunSample last;
