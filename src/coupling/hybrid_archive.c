@@ -45,6 +45,7 @@ static bool archive_solid(ShvSolid *solid, ShvArchive *archive)
         SHV_FIELD_OF(ShvSmoothedEdges, split, SHV_FIELD_ROOM),
     };
     return shv_archive_block(archive, (void **)&solid->batch_active) &&
+           shv_archive_block(archive, (void **)&solid->batch_safe) &&
            shv_archive_block(archive, (void **)&solid->exact_step) &&
            shv_archive_block(archive, (void **)&solid->batch_exact) &&
            shv_archive_room(archive, (void **)&solid->batch_strained) &&

@@ -25,7 +25,7 @@ typedef struct ShvSolid {
     int32_t *chunk_colour; /* of each chunk */
     uint8_t *batch_active; /* batch_count: batches without an awake element are skipped; all 1 at first */
     double *exact_step;    /* SHV_LANES × batch_count: of each element, once it has been asked for; NaN before; s */
-    double *batch_safe;    /* batch_count: smallest safe step, s */
+    double *batch_safe;    /* batch_count: smallest safe step, s; where objects meet, of awake elements */
     double *batch_exact;   /* the same of the exact step, once it has been asked for; NaN before */
     /* batch_count: safe step as forces were found last, s; infinity where strain counts for nothing */
     double *batch_strained;
@@ -88,6 +88,9 @@ static inline int64_t shv_stress_slot(int32_t element, int component)
    2/ω_max, whose rounding is kept on the safe side: it is never above the true one. */
 double shv_solid_safe_step(const ShvSolid *solid, int32_t element);
 double shv_solid_exact_step(const ShvSolid *solid, int32_t element);
+/* Where objects meet in one batch its step is that of awake elements alone: a soft body does not go in the steps of a stiff one that
+   sleeps. `awake`: by fragment. Before shv_solid_stable_step. */
+void shv_solid_follow_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake);
 /* Smallest exact step over active batches and the element that sets it (may be NULL; infinity and −1 without any).
    Irons: safe for the assembly. Node duplication lowers no node's mass share, so the bound holds through fracture. */
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element);

@@ -172,6 +172,26 @@ double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
     return best;
 }
 
+static void follow_batch(ShvSolid *solid, int32_t batch, const int32_t *element_fragment, const uint8_t *awake)
+{
+    double safe = HUGE_VAL, exact = HUGE_VAL;
+    for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < solid->model->mesh.element_count; e++) {
+        if (!awake[element_fragment[e]]) continue;
+        safe = fmin(safe, shv_solid_safe_step(solid, e));
+        exact = fmin(exact, shv_solid_exact_step(solid, e));
+    }
+    solid->batch_safe[batch] = safe;
+    solid->batch_exact[batch] = exact;
+}
+
+void shv_solid_follow_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake)
+{
+    for (int32_t object = 1; object < solid->model->object_count; object++) {
+        const int32_t begin = solid->model->objects[object].element_begin, batch = begin / SHV_LANES;
+        if (begin % SHV_LANES != 0 && solid->batch_active[batch]) follow_batch(solid, batch, element_fragment, awake);
+    }
+}
+
 /* ---- of deformed elements ---- */
 
 /* With S = λ tr E I + 2µ E, a small motion u of the nodes of an element with F meets the stiffness

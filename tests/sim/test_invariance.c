@@ -1,5 +1,5 @@
 /* What holds of any motion, whatever the program does to make it: bodies that only meet one another keep their momentum, a scene told
-   in other units is the same scene, and what has a velocity moves. */
+   in other units is the same scene, what has a velocity moves, and what is far away and rigid is nothing to it. */
 #include "base/vector.h"
 #include "sim/stage.h"
 
@@ -207,12 +207,49 @@ static void what_has_a_velocity_moves(void **state)
     shv_simulation_destroy(simulation);
 }
 
+/* ---- locality ---- */
+
+/* Steps of a chalk box that falls on the floor, and where it is in the end; beside a flying one of steel, whose tets share a batch with
+   its own. */
+static int64_t steps_of_a_fall(bool beside, ShvVec3 *end)
+{
+    Stage stage;
+    stage_make(&stage);
+    stage_box(&stage, "box", (const double[3]){0.03, 0.03, 0.03}, 0.012, 0.02)->placement.velocity[2] = -1.0;
+    stage.objects[0].mesh.pattern = SHV_PATTERN_BRICKS;
+    stage_floor(&stage);
+    ShvMaterialDefinition materials[2] = {stage.material, stage.material};
+    materials[1].name = "steel";
+    materials[1].youngs_modulus = 200e9;
+    materials[1].breakable = false;
+    stage.scene.materials = materials;
+    stage.scene.material_count = 2;
+    if (beside) stage_box(&stage, "far", (const double[3]){0.03, 0.03, 0.03}, 0.012, 500.0)->material = "steel";
+    ShvSimulation *simulation = stage_start(&stage);
+    const ShvFrameView *frame = stage_finish(simulation);
+    const int64_t steps = frame->steps;
+    *end = shv_load3(frame->fragments[0].position);
+    shv_simulation_destroy(simulation);
+    return steps;
+}
+
+static void a_stiff_body_in_flight_sets_no_step(void **state)
+{
+    (void)state;
+    ShvVec3 alone, beside;
+    const int64_t steps = steps_of_a_fall(false, &alone);
+    assert_true(steps > 50);
+    assert_true(steps_of_a_fall(true, &beside) < 2 * steps);
+    check_near(shv_norm(shv_sub(alone, beside)), 0.0, 1e-3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(momentum_is_that_of_a_fall),
         cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(what_has_a_velocity_moves),
+        cmocka_unit_test(a_stiff_body_in_flight_sets_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
