@@ -73,14 +73,6 @@ enum { REFINEMENTS = 8 };
 
 enum { MOST_ROUNDS = 64 };
 
-// 1/m, a power of two, which changes no bit: the simplex is of the size of the smaller body. Bullet takes a tet whose triple product
-// is below 1e-8, whatever its unit, for flat, so that in metres the iteration ends too early between bodies of millimetres.
-double unit_of(const ConvexPair &pair)
-{
-    const double size = pair.small > 0.0 ? pair.small : pair.large;
-    return size > 0.0 ? std::ldexp(1.0, -std::ilogb(size)) : 1.0;
-}
-
 Corner scaled_corner(const ConvexPair &pair, const btVector3 &normal, const btVector3 &shift, double unit)
 {
     const Corner corner = corner_towards(pair, normal, shift);
@@ -91,7 +83,7 @@ Corner scaled_corner(const ConvexPair &pair, const btVector3 &normal, const btVe
 // when they touch), which is a lower bound whether or not the iteration has converged.
 Gap distance(const ConvexPair &pair, const btVector3 &guess, const btVector3 &shift)
 {
-    const double unit = unit_of(pair), resolution = rounding_of_support * pair.large * unit;
+    const double unit = simplex_unit(pair.small, pair.large), resolution = rounding_of_support * pair.large * unit;
     Gap best;
     best.gap = -HUGE_VAL;
     best.normal = guess.normalized();

@@ -20,6 +20,14 @@ inline btMatrix3x3 matrix(const double m[9])
     return btMatrix3x3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
 }
 
+// 1/m, a power of two, which changes no bit, in which the smaller of two bodies (the other one, of a body and a point) has a size of 1
+// to 2. Bullet takes a simplex whose triple product is below 1e-8, whatever its unit, for flat: in others GJK ends too early.
+inline double simplex_unit(double first, double second)
+{
+    const double least = std::min(first, second), size = least > 0.0 ? least : std::max(first, second);
+    return size > 0.0 ? std::ldexp(1.0, -std::ilogb(size)) : 1.0;
+}
+
 inline void store(const btVector3 &v, double out[3])
 {
     for (int i = 0; i < 3; i++) out[i] = v[i];

@@ -1,8 +1,8 @@
 #include "bullet_bridge/rigid_gjk.hpp"
 
-#include <cmath>
-
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+
+#include "bullet_bridge/numbers.hpp"
 
 enum { most_rounds = 64 };
 // Of the squared distance: an improvement by less is none (a direction off by 1e-6). Of the largest squared corner: the origin
@@ -23,19 +23,11 @@ static btVector3 farthest(const ShvCore &core, const btVector3 &direction)
     return best ? core.centre + core.share * (*best - core.centre) : core.centre;
 }
 
-// A power of two, which changes no bit: the smaller core is of a radius of 4 to 8. Bullet takes a tet whose triple product is below
-// 1e-8, whatever its unit, for flat: splinters a thousandth of the largest body's size would find no direction.
-static btScalar unit_of(const ShvCore &first, const ShvCore &second)
-{
-    const btScalar radius =
-        first.radius > 0 && second.radius > 0 ? btMin(first.radius, second.radius) : btMax(first.radius, second.radius);
-    return radius > 0 ? std::ldexp(4.0, -std::ilogb(radius)) : 1;
-}
-
 ShvNearest shv_nearest(const ShvCore &first, const ShvCore &second, const btMatrix3x3 &axes, const btVector3 &origin,
                        const btVector3 &guess, btScalar far)
 {
-    const btScalar unit = unit_of(first, second);
+    // four: the scene's largest bodies have that size, and keep their unit
+    const btScalar unit = 4 * shiver::simplex_unit(first.radius, second.radius);
     ShvNearest result;
     btVoronoiSimplexSolver simplex;
     simplex.reset();

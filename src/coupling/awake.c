@@ -36,7 +36,7 @@ static void mark_batches(ShvHybrid *hybrid)
     for (int32_t e = 0; e < hybrid->state.element_count; e++)
         if (hybrid->awake.flags[element_fragment[e]]) hybrid->solid.batch_active[e / SHV_LANES] = 1;
     shv_solid_follow_active(&hybrid->solid, element_fragment, hybrid->awake.flags);
-    shv_solid_follow_steps(&hybrid->solid, element_fragment, hybrid->awake.flags);
+    shv_solid_update_batch_steps(&hybrid->solid, element_fragment, hybrid->awake.flags);
 }
 
 ShvStatus shv_awake_refresh(ShvHybrid *hybrid, ShvError *error)

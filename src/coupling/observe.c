@@ -20,14 +20,14 @@ static ShvStatus reserve_ghost(ShvHybrid *hybrid, ShvError *error)
     return SHV_OK;
 }
 
-static void see_obstacles(ShvHybrid *hybrid)
+static void copy_obstacles(ShvHybrid *hybrid)
 {
     const size_t bytes = (size_t)hybrid->obstacles.count * sizeof(ShvObstacle);
     if (bytes > 0) memcpy(hybrid->observer.ghost.obstacles, hybrid->obstacles.items, bytes);
 }
 
 /* Takes the ghost step back: velocities of this time are the means, for free obstacles as for nodes. */
-static void take_back_obstacles(ShvHybrid *hybrid)
+static void synchronise_obstacles(ShvHybrid *hybrid)
 {
     ShvGhost *ghost = &hybrid->observer.ghost;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++) {
@@ -61,7 +61,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
     shv_coupled_bodies_keep(hybrid);
     memset(ghost->first, 0, sizeof ghost->first);
     ghost->obstacle_exchange = 0.0;
-    see_obstacles(hybrid);
+    copy_obstacles(hybrid);
     if (state->last_step > 0.0) {
         const size_t moved = hybrid->stabiliser.active ? 3 * (size_t)state->node_count * sizeof(double) : 0;
         if (moved > 0) memcpy(ghost->displacement, state->displacement, moved);
@@ -72,7 +72,7 @@ ShvStatus shv_hybrid_synchronise(ShvHybrid *hybrid, ShvError *error)
             ghost->first[i] = hybrid->observer.ledger.booked[i] - booked.booked[i] - hybrid->observer.ledger.pending[i];
         hybrid->observer.ledger = booked;
         if (moved > 0) memcpy(state->displacement, ghost->displacement, moved);
-        take_back_obstacles(hybrid);
+        synchronise_obstacles(hybrid);
     }
     ghost->kinetic = shv_coupled_bodies_put_back(hybrid);
     for (int32_t k = 0; k < hybrid->awake.node_count; k++) {
@@ -365,13 +365,14 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     ShvState *state = &hybrid->state;
     ShvLedgerView balance = {.time = state->time};
     memset(hybrid->observer.ghost.first, 0, sizeof hybrid->observer.ghost.first);
-    see_obstacles(hybrid);
     if (hybrid->awake.count > 0) {
         SHV_TRY(shv_hybrid_synchronise(hybrid, error));
         for (int32_t i = 0; i < hybrid->fragments.count; i++)
             if (hybrid->awake.flags[i]) shv_fragment_fit(&hybrid->fragments.items[i], &hybrid->fragments, state);
         add_awake(hybrid, &balance);
         shv_hybrid_resume(hybrid);
+    } else {
+        copy_obstacles(hybrid);
     }
     for (int32_t i = 0; i < hybrid->fragments.count; i++) add_fragment(hybrid, &balance, &hybrid->fragments.items[i]);
     shv_add_to3(balance.momentum, shv_load3(hybrid->binned.momentum));

@@ -82,8 +82,8 @@ static ShvRigidContact report(ShvBullet *bullet, const ShvContactPair *contact_p
                              .load = shv_bullet_body_load(body)};
 }
 
-/* Whether something that does not fall bears it. Bodies that only press on one another fall together. */
-static bool is_borne(ShvBullet *bullet, int32_t own)
+/* Whether something that does not fall holds it. Bodies that only press on one another fall together. */
+static bool is_supported(ShvBullet *bullet, int32_t own)
 {
     const ShvBulletRigidBody *body = &bullet->bodies[own];
     const bool rests = body->asleep || isinf(bullet->bodies[shv_set_root(bullet->heaps, own)].heap_mass);
@@ -102,13 +102,13 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
     }
     if (body->coupled) return; /* it will be there when somebody else has led it there */
     const ShvQuat orientation = shv_bullet_body_orientation(body, time);
-    const bool borne = is_borne(bullet, own);
+    const bool supported = is_supported(bullet, own);
     const double before = shv_bullet_body_energy(body, bullet->gravity);
     body->position = shv_bullet_body_position(body, time, bullet->gravity);
-    if (!borne) body->velocity = shv_bullet_body_velocity(body, time, bullet->gravity);
+    if (!supported) body->velocity = shv_bullet_body_velocity(body, time, bullet->gravity);
     body->orientation = orientation;
     shv_bullet_body_write(body, &bullet->backend.world);
-    if (borne) /* what bears it has worked */
+    if (supported) /* what holds it has worked */
         bullet->backend.contact_work += shv_bullet_body_energy(body, bullet->gravity) - before;
 }
 

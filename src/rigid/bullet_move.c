@@ -107,7 +107,7 @@ static void move_body(const ShvBullet *bullet, ShvBulletRigidBody *body)
         move_struck(bullet, body, momentum);
     else
         move_evenly(bullet, body, momentum);
-    /* what it waits for brings it the rest of gravity's velocity, unless something bears it */
+    /* what it waits for brings it the rest of gravity's velocity, unless something holds it */
     const bool falls_on = body->waits && !bullet->bodies[body->island].supported;
     const double left = falls_on ? bullet->step - body->until : 0.0;
     body->velocity = shv_madd(body->new_velocity, -left, bullet->gravity);
@@ -263,8 +263,8 @@ void shv_bullet_move(ShvBullet *bullet)
     for (int32_t i = 0; i < bullet->body_count; i++) {
         ShvBulletRigidBody *body = &bullet->bodies[i];
         if (!body->moves || body->leaves || ((body->asleep || body->coupled) && !body->solved)) continue;
-        const bool stopped = body->until < bullet->step && !body->waits;
-        if (body->solved || stopped || !bullet->backend.world.settings->bullet.exact_flight)
+        const bool halted = body->until < bullet->step && !body->waits;
+        if (body->solved || halted || !bullet->backend.world.settings->bullet.exact_flight)
             change += shv_bullet_body_energy(body, bullet->gravity) - body->energy;
         shv_bullet_body_write(body, &bullet->backend.world);
     }

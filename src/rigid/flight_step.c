@@ -299,10 +299,10 @@ static void book_hold(ShvFlightStep *step, int32_t count, double share, const Sh
 
 /* Of the step: what does not count as getting on. A fragment that does not, and closes on nothing that it touches, is stopped by no
    impact but by a corner that counts as inside from one moment to the next, for good: it goes on for a share of what is left. */
-static const double no_progress = 1e-12, blind_share = 1.0 / 16.0;
+static const double no_progress = 1e-12, skipped_share = 1.0 / 16.0;
 
-/* To the next impact or the end of the step; `blind`: past what seems to be one now. */
-static void move_on(ShvFlightStep *step, int32_t count, bool blind)
+/* To the next impact or the end of the step; `skips_impacts`: past what seems to be one now. */
+static void move_on(ShvFlightStep *step, int32_t count, bool skips_impacts)
 {
     const double left = step->step - step->now;
     const ShvRigidMotion before = motion_of(step);
@@ -316,9 +316,9 @@ static void move_on(ShvFlightStep *step, int32_t count, bool blind)
     flight.orientation = fragment->orientation;
     flight.rotation = &step->body->rotation;
     flight.fastest = shv_free_rotation_fastest(flight.rotation, flight.orientation, flight.angular_momentum);
-    double duration = blind ? blind_share * left : left;
-    bool impact = blind;
-    for (int32_t o = 0; o < step->world->obstacles->count && !blind; o++)
+    double duration = skips_impacts ? skipped_share * left : left;
+    bool impact = skips_impacts;
+    for (int32_t o = 0; o < step->world->obstacles->count && !skips_impacts; o++)
         impact |= shv_time_of_impact(&flight, &step->body->arms, &step->others[o], step->body->slop, &duration);
     const double share = duration / left;
     const ShvVec3 change =
@@ -382,15 +382,15 @@ bool shv_flight_step_run(ShvFlightStep *step, ShvRigidContact *contact)
     ShvFlightBody *body = step->body;
     if (body->resting && still_rests(step)) return false;
     body->resting = false;
-    bool blind = false;
+    bool stalled = false;
     for (int event = 0; event < MOST_EVENTS && step->now < step->step; event++) {
         int32_t count = find_touches(step);
         if (event == 0 && undo_overlap(step, count)) count = find_touches(step);
         if (wakes(step, count, contact)) return true;
         const bool answered = answer_impact(step, count, event < BOUNCING_EVENTS ? 1.0 : 0.0);
         const double before = step->now;
-        move_on(step, count, blind && !answered);
-        blind = !answered && step->now - before <= no_progress * step->step;
+        move_on(step, count, stalled && !answered);
+        stalled = !answered && step->now - before <= no_progress * step->step;
     }
     come_to_rest(step);
     uint8_t *last = body->touched;

@@ -90,7 +90,7 @@ double shv_solid_safe_step(const ShvSolid *solid, int32_t element);
 double shv_solid_exact_step(const ShvSolid *solid, int32_t element);
 /* Where objects meet in one batch its step is that of awake elements alone: a soft body does not go in the steps of a stiff one that
    sleeps. `awake`: by fragment. Before shv_solid_stable_step. */
-void shv_solid_follow_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake);
+void shv_solid_update_batch_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake);
 /* Smallest exact step over active batches and the element that sets it (may be NULL; infinity and −1 without any).
    Irons: safe for the assembly. Node duplication lowers no node's mass share, so the bound holds through fracture. */
 double shv_solid_stable_step(const ShvSolid *solid, int32_t *element);

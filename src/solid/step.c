@@ -172,7 +172,7 @@ double shv_solid_stable_step(const ShvSolid *solid, int32_t *element)
     return best;
 }
 
-static void follow_batch(ShvSolid *solid, int32_t batch, const int32_t *element_fragment, const uint8_t *awake)
+static void update_batch(ShvSolid *solid, int32_t batch, const int32_t *element_fragment, const uint8_t *awake)
 {
     double safe = HUGE_VAL, exact = HUGE_VAL;
     for (int32_t e = batch * SHV_LANES; e < (batch + 1) * SHV_LANES && e < solid->model->mesh.element_count; e++) {
@@ -184,11 +184,11 @@ static void follow_batch(ShvSolid *solid, int32_t batch, const int32_t *element_
     solid->batch_exact[batch] = exact;
 }
 
-void shv_solid_follow_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake)
+void shv_solid_update_batch_steps(ShvSolid *solid, const int32_t *element_fragment, const uint8_t *awake)
 {
     for (int32_t object = 1; object < solid->model->object_count; object++) {
         const int32_t begin = solid->model->objects[object].element_begin, batch = begin / SHV_LANES;
-        if (begin % SHV_LANES != 0 && solid->batch_active[batch]) follow_batch(solid, batch, element_fragment, awake);
+        if (begin % SHV_LANES != 0 && solid->batch_active[batch]) update_batch(solid, batch, element_fragment, awake);
     }
 }
 
