@@ -153,7 +153,7 @@ typedef struct ShvGhost {
     double kinetic;         /* J, of awake nodes and coupled bodies: Σ ½ m v₋·v₊ */
     double
         obstacle_exchange; /* J: first halves of the works on free obstacles, beyond the energy they have before the step */
-    double first[SHV_WORK_COUNT];                /* J: first halves of the works of the step to come */
+    double first[SHV_WORK_COUNT]; /* J: first halves of the works of the step to come */
 } ShvGhost;
 
 typedef struct ShvObserver {
