@@ -1,7 +1,7 @@
 #include "convex/fragment_tets.h"
 
 #include "base/deterministic.h"
-#include "fragment/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 
 ShvStatus shv_fragment_tets_allocate(ShvFragmentTets *tets, int32_t node_count, int32_t tet_count, ShvMemory *memory,
                                      ShvError *error)

@@ -3,8 +3,8 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "export/lines.h"
 #include "export/output.h"
+#include "export/vertices.h"
 
 static const char *const SUFFIXES[] = {"_trajectories.csv", "_genealogy.csv", "_ledger.csv", "_events.csv",
                                        "_obstacles.csv",    "_pieces.obj",    "_probes.csv"};
@@ -226,20 +226,29 @@ static ShvStatus put_obstacles(ShvRunFile *file, const ShvExportOptions *options
 static ShvStatus put_shapes(ShvRunFile *file, const ShvExportOptions *options, FILE *stream, ShvError *error)
 {
     ShvLines lines;
+    ShvVertices vertices;
     SHV_TRY(shv_lines_create(&lines, file, options->memory, NULL, error));
+    const ShvStatus status = shv_vertices_create(&vertices, &lines, error);
+    if (status != SHV_OK) {
+        shv_lines_release(&lines);
+        return status;
+    }
     shv_print(stream, "# m, z up; about the centre of mass of the fragment that a line ends with\n");
     for (int32_t line = 0; line < lines.count; line++) {
-        const ShvVec3 centre = shv_lines_centre(&lines, line);
-        const int64_t begin = lines.begin[line], count = 3 * (lines.begin[line + 1] - begin);
         shv_print(stream, "o line_%d\ng fragment_%d\n", (int)lines.pieces.lineage[lines.leaf[line]],
                   (int)lines.leaf[line]);
-        for (int64_t i = 0; i < count; i++) {
-            const ShvVec3 x = shv_sub(shv_lines_corner(&lines, lines.face[begin + i / 3], (int)(i % 3)), centre);
+        for (int64_t i = 0; i < shv_vertices_count(&vertices, line); i++) {
+            const ShvVec3 x = shv_vertices_place(&vertices, &lines, line, i);
             shv_print(stream, "v %.9g %.9g %.9g\n", x.x, x.y, x.z);
         }
-        for (int64_t i = 3 * begin + 1; i < 3 * begin + count; i += 3)
-            shv_print(stream, "f %lld %lld %lld\n", (long long)i, (long long)(i + 1), (long long)(i + 2));
+        const int64_t first = vertices.begin[line] + 1; /* .obj counts from 1, and through the whole file */
+        for (int64_t f = lines.begin[line]; f < lines.begin[line + 1]; f++) {
+            const int32_t *corners = vertices.corners + 3 * f;
+            shv_print(stream, "f %lld %lld %lld\n", (long long)(first + corners[0]), (long long)(first + corners[1]),
+                      (long long)(first + corners[2]));
+        }
     }
+    shv_vertices_release(&vertices);
     shv_lines_release(&lines);
     return SHV_OK;
 }

@@ -8,7 +8,7 @@
 #include "export/output.h"
 #include "export/tracks.h"
 
-enum { FLOAT = 5126, HEAD = 12, CHUNK_HEAD = 8 };
+enum { UNSIGNED_INT = 5125, FLOAT = 5126, HEAD = 12, CHUNK_HEAD = 8 };
 static const uint32_t MAGIC = 0x46546c67, VERSION = 2, JSON_CHUNK = 0x4e4f534a, BINARY_CHUNK = 0x004e4942;
 
 /* Accessors one after another: each has a view of its own of the chunk of numbers. */
@@ -21,8 +21,8 @@ typedef struct Gltf {
 
 /* ---- accessors ---- */
 
-/* `components` of each of `count` elements, 1, 3 or 4; low and high may be NULL. */
-static int32_t add_accessor(Gltf *gltf, int64_t count, int components, const double *low, const double *high)
+/* `components` of `type` of each of `count` elements, 1, 3 or 4; low and high may be NULL. */
+static int32_t add_accessor(Gltf *gltf, int type, int64_t count, int components, const double *low, const double *high)
 {
     static const char *const kinds[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     ShvJson *view = &gltf->views, *accessor = &gltf->accessors;
@@ -34,7 +34,7 @@ static int32_t add_accessor(Gltf *gltf, int64_t count, int components, const dou
     shv_json_plain(view, "}");
     shv_json_plain(accessor, gltf->accessor_count > 0 ? ",{" : "{");
     shv_json_number_member(accessor, "bufferView", gltf->accessor_count);
-    shv_json_number_member(accessor, "componentType", FLOAT);
+    shv_json_number_member(accessor, "componentType", type);
     shv_json_number_member(accessor, "count", (double)count);
     shv_json_text_member(accessor, "type", kinds[components]);
     if (low) {
@@ -48,22 +48,24 @@ static int32_t add_accessor(Gltf *gltf, int64_t count, int components, const dou
     return gltf->accessor_count++;
 }
 
-/* Positions and normals of a body's triangles; returns the first of the two accessors. */
+/* A body's vertices and the triangles that share them; returns the first of the two accessors. Without normals every program is
+   to shade flat (glTF 2.0, 3.7.2.1), as faces of tets are. */
 static int32_t add_shape(Gltf *gltf, int32_t body)
 {
-    const int64_t count = shv_tracks_triangles(gltf->tracks, body);
+    const ShvTracks *tracks = gltf->tracks;
+    const int64_t count = shv_tracks_vertex_count(tracks, body);
     double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0};
-    for (int64_t i = 0; i < 3 * count; i++) {
-        const ShvVec3 corner = shv_tracks_corner(gltf->tracks, body, i / 3, (int)(i % 3));
-        const double x[3] = {corner.x, corner.y, corner.z};
+    for (int64_t i = 0; i < count; i++) {
+        const ShvVec3 vertex = shv_tracks_vertex(tracks, body, i);
+        const double x[3] = {vertex.x, vertex.y, vertex.z};
         for (int k = 0; k < 3; k++) {
             const double value = (double)(float)x[k];
             low[k] = i == 0 ? value : fmin(low[k], value);
             high[k] = i == 0 ? value : fmax(high[k], value);
         }
     }
-    const int32_t first = add_accessor(gltf, 3 * count, 3, low, high);
-    add_accessor(gltf, 3 * count, 3, NULL, NULL);
+    const int32_t first = add_accessor(gltf, FLOAT, count, 3, low, high);
+    add_accessor(gltf, UNSIGNED_INT, 3 * shv_tracks_triangle_count(tracks, body), 1, NULL, NULL);
     return first;
 }
 
@@ -138,8 +140,8 @@ static void add_meshes(Gltf *gltf, const int32_t *shapes)
         shv_json_key(json, "primitives");
         shv_json_plain(json, "[{\"attributes\":{");
         shv_json_number_member(json, "POSITION", shapes[body]);
-        shv_json_number_member(json, "NORMAL", shapes[body] + 1);
         shv_json_plain(json, "}");
+        shv_json_number_member(json, "indices", shapes[body] + 1);
         shv_json_number_member(json, "material", body);
         shv_json_plain(json, "}]}");
     }
@@ -184,10 +186,10 @@ static void add_tracks(Gltf *gltf)
     const ShvTracks *tracks = gltf->tracks;
     for (int32_t body = 0; body < tracks->body_count; body++) {
         if (!shv_tracks_moves(tracks, body)) continue;
-        add_channel(gltf, body, "translation", "LINEAR", add_accessor(gltf, tracks->frame_count, 3, NULL, NULL));
-        add_channel(gltf, body, "rotation", "LINEAR", add_accessor(gltf, tracks->frame_count, 4, NULL, NULL));
+        add_channel(gltf, body, "translation", "LINEAR", add_accessor(gltf, FLOAT, tracks->frame_count, 3, NULL, NULL));
+        add_channel(gltf, body, "rotation", "LINEAR", add_accessor(gltf, FLOAT, tracks->frame_count, 4, NULL, NULL));
         if (shv_tracks_vanishes(tracks, body))
-            add_channel(gltf, body, "scale", "STEP", add_accessor(gltf, tracks->frame_count, 3, NULL, NULL));
+            add_channel(gltf, body, "scale", "STEP", add_accessor(gltf, FLOAT, tracks->frame_count, 3, NULL, NULL));
     }
 }
 
@@ -205,7 +207,7 @@ static void make_json(Gltf *gltf, int32_t *shapes)
     const ShvTracks *tracks = gltf->tracks;
     const ShvRunFileInfo *info = shv_run_file_info(tracks->lines.pieces.file);
     ShvJson *json = &gltf->json;
-    add_accessor(gltf, tracks->frame_count, 1, (double[1]){(double)(float)tracks->times[0]},
+    add_accessor(gltf, FLOAT, tracks->frame_count, 1, (double[1]){(double)(float)tracks->times[0]},
                  (double[1]){(double)(float)tracks->times[tracks->frame_count - 1]});
     for (int32_t body = 0; body < tracks->body_count; body++) shapes[body] = add_shape(gltf, body);
     add_tracks(gltf);
@@ -257,9 +259,10 @@ static void put_vector(FILE *stream, ShvVec3 vector)
 static void put_shapes(const ShvTracks *tracks, FILE *stream)
 {
     for (int32_t body = 0; body < tracks->body_count; body++) {
-        const int64_t count = 3 * shv_tracks_triangles(tracks, body);
-        for (int64_t i = 0; i < count; i++) put_vector(stream, shv_tracks_corner(tracks, body, i / 3, (int)(i % 3)));
-        for (int64_t i = 0; i < count; i++) put_vector(stream, shv_tracks_normal(tracks, body, i / 3));
+        const int64_t vertices = shv_tracks_vertex_count(tracks, body);
+        const int64_t corners = 3 * shv_tracks_triangle_count(tracks, body);
+        for (int64_t i = 0; i < vertices; i++) put_vector(stream, shv_tracks_vertex(tracks, body, i));
+        for (int64_t i = 0; i < corners; i++) put_int(stream, (uint32_t)shv_tracks_triangles(tracks, body)[i]);
     }
 }
 

@@ -87,7 +87,8 @@ ShvStatus shv_tracks_create(ShvTracks *tracks, ShvRunFile *file, const ShvExport
 {
     memset(tracks, 0, sizeof *tracks);
     SHV_TRY(shv_lines_create(&tracks->lines, file, options->memory, NULL, error));
-    const ShvStatus status = prepare(tracks, options, error);
+    ShvStatus status = shv_vertices_create(&tracks->vertices, &tracks->lines, error);
+    if (status == SHV_OK) status = prepare(tracks, options, error);
     if (status != SHV_OK) shv_tracks_release(tracks);
     return status;
 }
@@ -96,6 +97,7 @@ void shv_tracks_release(ShvTracks *tracks)
 {
     if (tracks->lines.pieces.file)
         shv_obstacle_meshes_release(tracks->obstacles, shv_run_file_info(tracks->lines.pieces.file)->obstacle_count);
+    shv_vertices_release(&tracks->vertices);
     shv_lines_release(&tracks->lines);
     shv_release(tracks->times);
     shv_release(tracks->poses);
@@ -124,29 +126,43 @@ bool shv_tracks_moves(const ShvTracks *tracks, int32_t body)
     return false;
 }
 
-int64_t shv_tracks_triangles(const ShvTracks *tracks, int32_t body)
+/* NULL: a line of descent. */
+static const ShvObstacleMesh *obstacle_of(const ShvTracks *tracks, int32_t body)
 {
-    const int32_t obstacle = body - tracks->lines.count;
-    return obstacle >= 0 ? tracks->obstacles[obstacle].triangle_count
-                         : tracks->lines.begin[body + 1] - tracks->lines.begin[body];
+    return body < tracks->lines.count ? NULL : &tracks->obstacles[body - tracks->lines.count];
 }
 
-ShvVec3 shv_tracks_corner(const ShvTracks *tracks, int32_t body, int64_t triangle, int k)
+int64_t shv_tracks_vertex_count(const ShvTracks *tracks, int32_t body)
 {
-    const ShvLines *lines = &tracks->lines;
-    if (body >= lines->count) {
-        const ShvObstacleMesh *mesh = &tracks->obstacles[body - lines->count];
-        return shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[3 * triangle + k]);
-    }
-    return shv_sub(shv_lines_corner(lines, lines->face[lines->begin[body] + triangle], k),
-                   shv_lines_centre(lines, body));
+    const ShvObstacleMesh *mesh = obstacle_of(tracks, body);
+    return mesh ? mesh->node_count : shv_vertices_count(&tracks->vertices, body);
+}
+
+ShvVec3 shv_tracks_vertex(const ShvTracks *tracks, int32_t body, int64_t vertex)
+{
+    const ShvObstacleMesh *mesh = obstacle_of(tracks, body);
+    return mesh ? shv_load3(mesh->positions + 3 * vertex)
+                : shv_vertices_place(&tracks->vertices, &tracks->lines, body, vertex);
+}
+
+int64_t shv_tracks_triangle_count(const ShvTracks *tracks, int32_t body)
+{
+    const ShvObstacleMesh *mesh = obstacle_of(tracks, body);
+    return mesh ? mesh->triangle_count : tracks->lines.begin[body + 1] - tracks->lines.begin[body];
+}
+
+const int32_t *shv_tracks_triangles(const ShvTracks *tracks, int32_t body)
+{
+    const ShvObstacleMesh *mesh = obstacle_of(tracks, body);
+    return mesh ? mesh->triangles : tracks->vertices.corners + 3 * tracks->lines.begin[body];
 }
 
 ShvVec3 shv_tracks_normal(const ShvTracks *tracks, int32_t body, int64_t triangle)
 {
-    const ShvVec3 a = shv_tracks_corner(tracks, body, triangle, 0);
-    const ShvVec3 normal = shv_cross(shv_sub(shv_tracks_corner(tracks, body, triangle, 1), a),
-                                     shv_sub(shv_tracks_corner(tracks, body, triangle, 2), a));
+    const int32_t *corners = shv_tracks_triangles(tracks, body) + 3 * triangle;
+    const ShvVec3 a = shv_tracks_vertex(tracks, body, corners[0]);
+    const ShvVec3 normal = shv_cross(shv_sub(shv_tracks_vertex(tracks, body, corners[1]), a),
+                                     shv_sub(shv_tracks_vertex(tracks, body, corners[2]), a));
     return shv_norm(normal) > 0.0 ? shv_unit(normal) : shv_vec3(0.0, 0.0, 1.0);
 }
 

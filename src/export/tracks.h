@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "export/obstacle_mesh.h"
+#include "export/vertices.h"
 #include "shiver/export.h"
 
 /* Numbers of a pose: position, orientation (x, y, z, w; its sign follows the one before), 1 where the body is there. */
@@ -12,6 +13,7 @@ enum { SHV_TRACK_NUMBERS = 8 };
 
 typedef struct ShvTracks {
     ShvLines lines;
+    ShvVertices vertices;
     ShvObstacleMesh *obstacles;
     int32_t body_count; /* lines and obstacles */
     int64_t frame_count;
@@ -31,9 +33,11 @@ const float *shv_tracks_pose(const ShvTracks *tracks, int32_t body, int64_t fram
 /* False for a body that is there at all frames (`moves`: that stands still). */
 bool shv_tracks_vanishes(const ShvTracks *tracks, int32_t body);
 bool shv_tracks_moves(const ShvTracks *tracks, int32_t body);
-/* Triangles of a body about its position, and corner k of one. */
-int64_t shv_tracks_triangles(const ShvTracks *tracks, int32_t body);
-ShvVec3 shv_tracks_corner(const ShvTracks *tracks, int32_t body, int64_t triangle, int k);
+/* A body's surface: vertices about its position, and the triangles that share them, each by the numbers of its three corners. */
+int64_t shv_tracks_vertex_count(const ShvTracks *tracks, int32_t body);
+ShvVec3 shv_tracks_vertex(const ShvTracks *tracks, int32_t body, int64_t vertex);
+int64_t shv_tracks_triangle_count(const ShvTracks *tracks, int32_t body);
+const int32_t *shv_tracks_triangles(const ShvTracks *tracks, int32_t body);
 ShvVec3 shv_tracks_normal(const ShvTracks *tracks, int32_t body, int64_t triangle);
 /* 0…1 each; obstacles are grey. */
 void shv_tracks_colour(const ShvTracks *tracks, int32_t body, double colour[3]);

@@ -111,7 +111,8 @@ static void put_shape(const Usd *usd, int32_t body)
 {
     const ShvTracks *tracks = usd->tracks;
     FILE *stream = usd->stream;
-    const int64_t count = shv_tracks_triangles(tracks, body);
+    const int64_t count = shv_tracks_triangle_count(tracks, body), vertices = shv_tracks_vertex_count(tracks, body);
+    const int32_t *corners = shv_tracks_triangles(tracks, body);
     double colour[3];
     shv_tracks_colour(tracks, body, colour);
     fputs("        def Mesh \"shape\"\n        {\n            uniform token subdivisionScheme = \"none\"\n", stream);
@@ -120,11 +121,11 @@ static void put_shape(const Usd *usd, int32_t body)
     fputs("            int[] faceVertexCounts = [", stream);
     for (int64_t i = 0; i < count; i++) fputs(i > 0 ? ",3" : "3", stream);
     fputs("]\n            int[] faceVertexIndices = [", stream);
-    for (int64_t i = 0; i < 3 * count; i++) shv_print(stream, i > 0 ? ",%lld" : "%lld", (long long)i);
+    for (int64_t i = 0; i < 3 * count; i++) shv_print(stream, i > 0 ? ",%d" : "%d", (int)corners[i]);
     fputs("]\n            point3f[] points = [", stream);
-    for (int64_t i = 0; i < 3 * count; i++) {
+    for (int64_t i = 0; i < vertices; i++) {
         if (i > 0) putc(',', stream);
-        put_point(stream, shv_tracks_corner(tracks, body, i / 3, (int)(i % 3)));
+        put_point(stream, shv_tracks_vertex(tracks, body, i));
     }
     fputs("]\n            uniform normal3f[] normals = [", stream);
     for (int64_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-#include "fragment/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 #include "fragment/fragment.h"
 #include "fragment/severed.h"
 #include "mesh/facets.h"

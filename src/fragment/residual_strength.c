@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "cohesive/frame.h"
-#include "fragment/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 
 /* Sections smaller than this share of the largest are ends of the body, a tet or two thick, and no cuts of it. */
 static const double least_section = 0.1;

@@ -1,4 +1,4 @@
-#include "fragment/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 #include "rigid/bullet_step.h"
 
 /* ---- what the other side weighs ---- */

@@ -1,4 +1,5 @@
 """Blender: the .glb has a node a line, at the run's places and turns at three frames, and the obstacles."""
+import collections
 import os
 import sys
 
@@ -36,7 +37,16 @@ def corners(node):
     return [node.matrix_world @ vertex.co for vertex in node.data.vertices]
 
 
+def open_edges(node):
+    """Edges that not two faces have, or four where a piece touches itself: what Blender's booleans and rigid bodies stumble over."""
+    uses = collections.Counter(key for polygon in node.data.polygons for key in polygon.edge_keys)
+    return sum(count % 2 for count in uses.values())
+
+
 check(set(lines) == set(judge.leaves), f"{len(lines)} lines for {len(judge.leaves)} last pieces")
+for name, node in lines.items():
+    check(open_edges(node) == 0, f"{name} is not closed: {open_edges(node)} edges")
+    check(not any(polygon.use_smooth for polygon in node.data.polygons), f"{name} is shaded smooth")
 check(sorted(obstacles) == sorted(o["name"] for o in judge.obstacles), "other obstacles")
 for frame in judge.three:
     time = judge.times[frame]

@@ -26,7 +26,7 @@ with open(f"{folder}/judge.json", "w") as stream:
     json.dump({
         "times": times.tolist(),
         "pieces": [bodies("/trajectory", f, alive[f].nonzero()[0]) for f in range(len(times))],
-        "fragments": [{"parent": int(row["parent"]), "line": int(lineage[i]), "tets": int(row["tets"]), "mass": float(row["mass"]),
+        "fragments": [{"parent": int(row["parent"]), "line": int(lineage[i]), "tets": int(row["tets"]), "mass": float(row["mass"]), "volume": float(row["volume"]),
                        "birth": float(row["birth"]), "pivot": row["reference_centre"].tolist()} for i, row in enumerate(table)],
         "shapes": shapes,
         "obstacles": [{"name": run["/obstacles/name"].asstr()[i], "shape": kinds["shape"][row["shape"]], "radius": float(row["radius"]),

@@ -49,6 +49,11 @@ def rotate(q, v):
     return [v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2], v[2] + w * t[2] + x * t[1] - y * t[0]]
 
 
+def box(a, b, c):
+    """The determinant of three vectors."""
+    return sum(a[k] * (b[k - 2] * c[k - 1] - b[k - 1] * c[k - 2]) for k in range(3))
+
+
 def reach(points):
     """The ends of points along the axes."""
     return [[side(p[k] for p in points) for k in range(3)] for side in (min, max)]
