@@ -1,21 +1,28 @@
 #include "export/vertices.h"
 
+#include <string.h>
+
 #include "base/disjoint_sets.h"
 #include "base/memory.h"
 
-/* Corners of tets ("4 × tet + corner") that share a node, by the faces between tets of one line. */
-static void join_corners(const ShvLines *lines, int32_t *parent, int32_t elements)
+static bool same_place(const double *corners, int32_t one, int32_t two)
+{
+    return !corners || memcmp(corners + 3 * (int64_t)one, corners + 3 * (int64_t)two, 3 * sizeof(double)) == 0;
+}
+
+void shv_vertices_join(const ShvLines *lines, const int32_t *piece, const double *corners, int32_t *parent)
 {
     const ShvPieces *pieces = &lines->pieces;
-    for (int32_t i = 0; i < 4 * elements; i++) parent[i] = i;
-    for (int32_t place = 0; place < 4 * elements; place++) {
+    const int32_t places = 4 * shv_run_file_info(pieces->file)->element_count;
+    for (int32_t i = 0; i < places; i++) parent[i] = i;
+    for (int32_t place = 0; place < places; place++) {
         const int32_t tet = place / 4, other = lines->neighbour[place];
-        if (other < tet || pieces->owner[other] != pieces->owner[tet]) continue; /* −1, or done from the other side */
+        if (other < tet || piece[other] != piece[tet]) continue; /* −1, or done from the other side */
         for (int k = 0; k < 3; k++) {
-            const int corner = shv_face_corner(place, k);
-            for (int c = 0; c < 4; c++)
-                if (pieces->elements[4 * other + c] == pieces->elements[4 * tet + corner])
-                    shv_set_join(parent, 4 * tet + corner, 4 * other + c);
+            const int32_t one = 4 * tet + shv_face_corner(place, k);
+            for (int32_t two = 4 * other; two < 4 * other + 4; two++)
+                if (pieces->elements[one] == pieces->elements[two] && same_place(corners, one, two))
+                    shv_set_join(parent, one, two);
         }
     }
 }
@@ -56,7 +63,7 @@ ShvStatus shv_vertices_create(ShvVertices *vertices, const ShvLines *lines, ShvE
     const bool good = vertices->begin && vertices->node && vertices->corners && parent && number;
     if (good) {
         for (size_t i = 0; i < places; i++) number[i] = -1;
-        join_corners(lines, parent, elements);
+        shv_vertices_join(lines, lines->pieces.owner, NULL, parent);
         number_vertices(vertices, lines, parent, number);
     } else {
         shv_vertices_release(vertices);

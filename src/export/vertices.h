@@ -13,6 +13,9 @@ typedef struct ShvVertices {
     int32_t *corners; /* 3 × faces of the lines: the number of each corner's vertex in its line */
 } ShvVertices;
 
+/* Joins corners of tets ("4 × tet + corner") that are one vertex: of a node that two tets of a piece have in common behind a face of
+   both, and, with `corners` (3 × 4 × tets; NULL: anywhere), in the same place. `parent` has 4 × tets, as in base/disjoint_sets.h. */
+void shv_vertices_join(const ShvLines *lines, const int32_t *piece, const double *corners, int32_t *parent);
 /* Of lines made without cracks. On failure everything is released. */
 ShvStatus shv_vertices_create(ShvVertices *vertices, const ShvLines *lines, ShvError *error);
 void shv_vertices_release(ShvVertices *vertices);

@@ -2,21 +2,24 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/disjoint_sets.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "export/obstacle_mesh.h"
 #include "export/output.h"
 #include "export/tet_stress.h"
+#include "export/vertices.h"
 
 enum { TET = 10, TRIANGLE = 5 };
 
-/* A grid whose cells have points of their own: raw numbers behind the XML. */
+/* Raw numbers behind the XML. Cells that hang together share points, so that filters see them do so, and only surfaces are drawn. */
 typedef struct Grid {
     FILE *stream;
-    int64_t cells;
-    int corners;         /* of a cell */
-    uint64_t offset;     /* of the next array behind the XML */
-    const float *points; /* 3 × corners × cells */
+    int64_t cells, point_count;
+    int corners;             /* of a cell */
+    uint64_t offset;         /* of the next array behind the XML */
+    const float *points;     /* 3 × point_count */
+    const int32_t *vertices; /* corners × cells */
 } Grid;
 
 typedef struct Vtk {
@@ -29,7 +32,8 @@ typedef struct Vtk {
     double *corners, *damage; /* 12 and 4 × tets; NULL: the run has no nodes */
     double *velocity;
     float *points, *velocities, *damages, *stresses; /* of the cells there are at a frame */
-    int32_t *piece, *line, *object;
+    int32_t *piece, *line, *object, *vertices;
+    int32_t *carrier, *parent, *number; /* tets: who lives and moves them, −1: nobody; 4 × tets: of vertices */
     int64_t triangle_count;
     int64_t written; /* frames begun, those not taken among them */
 } Vtk;
@@ -73,10 +77,10 @@ static void begin_grid(Grid *grid)
           "header_type=\"UInt64\">\n<UnstructuredGrid>\n",
           grid->stream);
     shv_print(grid->stream, "<Piece NumberOfPoints=\"%lld\" NumberOfCells=\"%lld\">\n<Points>\n",
-              (long long)(grid->corners * grid->cells), (long long)grid->cells);
-    declare(grid, "Points", "Float32", 3, grid->corners * grid->cells, 4);
+              (long long)grid->point_count, (long long)grid->cells);
+    declare(grid, "Points", "Float32", 3, grid->point_count, 4);
     fputs("</Points>\n<Cells>\n", grid->stream);
-    declare(grid, "connectivity", "Int64", 1, grid->corners * grid->cells, 8);
+    declare(grid, "connectivity", "Int32", 1, grid->corners * grid->cells, 4);
     declare(grid, "offsets", "Int64", 1, grid->cells, 8);
     declare(grid, "types", "UInt8", 1, grid->cells, 1);
     fputs("</Cells>\n<CellData>\n", grid->stream);
@@ -86,9 +90,8 @@ static void begin_grid(Grid *grid)
 static void put_cells(const Grid *grid)
 {
     fputs("</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_", grid->stream);
-    put_floats(grid->stream, grid->points, 3 * grid->corners * grid->cells);
-    put_bytes(grid->stream, 8 * (uint64_t)grid->corners * (uint64_t)grid->cells, 8);
-    for (int64_t i = 0; i < grid->corners * grid->cells; i++) put_bytes(grid->stream, (uint64_t)i, 8);
+    put_floats(grid->stream, grid->points, 3 * grid->point_count);
+    put_ints(grid->stream, grid->vertices, grid->corners * grid->cells);
     put_bytes(grid->stream, 8 * (uint64_t)grid->cells, 8);
     for (int64_t i = 1; i <= grid->cells; i++) put_bytes(grid->stream, (uint64_t)(grid->corners * i), 8);
     put_bytes(grid->stream, (uint64_t)grid->cells, 8);
@@ -102,17 +105,27 @@ static void end_grid(const Grid *grid)
 
 /* ---- tets of a frame ---- */
 
-static void put_corners(const Vtk *vtk, int64_t tet, const ShvPose *pose, float *points)
+static void put_point(float *points, int64_t index, ShvVec3 point)
 {
-    for (int c = 0; c < 4; c++) {
-        const int32_t node = vtk->lines.pieces.elements[4 * tet + c];
-        const ShvVec3 arm = shv_sub(shv_load3(vtk->lines.pieces.reference + 3 * (int64_t)node),
-                                    shv_lines_centre(&vtk->lines, shv_lines_of(&vtk->lines, tet)));
-        const ShvVec3 point = vtk->corners ? shv_load3(vtk->corners + 12 * tet + 3 * (int64_t)c)
-                                           : shv_add(pose->position, shv_rotate(pose->orientation, arm));
-        points[3 * c] = (float)point.x;
-        points[3 * c + 1] = (float)point.y;
-        points[3 * c + 2] = (float)point.z;
+    const double x[3] = {point.x, point.y, point.z};
+    for (int k = 0; k < 3; k++) points[3 * index + k] = (float)x[k];
+}
+
+/* The vertices of a tet, of which those that no tet before had are put at the end of the points. */
+static void put_vertices(const Vtk *vtk, int32_t tet, const ShvPose *pose, Grid *grid)
+{
+    for (int32_t corner = 4 * tet; corner < 4 * tet + 4; corner++) {
+        int32_t *number = &vtk->number[shv_set_root(vtk->parent, corner)];
+        if (*number < 0) {
+            const int32_t node = vtk->lines.pieces.elements[corner];
+            const ShvVec3 arm = shv_sub(shv_load3(vtk->lines.pieces.reference + 3 * (int64_t)node),
+                                        shv_lines_centre(&vtk->lines, shv_lines_of(&vtk->lines, tet)));
+            *number = (int32_t)grid->point_count++;
+            put_point(vtk->points, *number,
+                      vtk->corners ? shv_load3(vtk->corners + 3 * (int64_t)corner)
+                                   : shv_add(pose->position, shv_rotate(pose->orientation, arm)));
+        }
+        vtk->vertices[4 * grid->cells + corner - 4 * (int64_t)tet] = *number;
     }
 }
 
@@ -130,31 +143,43 @@ static bool has_stress(const Vtk *vtk)
     return vtk->corners && vtk->options.elasticity;
 }
 
-/* The cells that are there at the frame; returns their number. */
-static int64_t gather(Vtk *vtk)
+/* Who lives and moves each tet, and which corners are one point. */
+static void find_vertices(const Vtk *vtk)
 {
-    int64_t kept = 0;
-    for (int64_t tet = 0; tet < vtk->info->element_count; tet++) {
+    for (int32_t tet = 0; tet < vtk->info->element_count; tet++) {
         const ShvPose pose = shv_lines_pose(&vtk->lines, shv_lines_of(&vtk->lines, tet));
-        if (!pose.lives) continue;
+        vtk->carrier[tet] = pose.lives ? pose.fragment : -1;
+        for (int c = 0; c < 4; c++) vtk->number[4 * tet + c] = -1;
+    }
+    shv_vertices_join(&vtk->lines, vtk->carrier, vtk->corners, vtk->parent);
+}
+
+/* The cells that are there at the frame. */
+static void gather(Vtk *vtk, Grid *grid)
+{
+    find_vertices(vtk);
+    for (int32_t tet = 0; tet < vtk->info->element_count; tet++) {
+        if (vtk->carrier[tet] < 0) continue;
+        const int64_t kept = grid->cells;
+        const ShvPose pose = shv_lines_pose(&vtk->lines, shv_lines_of(&vtk->lines, tet));
         const ShvFragmentView *fragment = &vtk->lines.pieces.fragments[pose.fragment];
-        put_corners(vtk, tet, &pose, vtk->points + 12 * kept);
+        put_vertices(vtk, tet, &pose, grid);
         vtk->piece[kept] = pose.fragment;
         vtk->line[kept] = vtk->lines.pieces.lineage[pose.fragment];
         vtk->object[kept] = fragment->object;
         for (int k = 0; k < 3; k++)
             vtk->velocities[3 * kept + k] = (float)vtk->velocity[3 * (int64_t)pose.fragment + k];
-        const double *d = vtk->corners ? vtk->damage + 4 * tet : NULL;
+        const double *d = vtk->corners ? vtk->damage + 4 * (int64_t)tet : NULL;
         if (d) vtk->damages[kept] = (float)fmax(fmax(d[0], d[1]), fmax(d[2], d[3]));
         if (has_stress(vtk)) vtk->stresses[kept] = stress_of(vtk, tet, fragment->object);
-        kept++;
+        grid->cells++;
     }
-    return kept;
 }
 
 static void put_tets(Vtk *vtk, FILE *stream)
 {
-    Grid grid = {.stream = stream, .cells = gather(vtk), .corners = 4, .points = vtk->points};
+    Grid grid = {.stream = stream, .corners = 4, .points = vtk->points, .vertices = vtk->vertices};
+    gather(vtk, &grid);
     begin_grid(&grid);
     declare(&grid, "piece", "Int32", 1, grid.cells, 4);
     declare(&grid, "line", "Int32", 1, grid.cells, 4);
@@ -176,18 +201,20 @@ static void put_tets(Vtk *vtk, FILE *stream)
 
 static void put_obstacles(Vtk *vtk, FILE *stream)
 {
-    Grid grid = {.stream = stream, .cells = vtk->triangle_count, .corners = 3, .points = vtk->points};
-    int64_t next = 0;
+    Grid grid = {.stream = stream, .corners = 3, .points = vtk->points, .vertices = vtk->vertices};
     for (int32_t i = 0; i < vtk->info->obstacle_count; i++) {
         const ShvObstacleMesh *mesh = &vtk->obstacles[i];
         const double *q = vtk->views[i].orientation;
-        for (int64_t k = 0; k < 3 * (int64_t)mesh->triangle_count; k++, next++) {
-            const ShvVec3 arm = shv_load3(mesh->positions + 3 * (int64_t)mesh->triangles[k]);
-            const ShvVec3 point =
-                shv_add(shv_load3(vtk->views[i].position), shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, arm));
-            const double x[3] = {point.x, point.y, point.z};
-            for (int c = 0; c < 3; c++) vtk->points[3 * next + c] = (float)x[c];
-            vtk->object[next / 3] = i;
+        const ShvVec3 position = shv_load3(vtk->views[i].position);
+        const int32_t first = (int32_t)grid.point_count;
+        for (int32_t n = 0; n < mesh->node_count; n++) {
+            const ShvVec3 arm = shv_load3(mesh->positions + 3 * (int64_t)n);
+            put_point(vtk->points, grid.point_count++,
+                      shv_add(position, shv_rotate((ShvQuat){q[0], q[1], q[2], q[3]}, arm)));
+        }
+        for (int32_t k = 0; k < mesh->triangle_count; k++, grid.cells++) {
+            for (int c = 0; c < 3; c++) vtk->vertices[3 * grid.cells + c] = first + mesh->triangles[3 * (int64_t)k + c];
+            vtk->object[grid.cells] = i;
         }
     }
     begin_grid(&grid);
@@ -291,24 +318,35 @@ static void *room(const Vtk *vtk, int64_t count, size_t size)
 static ShvStatus prepare(Vtk *vtk, ShvError *error)
 {
     const int64_t tets = vtk->info->element_count;
+    int64_t nodes = 0; /* of obstacles */
     SHV_TRY(shv_obstacle_meshes_create(&vtk->obstacles, &vtk->lines.pieces, vtk->options.memory, error));
-    for (int32_t i = 0; i < vtk->info->obstacle_count; i++) vtk->triangle_count += vtk->obstacles[i].triangle_count;
+    for (int32_t i = 0; i < vtk->info->obstacle_count; i++) {
+        vtk->triangle_count += vtk->obstacles[i].triangle_count;
+        nodes += vtk->obstacles[i].node_count;
+    }
     const int64_t cells = tets > vtk->triangle_count ? tets : vtk->triangle_count;
+    if (cells > INT32_MAX / 4)
+        return shv_fail(error, SHV_UNSUPPORTED, "more than %d tets cannot be exported", (int)(INT32_MAX / 4));
     vtk->views = room(vtk, vtk->info->obstacle_count, sizeof *vtk->views);
     vtk->velocity = room(vtk, 3 * (int64_t)vtk->info->fragment_count, sizeof(double));
-    vtk->points = room(vtk, 12 * cells, sizeof(float));
+    vtk->points = room(vtk, 3 * (4 * cells > nodes ? 4 * cells : nodes), sizeof(float));
     vtk->velocities = room(vtk, 3 * cells, sizeof(float));
     vtk->damages = room(vtk, cells, sizeof(float));
     vtk->stresses = room(vtk, cells, sizeof(float));
     vtk->piece = room(vtk, cells, sizeof(int32_t));
     vtk->line = room(vtk, cells, sizeof(int32_t));
     vtk->object = room(vtk, cells, sizeof(int32_t));
+    vtk->vertices = room(vtk, 4 * cells, sizeof(int32_t));
+    vtk->carrier = room(vtk, tets, sizeof(int32_t));
+    vtk->parent = room(vtk, 4 * tets, sizeof(int32_t));
+    vtk->number = room(vtk, 4 * tets, sizeof(int32_t));
     if (vtk->info->nodes) {
         vtk->corners = room(vtk, 12 * tets, sizeof(double));
         vtk->damage = room(vtk, 4 * tets, sizeof(double));
     }
     const bool good = vtk->views && vtk->velocity && vtk->points && vtk->velocities && vtk->damages && vtk->stresses &&
-                      vtk->piece && vtk->line && vtk->object && (!vtk->info->nodes || (vtk->corners && vtk->damage));
+                      vtk->piece && vtk->line && vtk->object && vtk->vertices && vtk->carrier && vtk->parent &&
+                      vtk->number && (!vtk->info->nodes || (vtk->corners && vtk->damage));
     return good ? SHV_OK : shv_fail_memory(error, "the mesh", 240 * (size_t)cells);
 }
 
@@ -325,6 +363,10 @@ static void release(Vtk *vtk)
     shv_release(vtk->piece);
     shv_release(vtk->line);
     shv_release(vtk->object);
+    shv_release(vtk->vertices);
+    shv_release(vtk->carrier);
+    shv_release(vtk->parent);
+    shv_release(vtk->number);
     shv_release(vtk->corners);
     shv_release(vtk->damage);
 }

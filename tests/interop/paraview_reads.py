@@ -6,6 +6,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import tables
 from paraview.simple import OpenDataFile
 from paraview import servermanager
+from vtkmodules.vtkFiltersCore import vtkConnectivityFilter
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 folder = os.path.abspath(sys.argv[1])
@@ -56,6 +57,21 @@ def check_tets(grid, field, frame, name):
     check(far < NEAR, f"{name} has corners that are {far} m off in frame {frame}")
 
 
+def check_shared(grid, frame):
+    """No point of two pieces; at the start every node once, and one body."""
+    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    pairs = {(point, holder) for holder, tet in zip(judge.holders[frame], tets.tolist()) for point in tet}
+    check(len(pairs) == grid.GetNumberOfPoints(), f"run.pvd has points of two pieces in frame {frame}")
+    if frame > 0:
+        return
+    connectivity = vtkConnectivityFilter()
+    connectivity.SetInputData(grid)
+    connectivity.SetExtractionModeToAllRegions()
+    connectivity.Update()
+    regions, nodes = connectivity.GetNumberOfExtractedRegions(), len({tuple(tet[k : k + 3]) for tet in judge.corners[0] for k in (0, 3, 6, 9)})
+    check(regions == 1 and grid.GetNumberOfPoints() == nodes, f"run.pvd begins as {regions} bodies of {grid.GetNumberOfPoints()} points, not {nodes}")
+
+
 def check_obstacles(grid, frame, name):
     numbers = vtk_to_numpy(grid.GetCellData().GetArray("obstacle"))
     check(set(numbers) == set(range(len(judge.obstacles))), f"{name} has the obstacles {set(numbers)}")
@@ -71,6 +87,7 @@ for frame in judge.three:
     time, pieces = times[frame], judge.pieces[frame]
     tets, triangles = at(collection, time)
     check_tets(tets, "piece", frame, "run.pvd")
+    check_shared(tets, frame)
     check_tets(at(mesh, time)[0], "fragment", frame, "run_mesh.xmf")
     stress = vtk_to_numpy(tets.GetCellData().GetArray("stress"))
     check(abs(stress).max() < 1e9 and abs(stress).max() > 1 or frame == 0, "run.pvd has no stress")
