@@ -46,6 +46,7 @@ static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)
         internal->history = shv_law_tear(law, internal->history);
         internal->peak = 0.0;
     }
+    cohesive->torn = true;
 }
 
 void shv_cohesive_find_failed(ShvCohesive *cohesive, const ShvState *state, const uint8_t *awake, ShvLedger *ledger)

@@ -193,6 +193,7 @@ typedef struct ShvCohesive {
     bool unlisted;             /* the lists do not fit any more; */
     bool idle;                 /* or from the next time on, since many of their facets carry no more */
     const uint8_t *list_awake; /* what they were made with */
+    bool torn; /* bonds have been since `begin`: springs of points may not be those of their histories */
     int32_t rotation_count;
     ShvFacetRotation *rotations;
     ShvVec3 *couple;    /* 3 per facet that turns: of pulls, opening × pull, N m */

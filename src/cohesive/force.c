@@ -316,6 +316,7 @@ void shv_cohesive_begin(ShvCohesive *cohesive, const ShvState *state, const uint
     }
     begin_facets(cohesive, state, goes_on);
     pass_clusters(cohesive, state, !anew, true);
+    cohesive->torn = false;
     cohesive->pull_kick = cohesive->pull_step = 0.0;
 }
 

@@ -73,7 +73,8 @@ static void make_pairs(const Cluster *cluster)
         ShvPointSolve *solve = &cluster->solves[i];
         if (!(point->peak > 0.0)) continue;
         const ShvLaw *law = &cohesive->law[point->point / 3];
-        const ShvLawSprings *springs = shv_law_follow(law, cohesive->internal[point->point].history, &point->springs);
+        const ShvLawSprings *springs = &point->springs;
+        if (cohesive->torn) springs = shv_law_follow(law, cohesive->internal[point->point].history, &point->springs);
         solve->pair = shv_pair_make(law, springs, cohesive->rotations[point->rotation].normal, point->from,
                                     point->opening, 0.5 * pull->step * pull->kick * solve->response * point->weight);
     }
