@@ -127,10 +127,13 @@ typedef struct ShvPlan {
     double step;                  /* s: of fracture mode, while nothing is cracking */
     double seconds_per_step;      /* measured now on this machine: one step of everything awake, without cracks */
     double steps_per_millisecond; /* of awake time */
-    double first_contact;   /* s: when the first bounding sphere meets an obstacle on its free path; infinity: never */
-    double awake_time;      /* s: least awake time after that contact (the quiet rule's shortest window), or the whole
+    double first_contact; /* s: when the first bounding sphere meets an obstacle on its free path; infinity: never */
+    double awake_time;    /* s: least awake time after that contact (the quiet rule's shortest window), or the whole
                                          duration for objects that conditions hold */
-    double predicted_steps; /* of fracture mode, if it wakes once */
+    /* s: how long a body may stay awake after its last crack until it rests whatever it carries (fracture.longest, or 20 transits of
+       its bending wave; five times that where a crack in it holds); 0: nothing can crack */
+    double longest_window;
+    double predicted_steps;   /* of fracture mode, if it wakes once */
     double predicted_seconds; /* for those steps, if nothing cracks */
     int32_t frames;           /* of the animation grid */
     ShvTrial trial;

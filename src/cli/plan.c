@@ -26,6 +26,11 @@ static void print_plan(const ShvPlan *plan)
     printf("awake at least %.4g s or to the end: %.4g steps, about %.3g s of run time; more if it cracks or pieces "
            "wake again\n",
            plan->awake_time, plan->predicted_steps, plan->predicted_seconds);
+    if (plan->longest_window > 0.0)
+        printf(
+            "what cracks may stay awake for %.3g s after its last crack, longer where a crack holds: about %.3g s of "
+            "run time for a\n  whole body; fracture.longest shortens that\n",
+            plan->longest_window, plan->longest_window / plan->step * plan->seconds_per_step);
     printf("%d animation frames\n", (int)plan->frames);
 }
 
@@ -109,6 +114,7 @@ static void print_json(const ShvPlan *plan, const ShvSimulation *simulation)
                    {"seconds_per_step", plan->seconds_per_step},
                    {"first_contact", plan->first_contact},
                    {"awake_time", plan->awake_time},
+                   {"longest_window", plan->longest_window},
                    {"predicted_steps", plan->predicted_steps},
                    {"predicted_seconds", plan->predicted_seconds},
                    {"trial_seconds", plan->trial.seconds},

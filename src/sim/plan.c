@@ -202,6 +202,18 @@ static double shortest_window(const ShvHybrid *hybrid, double step)
     return fmax(window, hybrid->scene->rigid.time_step);
 }
 
+static double longest_window(const ShvHybrid *hybrid)
+{
+    double window = 0.0;
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->model.can_break; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        const int32_t material = hybrid->model.objects[fragment->object].material;
+        if (shv_material_can_open(&hybrid->model.materials[material]))
+            window = fmax(window, shv_hybrid_longest(hybrid, fragment));
+    }
+    return window;
+}
+
 ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
@@ -223,6 +235,7 @@ ShvStatus shv_simulation_plan(ShvSimulation *simulation, ShvPlan *plan, ShvError
         plan->awake_time = scene->duration;
     else if (plan->first_contact <= scene->duration)
         plan->awake_time = fmin(shortest_window(hybrid, plan->step), scene->duration - plan->first_contact);
+    plan->longest_window = longest_window(hybrid);
     plan->predicted_steps = plan->awake_time / plan->step;
     plan->predicted_seconds = plan->predicted_steps * plan->seconds_per_step;
     plan->frames = (int32_t)fmin(1e9, (double)shv_frame_intervals(scene)) + 1;

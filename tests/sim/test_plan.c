@@ -155,6 +155,8 @@ static void test_plan(void **state)
     assert_int_equal(plan.frames, 41);
     assert_true(plan.seconds_per_step > 0.0);
     check_near(plan.predicted_steps, plan.awake_time / plan.step, 1e-9 * plan.predicted_steps);
+    const double bar_speed = sqrt(50e6 / 1200.0), transit = 0.5 * 0.04 * 0.04 / (1.03 * bar_speed * 0.02);
+    check_near(plan.longest_window, 20.0 * transit, 0.1 * 20.0 * transit); /* as in test_preflight */
     assert_true(part_of(&plan, "adjacency")->on && part_of(&plan, "adjacency")->bytes > 0);
     assert_true(part_of(&plan, "obstacles")->on);
     assert_false(part_of(&plan, "nodal stress")->on);
