@@ -111,6 +111,7 @@ typedef struct ShvTrial {
     double awake;                   /* s: simulated with a fragment in fracture mode */
     int64_t steps;                  /* of fracture mode */
     int32_t inserted, fragments;    /* cohesive facets; living fragments */
+    int32_t untouched; /* bodies that can break and have not been in fracture mode yet: no bound knows of them */
     /* s of processor time, of the whole run without its file. `low`: no step costs more than the last ones, and what is awake
        rests as soon as its waves allow. `high`: steps go on getting dearer as they did, and it stays awake for the longest time
        that the quiet rule grants it; five times that where something has cracked, for what wakes again. `predicted`: steps

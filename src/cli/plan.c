@@ -49,6 +49,15 @@ static void print_course(const ShvTrial *trial)
     printf("%lld steps in %.4g awake s, %d fragments\n", (long long)trial->steps, trial->awake, (int)trial->fragments);
 }
 
+static void print_bounds(const ShvTrial *trial)
+{
+    printf("run time of the scene: cannot tell: cracking decides; at least %.3g s of processor time, hardly more than "
+           "%.3g s",
+           trial->low, trial->high);
+    if (trial->untouched > 0)
+        printf(" unless what has not woken yet breaks too (%d of the bodies)", (int)trial->untouched);
+}
+
 /* Bounds far apart say no more than that it depends on what breaks. A scene that may break and has not yet tells nothing at all. */
 static void print_range(const ShvTrial *trial, bool may_break)
 {
@@ -58,9 +67,7 @@ static void print_range(const ShvTrial *trial, bool may_break)
                "decides",
                trial->low, trial->high);
     else if (trial->high > decisive * trial->low)
-        printf("run time of the scene: cannot tell: cracking decides; at least %.3g s of processor time, hardly more "
-               "than %.3g s",
-               trial->low, trial->high);
+        print_bounds(trial);
     else
         printf("run time of the scene: about %.3g s of processor time, %.3g to %.3g s", trial->predicted, trial->low,
                trial->high);
@@ -122,6 +129,7 @@ static void print_json(const ShvPlan *plan, const ShvSimulation *simulation)
                    {"trial_time", plan->trial.time},
                    {"first_wake", plan->trial.first_wake},
                    {"first_crack", plan->trial.first_crack},
+                   {"untouched", (double)plan->trial.untouched},
                    {"run_seconds_low", plan->trial.low},
                    {"run_seconds", plan->trial.predicted},
                    {"run_seconds_high", plan->trial.high}};

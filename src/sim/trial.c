@@ -222,6 +222,18 @@ static ShvStatus run(ShvSimulation *simulation, Watch *watch, ShvError *error)
     return status == SHV_INTERRUPTED && !watch->interrupted ? SHV_OK : status;
 }
 
+static int32_t count_untouched(const ShvHybrid *hybrid)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->model.can_break; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        const int32_t material = hybrid->model.objects[fragment->object].material;
+        count += fragment->parent < 0 && fragment->mode == SHV_MODE_FLIGHT && fragment->wake_energy == 0.0 &&
+                 shv_material_can_open(&hybrid->model.materials[material]);
+    }
+    return count;
+}
+
 ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan *plan, ShvError *error)
 {
     ShvHybrid *hybrid = &simulation->hybrid;
@@ -249,6 +261,7 @@ ShvStatus shv_simulation_try(ShvSimulation *simulation, double seconds, ShvPlan 
     trial->steps = hybrid->state.step;
     trial->inserted = hybrid->model.can_break ? hybrid->cohesive.count : 0;
     trial->fragments = hybrid->fragments.alive;
+    trial->untouched = count_untouched(hybrid);
     if (status == SHV_OK) status = predict(&watch, plan, error);
     plan->trial = *trial;
     take_bytes(&watch, plan);

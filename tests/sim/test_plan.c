@@ -220,6 +220,7 @@ static void test_trial(void **state)
     assert_int_equal(trial->steps, frame->steps);
     assert_int_equal(trial->inserted, frame->inserted);
     assert_int_equal(trial->fragments, frame->alive_count);
+    assert_int_equal(trial->untouched, 0);
     size_t sum = 0;
     for (int32_t i = 0; i < plan.part_count; i++) sum += plan.parts[i].bytes;
     assert_true(sum == plan.bytes && plan.bytes > before);
@@ -242,6 +243,7 @@ static void test_short_trial(void **state)
         assert_true(trial->time == shv_simulation_summary(simulation).time);
         assert_true(trial->processor <= trial->low && trial->low <= trial->predicted);
         assert_true(trial->predicted <= trial->high && isfinite(trial->high));
+        assert_int_equal(trial->untouched, isnan(trial->first_wake) ? 1 : 0);
     }
     stage_finish(simulation);
     shv_simulation_destroy(simulation);
