@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-#include "cohesive/frame.h"
 #include "base/disjoint_sets.h"
+#include "cohesive/frame.h"
 
 /* Sections smaller than this share of the largest are ends of the body, a tet or two thick, and no cuts of it. */
 static const double least_section = 0.1;
