@@ -29,7 +29,7 @@ static void print_plan(const ShvPlan *plan)
     if (plan->longest_window > 0.0)
         printf(
             "what cracks may stay awake for %.3g s after its last crack, longer where a crack holds: about %.3g s of "
-            "run time for a\n  whole body; fracture.longest shortens that\n",
+            "run time while\n  all is awake; fracture.longest shortens that\n",
             plan->longest_window, plan->longest_window / plan->step * plan->seconds_per_step);
     printf("%d animation frames\n", (int)plan->frames);
 }

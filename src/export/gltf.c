@@ -261,8 +261,9 @@ static void put_shapes(const ShvTracks *tracks, FILE *stream)
     for (int32_t body = 0; body < tracks->body_count; body++) {
         const int64_t vertices = shv_tracks_vertex_count(tracks, body);
         const int64_t corners = 3 * shv_tracks_triangle_count(tracks, body);
+        const int32_t *triangles = shv_tracks_triangles(tracks, body);
         for (int64_t i = 0; i < vertices; i++) put_vector(stream, shv_tracks_vertex(tracks, body, i));
-        for (int64_t i = 0; i < corners; i++) put_int(stream, (uint32_t)shv_tracks_triangles(tracks, body)[i]);
+        for (int64_t i = 0; i < corners; i++) put_int(stream, (uint32_t)triangles[i]);
     }
 }
 

@@ -112,18 +112,16 @@ static void put_point(float *points, int64_t index, ShvVec3 point)
 }
 
 /* The vertices of a tet, of which those that no tet before had are put at the end of the points. */
-static void put_vertices(const Vtk *vtk, int32_t tet, const ShvPose *pose, Grid *grid)
+static void put_vertices(const Vtk *vtk, int32_t tet, Grid *grid)
 {
+    const ShvPieces *pieces = &vtk->lines.pieces;
     for (int32_t corner = 4 * tet; corner < 4 * tet + 4; corner++) {
         int32_t *number = &vtk->number[shv_set_root(vtk->parent, corner)];
         if (*number < 0) {
-            const int32_t node = vtk->lines.pieces.elements[corner];
-            const ShvVec3 arm = shv_sub(shv_load3(vtk->lines.pieces.reference + 3 * (int64_t)node),
-                                        shv_lines_centre(&vtk->lines, shv_lines_of(&vtk->lines, tet)));
             *number = (int32_t)grid->point_count++;
             put_point(vtk->points, *number,
                       vtk->corners ? shv_load3(vtk->corners + 3 * (int64_t)corner)
-                                   : shv_add(pose->position, shv_rotate(pose->orientation, arm)));
+                                   : shv_pieces_point(pieces, pieces->owner[tet], pieces->elements[corner]));
         }
         vtk->vertices[4 * grid->cells + corner - 4 * (int64_t)tet] = *number;
     }
@@ -159,16 +157,15 @@ static void gather(Vtk *vtk, Grid *grid)
 {
     find_vertices(vtk);
     for (int32_t tet = 0; tet < vtk->info->element_count; tet++) {
-        if (vtk->carrier[tet] < 0) continue;
         const int64_t kept = grid->cells;
-        const ShvPose pose = shv_lines_pose(&vtk->lines, shv_lines_of(&vtk->lines, tet));
-        const ShvFragmentView *fragment = &vtk->lines.pieces.fragments[pose.fragment];
-        put_vertices(vtk, tet, &pose, grid);
-        vtk->piece[kept] = pose.fragment;
-        vtk->line[kept] = vtk->lines.pieces.lineage[pose.fragment];
+        const int32_t piece = vtk->carrier[tet];
+        if (piece < 0) continue;
+        const ShvFragmentView *fragment = &vtk->lines.pieces.fragments[piece];
+        put_vertices(vtk, tet, grid);
+        vtk->piece[kept] = piece;
+        vtk->line[kept] = vtk->lines.pieces.lineage[piece];
         vtk->object[kept] = fragment->object;
-        for (int k = 0; k < 3; k++)
-            vtk->velocities[3 * kept + k] = (float)vtk->velocity[3 * (int64_t)pose.fragment + k];
+        for (int k = 0; k < 3; k++) vtk->velocities[3 * kept + k] = (float)vtk->velocity[3 * (int64_t)piece + k];
         const double *d = vtk->corners ? vtk->damage + 4 * (int64_t)tet : NULL;
         if (d) vtk->damages[kept] = (float)fmax(fmax(d[0], d[1]), fmax(d[2], d[3]));
         if (has_stress(vtk)) vtk->stresses[kept] = stress_of(vtk, tet, fragment->object);

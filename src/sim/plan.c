@@ -205,11 +205,9 @@ static double shortest_window(const ShvHybrid *hybrid, double step)
 static double longest_window(const ShvHybrid *hybrid)
 {
     double window = 0.0;
-    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->model.can_break; i++) {
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        const int32_t material = hybrid->model.objects[fragment->object].material;
-        if (shv_material_can_open(&hybrid->model.materials[material]))
-            window = fmax(window, shv_hybrid_longest(hybrid, fragment));
+        if (isfinite(fragment->strength)) window = fmax(window, shv_hybrid_longest(hybrid, fragment));
     }
     return window;
 }

@@ -225,11 +225,10 @@ static ShvStatus run(ShvSimulation *simulation, Watch *watch, ShvError *error)
 static int32_t count_untouched(const ShvHybrid *hybrid)
 {
     int32_t count = 0;
-    for (int32_t i = 0; i < hybrid->fragments.count && hybrid->model.can_break; i++) {
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        const int32_t material = hybrid->model.objects[fragment->object].material;
         count += fragment->parent < 0 && fragment->mode == SHV_MODE_FLIGHT && fragment->wake_energy == 0.0 &&
-                 shv_material_can_open(&hybrid->model.materials[material]);
+                 isfinite(fragment->strength);
     }
     return count;
 }
