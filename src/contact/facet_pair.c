@@ -86,7 +86,7 @@ double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x)
     return distance_from(place.gap, side_distance(x, &place));
 }
 
-/* A face that bounds the body: of the mesh's boundary or of a crack. */
+/* A face that bounds the body: of the mesh's boundary or of a crack. Where nothing can break no list says so: splinters do not arise. */
 static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32_t element, int32_t face)
 {
     if (!model->can_break) return false;
@@ -95,27 +95,31 @@ static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32
     return bodies->cohesive && bodies->cohesive->facet_cohesive[facet] >= 0;
 }
 
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvModel *model,
+                                      const ShvSurfaceFacet *facet)
+{
+    ShvFacetShape shape = {.free = 0};
+    const uint8_t *own = shv_face_corners[facet->face];
+    int32_t nodes[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    for (int k = 0; k < 3; k++) {
+        shape.corners[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
+        if (is_free(bodies, model, facet->element, own[k])) shape.free |= (uint8_t)(1 << k);
+    }
+    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
+    shape.apex = shv_bodies_position(bodies, apex, facet->fragment);
+    return shape;
+}
+
 /* How far both have to go until a point below the facet is in the nearer half of its tet, m: in the other half it may touch the
-   surface at the tet's apex. Nor may it be outside beyond another free face of the tet. Beyond inner faces lie neighbours, in whose
-   corners next to the facet the point may be. */
+   surface at the tet's apex. Nor may it be outside again. */
 static double way_into_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet,
                            ShvVec3 x, const Place *place)
 {
-    const ShvVec3 *corners = place->plane.corners;
-    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
-    const ShvVec3 top = shv_bodies_position(bodies, apex, facet->fragment);
-    const double altitude = -shv_dot(place->plane.normal, shv_sub(top, corners[0]));
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, model, facet);
+    const double altitude = -shv_dot(place->plane.normal, shv_sub(shape.apex, shape.corners[0]));
     if (-place->gap > 0.5 * altitude) return share_below * (-place->gap - 0.5 * altitude);
-    const uint8_t *own = shv_face_corners[facet->face];
-    for (int k = 0; k < 3; k++) {
-        if (!is_free(bodies, model, facet->element, own[k])) continue;
-        /* The face opposite corner k holds the apex and the other two. */
-        const ShvVec3 a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
-        const ShvVec3 out = shv_cross(shv_sub(top, a), shv_sub(b, a));
-        const double side = shv_dot(out, shv_sub(x, a)), inner = shv_dot(out, shv_sub(corners[k], a));
-        if (side * inner < -edge_margin * inner * inner) return share_below * fabs(side) / shv_norm(out);
-    }
-    return 0.0;
+    return share_below * shv_facet_beyond_free_face(&shape, x);
 }
 
 /* ---- detection ---- */
@@ -203,18 +207,6 @@ void shv_facet_pair_weigh(ShvFacetPair *pair, const ShvSurfaceBodies *bodies)
     pair->friction = shv_vec3(0.0, 0.0, 0.0);
     pair->obstacle_work[0] = pair->obstacle_work[1] = 0.0;
     pair->excluded = false;
-}
-
-ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t element, int32_t face, int32_t fragment)
-{
-    ShvFacetShape shape;
-    int32_t nodes[3];
-    shv_surface_corners(bodies->state, element, face, nodes);
-    for (int k = 0; k < 3; k++) {
-        shape.corners[k] = shv_bodies_position(bodies, nodes[k], fragment);
-    }
-    shape.apex = shv_bodies_position(bodies, shv_state_node(bodies->state, element, face), fragment);
-    return shape;
 }
 
 bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,

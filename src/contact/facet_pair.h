@@ -77,7 +77,8 @@ bool shv_facet_plane_make(const ShvVec3 corners[3], ShvFacetPlane *plane);
 double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x);
 
 /* A facet of a fragment as obstacles meet it. */
-ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, int32_t element, int32_t face, int32_t fragment);
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvModel *model,
+                                      const ShvSurfaceFacet *facet);
 
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far

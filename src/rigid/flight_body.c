@@ -22,16 +22,22 @@ static ShvVec3 arm_of(const ShvState *state, int32_t element, int32_t corner, Sh
     return shv_sub(shv_load3(state->reference + 3 * (int64_t)shv_state_node(state, element, corner)), centre);
 }
 
-static ShvFacetShape facet_of(const ShvState *state, int32_t face, ShvVec3 centre)
+/* Of the k-th face of a fragment's surface, in which those of a tet are next to each other. */
+static ShvFacetShape facet_of(const ShvState *state, const int32_t *faces, int32_t count, int32_t k, ShvVec3 centre)
 {
-    ShvFacetShape facet = {.apex = arm_of(state, face / 4, face % 4, centre)};
-    for (int k = 0; k < 3; k++) facet.corners[k] = arm_of(state, face / 4, shv_face_corners[face % 4][k], centre);
+    const int32_t element = faces[k] / 4, face = faces[k] % 4;
+    ShvFacetShape facet = {.apex = arm_of(state, element, face, centre)};
+    for (int c = 0; c < 3; c++) facet.corners[c] = arm_of(state, element, shv_face_corners[face][c], centre);
+    for (int32_t i = k < 3 ? 0 : k - 3; i < count && i <= k + 3; i++)
+        for (int c = 0; c < 3; c++)
+            if (faces[i] == 4 * element + shv_face_corners[face][c]) facet.free |= (uint8_t)(1 << c);
     return facet;
 }
 
 /* Needed where some obstacle has features. */
 static ShvStatus copy_facets(ShvFlightBody *body, const ShvRigidWorld *world, ShvError *error)
 {
+    const ShvVec3 centre = world->fragments->items[body->fragment].reference_centre;
     int32_t *faces, count, features = 0;
     for (int32_t o = 0; o < world->obstacles->count; o++) features += world->obstacles->items[o].feature_count;
     if (features == 0) return SHV_OK;
@@ -41,7 +47,7 @@ static ShvStatus copy_facets(ShvFlightBody *body, const ShvRigidWorld *world, Sh
     body->arms.facet_count = body->facets ? count : 0;
     for (int32_t k = 0; k < body->arms.facet_count; k++) {
         double radius;
-        body->facets[k] = facet_of(world->state, faces[k], world->fragments->items[body->fragment].reference_centre);
+        body->facets[k] = facet_of(world->state, faces, count, k, centre);
         shv_facet_centre(&body->facets[k], &radius);
         body->arms.facet_radius = fmax(body->arms.facet_radius, radius);
     }

@@ -180,6 +180,22 @@ bool shv_features_matter(const ShvObstacle *obstacle, double facet_radius, ShvVe
     return false;
 }
 
+/* Of the tet's extent: a point so little beyond a face is on it. */
+static const double face_margin = 1e-9;
+
+double shv_facet_beyond_free_face(const ShvFacetShape *facet, ShvVec3 x)
+{
+    for (int k = 0; k < 3; k++) {
+        if (!(facet->free >> k & 1)) continue;
+        /* The face opposite corner k holds the apex and the other two. */
+        const ShvVec3 a = facet->corners[(k + 1) % 3], b = facet->corners[(k + 2) % 3];
+        const ShvVec3 out = shv_cross(shv_sub(facet->apex, a), shv_sub(b, a));
+        const double side = shv_dot(out, shv_sub(x, a)), inner = shv_dot(out, shv_sub(facet->corners[k], a));
+        if (side * inner < -face_margin * inner * inner) return fabs(side) / shv_norm(out);
+    }
+    return 0.0;
+}
+
 ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius)
 {
     const ShvVec3 *x = facet->corners;
@@ -229,7 +245,7 @@ static bool meet_sphere(const ShvObstacle *obstacle, const ShvFacetShape *facet,
     return true;
 }
 
-/* A vertex against the facet's inside, no deeper than half the facet's tet. */
+/* A vertex against the facet's inside, no deeper than half the facet's tet and not out of it again on another side. */
 static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet,
                         double limit, ShvFeaturePoint *found)
 {
@@ -246,6 +262,7 @@ static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, 
         found->weights[k] = shv_dot(area, shv_cross(from, to)) / whole;
         if (!(found->weights[k] >= facet_rim)) return false;
     }
+    if (gap < 0.0 && shv_facet_beyond_free_face(facet, point) > 0.0) return false;
     return looks_out(obstacle, feature, point, normal);
 }
 

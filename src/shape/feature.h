@@ -19,6 +19,7 @@ struct ShvFeature {
 /* A facet of a body. */
 typedef struct ShvFacetShape {
     ShvVec3 corners[3], apex; /* apex: of its tet, on the inside */
+    uint8_t free;             /* bits: the tet's face opposite to corner k bounds the body, too */
 } ShvFacetShape;
 
 /* Where they meet: the facet's point Σ wᵢ xᵢ stands at point + gap · normal. */
@@ -44,6 +45,10 @@ bool shv_feature_is_edge(const ShvFeature *feature); /* or a vertex, or a sphere
 bool shv_feature_is_near(const ShvObstacle *obstacle, const ShvFeature *feature, ShvVec3 point, double reach);
 /* Whether facets of at most such a radius, within `reach` of a point, may meet the obstacle between their nodes. */
 bool shv_features_matter(const ShvObstacle *obstacle, double facet_radius, ShvVec3 point, double reach);
+
+/* How far a point below the facet is outside of the body, beyond another free face of the tet, m; 0: it is not. Beyond inner faces
+   lie neighbours, in whose corners next to the facet the point may be. */
+double shv_facet_beyond_free_face(const ShvFacetShape *facet, ShvVec3 x);
 
 /* Centre, and distance of the farthest corner, m. */
 ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius);

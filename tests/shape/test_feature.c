@@ -175,9 +175,40 @@ static void test_overlaps(void **state)
     shv_obstacles_release(&obstacles);
 }
 
+static int count_of_overlaps(const ShvObstacle *obstacle, const ShvFacetShape *facet)
+{
+    int count = 0;
+    for (int32_t f = 0; f < obstacle->feature_count; f++) {
+        ShvFeaturePoint points[3];
+        count += shv_feature_meet(obstacle, &obstacle->features[f], facet, 0.0, points);
+    }
+    return count;
+}
+
+/* A splinter stands over a small box. The box's lower corners are behind the splinter's upper facet, and nearer to it than half its tet
+   reaches, but they are out again below: unless the body goes on there. */
+static void test_beyond_a_free_face(void **state)
+{
+    (void)state;
+    ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.6, 1.6, 1.6), shv_vec3(0.0, 0.0, -0.8));
+    ShvSceneDefinition scene = shv_scene_default();
+    ShvObstacles obstacles;
+    ShvError error = {SHV_OK, ""};
+    scene.obstacles = &definition;
+    scene.obstacle_count = 1;
+    check_ok(shv_obstacles_create(&obstacles, NULL, &scene, NULL, &error), error);
+    ShvFacetShape facet = {.corners = {{-1.31, 1.09, 0.16}, {-2.05, -8.85, -0.66}, {3.49, -4.68, 4.78}},
+                           .apex = {8.44, -9.64, -0.56},
+                           .free = 4}; /* that opposite to the third corner, below */
+    assert_int_equal(count_of_overlaps(obstacles.items, &facet), 0);
+    facet.free = 0;
+    assert_int_equal(count_of_overlaps(obstacles.items, &facet), 2);
+    shv_obstacles_release(&obstacles);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_distances), cmocka_unit_test(test_what_counts),
-                                       cmocka_unit_test(test_overlaps)};
+                                       cmocka_unit_test(test_overlaps), cmocka_unit_test(test_beyond_a_free_face)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
