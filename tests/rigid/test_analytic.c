@@ -239,6 +239,35 @@ static void test_slides_to_a_stop(void **unused)
     world_end(&world);
 }
 
+/* Splinters that skid over a smooth floor while they spin meet it hundreds of times in a step; nothing slows them on their way. */
+static void test_a_step_with_many_impacts_is_a_whole_step(void **unused)
+{
+    (void)unused;
+    static const int32_t tet[] = {0, 1, 2, 3};
+    uint64_t index = 0;
+    for (int splinter = 0; splinter < 40; splinter++) {
+        const ShvVec3 a = draw3(&index, 0.02), b = draw3(&index, 0.02), c = draw3(&index, 0.02);
+        const double side = shv_dot(a, shv_cross(b, c)) > 0.0 ? 1.0 : -1.0;
+        const double points[] = {0.0, 0.0, 0.06,       a.x,        a.y,        0.06 + a.z,
+                                 b.x, b.y, 0.06 + b.z, side * c.x, side * c.y, 0.06 + side * c.z};
+        World world;
+        world_begin(&world);
+        world_floor(&world, 0.0, 0.0);
+        world_tets(&world, points, 4, tet, 1);
+        ShvFragment *fragment = &world.fragments.items[0];
+        fragment->velocity = shv_vec3(36.0, 0.0, -33.0);
+        fragment->angular_velocity = draw3(&index, 800.0);
+        shv_fragment_scatter(fragment, &world.fragments, &world.state);
+        world_fly(&world);
+        const double start = fragment->position.x, step = 2e-3;
+        for (int i = 0; i < 20; i++) {
+            world_advance(&world, i * step, step, earth, NULL, NULL, NULL);
+            check_near(fragment->position.x - start, 36.0 * (i + 1) * step, 1e-9);
+        }
+        world_end(&world);
+    }
+}
+
 /* ---- wakes ---- */
 
 static void test_wake_stops_at_the_impact(void **unused)
@@ -699,6 +728,7 @@ int main(void)
         cmocka_unit_test(test_rest_without_sleep),
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_slides_to_a_stop),
+        cmocka_unit_test(test_a_step_with_many_impacts_is_a_whole_step),
         cmocka_unit_test(test_wake_stops_at_the_impact),
         cmocka_unit_test(test_only_the_accepted_fragment_wakes),
         cmocka_unit_test(test_fast_fragment_meets_a_thin_obstacle),
