@@ -56,6 +56,41 @@ bool shv_obstacle_pair_crosses(const ShvFacetPair *pair, const ShvSurfaceBodies 
     return true;
 }
 
+/* A flat face that bends over an obstacle's edge has its next nodes lower. */
+static const double before_node = 0.1, before_edge = 0.5;
+
+/* Whether the tets at a node (at an edge, where `end` is its other node) are behind the plane through it that a push in a direction
+   asks for, but for `before`, a share of their edges. Next to an edge of an obstacle the way that seems shortest may be along a face
+   that glides over that edge, which has nothing to do with it. */
+static bool is_behind(const ShvSurfaceBodies *bodies, int32_t fragment, int32_t node, int32_t end, ShvVec3 normal,
+                      double before)
+{
+    const ShvState *state = bodies->state;
+    const ShvVec3 x = shv_bodies_position(bodies, node, fragment);
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+        if (end >= 0 && !shv_state_has_node(state, element, end)) continue;
+        for (int k = 0; k < 4; k++) {
+            const ShvVec3 way = shv_sub(shv_bodies_position(bodies, shv_state_node(state, element, k), fragment), x);
+            if (shv_dot(normal, way) < -before * shv_norm(way)) return false;
+        }
+    }
+    return true;
+}
+
+/* Where a facet meets a feature on one of its edges. */
+static bool is_edge_behind(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceFacet *facet,
+                           const ShvFeaturePoint *point)
+{
+    for (int k = 0; k < 3; k++) {
+        if (point->weights[k] != 0.0) continue;
+        const int32_t start = list->nodes[facet->slots[(k + 1) % 3]].node,
+                      end = list->nodes[facet->slots[(k + 2) % 3]].node;
+        return is_behind(bodies, facet->fragment, start, end, point->normal, before_edge);
+    }
+    return true;
+}
+
 /* The way of a step is a small share of a facet, so that the plane found is the one that counts. */
 static int detect_facet(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
                         const ShvSurfaceCandidate *candidate, double reach, ShvFacetPair pairs[SHV_MOST_POINTS],
@@ -71,9 +106,11 @@ static int detect_facet(const ShvSurfaceBodies *bodies, const ShvSurfaceList *li
         const double between = shv_feature_distance(obstacle, feature, &shape);
         if (between > reach) *distance = between;
     }
+    int kept = 0;
     for (int i = 0; i < count; i++) {
+        if (!is_edge_behind(bodies, list, facet, &points[i])) continue;
         const ShvSurfacePoint at = {points[i].gap, points[i].normal, points[i].point};
-        ShvFacetPair *pair = &pairs[i];
+        ShvFacetPair *pair = &pairs[kept++];
         *pair = pairs[0];
         pair->node_count = 3;
         pair->face = 4 * facet->element + facet->face;
@@ -84,7 +121,7 @@ static int detect_facet(const ShvSurfaceBodies *bodies, const ShvSurfaceList *li
         }
         place_pair(pair, bodies, &at, shv_madd(at.point, at.gap, at.normal));
     }
-    return count;
+    return kept;
 }
 
 int shv_obstacle_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
@@ -107,6 +144,9 @@ int shv_obstacle_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceLis
     const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, look_ahead * reach);
     if (at.gap > reach) *distance = fmin(at.gap, look_ahead * reach);
     if (at.gap > reach) return 0;
+    if (shv_obstacle_is_sharp(obstacle, &at) &&
+        !is_behind(bodies, node->fragment, node->node, -1, at.normal, before_node))
+        return 0;
     place_pair(&pairs[0], bodies, &at, x);
     if (!shv_bodies_coupled_body(bodies, node->fragment)) find_plane(&pairs[0], bodies, obstacle, x);
     return 1;

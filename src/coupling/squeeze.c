@@ -34,15 +34,16 @@ static double reach_against(const ShvFragment *fragment, const ShvMat3 *turned, 
              d.z * (d.z > 0.0 ? low.z : high.z));
 }
 
-/* Obstacles that hold their place and that the box of a rigid fragment reaches into: far fewer than are near. */
-static int32_t list_sides(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, Side *sides)
+/* Obstacles that hold their place and that the box of a rigid fragment, larger by the slack, reaches into: far fewer than are near. */
+static int32_t list_sides(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, double slack,
+                          Side *sides)
 {
     int32_t count = 0;
     for (int32_t i = 0; i < hybrid->obstacles.count && count < MOST_NEAR; i++) {
         const ShvObstacle *obstacle = &hybrid->obstacles.items[i];
         if (obstacle->motion == SHV_OBSTACLE_FREE) continue;
-        const ShvSurfacePoint at = shv_obstacle_closest(obstacle, fragment->position, fragment->radius);
-        if (at.gap >= fragment->radius || at.gap > reach_against(fragment, turned, at.normal)) continue;
+        const ShvSurfacePoint at = shv_obstacle_closest(obstacle, fragment->position, fragment->radius + slack);
+        if (at.gap >= fragment->radius + slack || at.gap > reach_against(fragment, turned, at.normal) + slack) continue;
         sides[count++] = (Side){i, at.normal, at.gap};
     }
     return count;
@@ -56,14 +57,15 @@ static bool some_face_each_other(const Side *sides, int32_t count)
     return false;
 }
 
-/* Where the fragment's nodes are deepest in an obstacle. */
-static Side deepest_in(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, int32_t obstacle)
+/* Where the fragment's nodes are deepest in an obstacle, or nearest to it within the slack. */
+static Side deepest_in(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, int32_t obstacle,
+                       double slack)
 {
     Side side = {.obstacle = obstacle, .gap = HUGE_VAL};
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int32_t node = hybrid->fragments.nodes[fragment->node_begin + k];
-        const ShvSurfacePoint at =
-            shv_obstacle_closest(&hybrid->obstacles.items[obstacle], position_of(hybrid, fragment, turned, node), 0.0);
+        const ShvSurfacePoint at = shv_obstacle_closest(&hybrid->obstacles.items[obstacle],
+                                                        position_of(hybrid, fragment, turned, node), slack);
         if (at.gap < side.gap) side = (Side){obstacle, at.normal, at.gap};
     }
     return side;
@@ -93,11 +95,12 @@ static void find_among(const Side *sides, int32_t count, double slack, Squeeze *
 static void find_for_rigid(const ShvHybrid *hybrid, const ShvFragment *fragment, Squeeze *squeeze)
 {
     const ShvMat3 turned = shv_quat_to_matrix(fragment->orientation);
+    const double slack = free_of_radius * fragment->radius;
     Side sides[MOST_NEAR];
-    const int32_t count = list_sides(hybrid, fragment, &turned, sides);
+    const int32_t count = list_sides(hybrid, fragment, &turned, slack, sides);
     if (!some_face_each_other(sides, count)) return;
-    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, fragment, &turned, sides[i].obstacle);
-    find_among(sides, count, free_of_radius * fragment->radius, squeeze);
+    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, fragment, &turned, sides[i].obstacle, slack);
+    find_among(sides, count, slack, squeeze);
 }
 
 /* What deforms may be pressed together as it will; obstacles that leave no room for a node do not. */

@@ -2,8 +2,10 @@
 
 /* Impacts and changes of support within one step. After the first few impacts do not bounce any more. What spins on a corner meets its
    support again whenever it has gone deeper by the slop, hundreds of times (most that was seen: 2,032, at 600 m/s); a fragment that
-   needs more than the last waits where it is for the next step. */
-enum { BOUNCING_EVENTS = 16, MOST_EVENTS = 4096 };
+   needs more than the last waits where it is for the next step, and so does one between touches that face each other (their normals
+   more than 120 degrees apart), which no motion answers, much sooner. */
+enum { BOUNCING_EVENTS = 16, PRESSED_EVENTS = 64, MOST_EVENTS = 4096 };
+static const double facing = -0.5;
 /* Steps without motion after which a fragment is put to rest, and the speed that counts as none, against that gained by
    free fall in one step. */
 enum { STILL_STEPS = 10 };
@@ -61,15 +63,54 @@ static ShvTouch touch_at(const ShvFlightStep *step, int32_t index, ShvVec3 point
                       .gap = gap};
 }
 
+/* Of neighbours that lie before the plane of contact, and may: shares of their distance. */
+static const double before_node = 0.1, before_edge = 0.5;
+
+static bool has_corner(const ShvFacetShape *facet, ShvVec3 node)
+{
+    return shv_same3(facet->corners[0], node) || shv_same3(facet->corners[1], node) ||
+           shv_same3(facet->corners[2], node);
+}
+
+/* Whether the facets at a node (at an edge, where `end` is its other node) are behind the plane through it that a push in a direction
+   asks for; all in the body's axes. Next to an edge of an obstacle the way that seems shortest may be along a face that glides over
+   that edge, which has nothing to do with it. */
+static bool is_behind(const ShvArms *arms, ShvVec3 node, ShvVec3 end, ShvVec3 normal, double before)
+{
+    for (int32_t k = 0; k < arms->facet_count; k++) {
+        const ShvFacetShape *facet = &arms->facets[k];
+        if (!has_corner(facet, node) || !has_corner(facet, end)) continue;
+        for (int c = 0; c < 3; c++) {
+            const ShvVec3 way = shv_sub(facet->corners[c], node);
+            if (shv_dot(normal, way) < -before * shv_norm(way)) return false;
+        }
+    }
+    return true;
+}
+
+/* Where a facet meets a feature on one of its edges. */
+static bool is_edge_behind(const ShvArms *arms, const ShvFacetShape *facet, const ShvMat3 *turned,
+                           const ShvFeaturePoint *point)
+{
+    for (int k = 0; k < 3; k++)
+        if (point->weights[k] == 0.0)
+            return is_behind(arms, facet->corners[(k + 1) % 3], facet->corners[(k + 2) % 3],
+                             shv_apply_transposed(turned, point->normal), before_edge);
+    return true;
+}
+
 static int32_t touches_of_nodes(const ShvFlightStep *step, int32_t index, const ShvMat3 *turned, ShvTouch *touches)
 {
     const double slop = step->body->slop;
     int32_t count = 0;
     for (int32_t i = 0; i < step->body->arms.count; i++) {
-        const ShvVec3 arm = shv_apply(turned, shv_load3(step->body->arms.offsets + 3 * (int64_t)i));
+        const ShvVec3 offset = shv_load3(step->body->arms.offsets + 3 * (int64_t)i), arm = shv_apply(turned, offset);
         const ShvVec3 point = shv_add(step->fragment->position, arm);
         const ShvSurfacePoint surface = shv_obstacle_closest(&step->others[index], point, 2.0 * slop);
         if (surface.gap > slop) continue;
+        if (shv_obstacle_is_sharp(&step->others[index], &surface) &&
+            !is_behind(&step->body->arms, offset, offset, shv_apply_transposed(turned, surface.normal), before_node))
+            continue;
         touches[count] = touch_at(step, index, point, surface.normal, surface.gap);
         touches[count++].arm = arm;
     }
@@ -77,9 +118,10 @@ static int32_t touches_of_nodes(const ShvFlightStep *step, int32_t index, const 
 }
 
 /* Goes on after the first `count` touches; where the room ends, those to be kept are chosen so far. */
-static int32_t touches_of_facet(const ShvFlightStep *step, int32_t index, const ShvFacetShape *facet, ShvTouch *touches,
-                                int32_t count)
+static int32_t touches_of_facet(const ShvFlightStep *step, int32_t index, const ShvFacetShape *own,
+                                const ShvMat3 *turned, ShvTouch *touches, int32_t count)
 {
+    const ShvFacetShape placed = shv_facet_placed(own, turned, step->fragment->position), *facet = &placed;
     const ShvObstacle *other = &step->others[index];
     const int32_t room = step->body->arms.count + SHV_TOUCHES_AN_OBSTACLE;
     const ShvRigidMotion motion = motion_of(step);
@@ -89,6 +131,7 @@ static int32_t touches_of_facet(const ShvFlightStep *step, int32_t index, const 
         ShvFeaturePoint points[3];
         const int found = shv_feature_meet(other, &other->features[k], facet, step->body->slop, points);
         for (int i = 0; i < found; i++) {
+            if (!is_edge_behind(&step->body->arms, own, turned, &points[i])) continue;
             if (count == room) count = shv_touches_reduce(touches, count, &motion);
             const ShvVec3 point = shv_madd(points[i].point, points[i].gap, points[i].normal);
             touches[count++] = touch_at(step, index, point, points[i].normal, points[i].gap);
@@ -109,10 +152,8 @@ static int32_t touches_of(const ShvFlightStep *step, int32_t index, ShvTouch *to
     int32_t count = touches_of_nodes(step, index, &turned, touches);
     const bool facets =
         arms->facet_count > 0 && shv_features_matter(other, arms->facet_radius, fragment->position, reach);
-    for (int32_t i = 0; facets && i < arms->facet_count; i++) {
-        const ShvFacetShape facet = shv_facet_placed(&arms->facets[i], &turned, fragment->position);
-        count = touches_of_facet(step, index, &facet, touches, count);
-    }
+    for (int32_t i = 0; facets && i < arms->facet_count; i++)
+        count = touches_of_facet(step, index, &arms->facets[i], &turned, touches, count);
     if (count == 0) return 0;
     step->body->touching[index] = 1;
     const ShvRigidMotion motion = motion_of(step);
@@ -252,6 +293,14 @@ static bool undo_overlap(ShvFlightStep *step, int32_t count)
 
 /* ---- motion ---- */
 
+static bool is_pressed(const ShvFlightStep *step, int32_t count)
+{
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = i + 1; k < count; k++)
+            if (shv_dot(step->touches[i].normal, step->touches[k].normal) < facing) return true;
+    return false;
+}
+
 static bool is_held(const ShvFlightStep *step, int32_t count, double left)
 {
     if (count == 0) return false;
@@ -387,6 +436,7 @@ bool shv_flight_step_run(ShvFlightStep *step, ShvRigidContact *contact)
     for (int event = 0; event < MOST_EVENTS && step->now < step->step; event++) {
         int32_t count = find_touches(step);
         if (event == 0 && undo_overlap(step, count)) count = find_touches(step);
+        if (event >= PRESSED_EVENTS && is_pressed(step, count)) break;
         if (wakes(step, count, contact)) return true;
         const bool answered = answer_impact(step, count, event < BOUNCING_EVENTS ? 1.0 : 0.0);
         const double before = step->now;

@@ -72,6 +72,15 @@ ShvSurfacePoint shv_obstacle_closest(const ShvObstacle *obstacle, ShvVec3 point,
     return found;
 }
 
+/* A point so far below a face is as far from the surface, unless another face is nearer. */
+bool shv_obstacle_is_sharp(const ShvObstacle *obstacle, const ShvSurfacePoint *at)
+{
+    const double depth = 1e-3 * obstacle->bounding_radius,
+                 straight = 0.99; /* cosine: 8 degrees between faces are none */
+    if (obstacle->shape != SHV_OBSTACLE_BOX && obstacle->shape != SHV_OBSTACLE_MESH) return false;
+    return shv_obstacle_closest(obstacle, shv_madd(at->point, -depth, at->normal), 0.0).gap > -straight * depth;
+}
+
 /* ---- first crossing ---- */
 
 static bool sweep_plane(const ShvObstacle *obstacle, ShvVec3 from, ShvVec3 to, ShvCrossing *crossing)

@@ -81,6 +81,9 @@ typedef struct ShvSurfacePoint {
 /* Exact signed distance; `limit` (≥ 0): beyond this gap any value ≥ limit may be returned, with a point and normal
    without meaning (bounding tests first). The gap of a box or mesh is negative at any depth. */
 ShvSurfacePoint shv_obstacle_closest(const ShvObstacle *obstacle, ShvVec3 point, double limit);
+/* Whether an edge or a corner of the obstacle is next to such a point (within 1e-3 of its radius), where the way to the nearest surface
+   may be none that a body beside it can be pushed. */
+bool shv_obstacle_is_sharp(const ShvObstacle *obstacle, const ShvSurfacePoint *at);
 
 typedef struct ShvCrossing {
     double fraction;       /* of the way, 0…1 */

@@ -108,8 +108,48 @@ static void test_bullet(void **state)
     check_engine(SHV_RIGID_BULLET);
 }
 
+/* A plank in fracture mode, pressed down by its weight, that glides over the edges of a smooth block, along and aslant: its flat face has
+   nothing to do with the block's sides. */
+static void test_glides_over_edges(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        Stage stage;
+        ShvHybrid hybrid;
+        ShvError error = {SHV_OK, ""};
+        stage_make(&stage);
+        ShvObjectDefinition *plank = stage_box(&stage, "plank", (const double[3]){0.3, 0.06, 0.03}, 0.012, 0.01501);
+        plank->placement.position[0] = 1.3e-3;
+        plank->placement.position[1] = -2.1e-3;
+        plank->placement.velocity[k % 2] = -0.5;
+        plank->placement.stretch_rate[0] = 1e-6; /* starts awake */
+        ShvObstacleDefinition *block = &stage.obstacles[stage.scene.obstacle_count++];
+        *block = shv_obstacle_default();
+        block->name = "block";
+        block->shape = SHV_OBSTACLE_BOX;
+        block->size[0] = block->size[1] = 0.16;
+        block->size[2] = 0.02;
+        block->placement.position[2] = -0.01;
+        block->placement.rotation_degrees = k < 2 ? 0.0 : 25.0;
+        block->friction = 0.0;
+        stage.scene.fracture.longest = 1e3;
+        stage.scene.fracture.quiet_checks = INT32_MAX;
+        stage.scene.duration = 0.03;
+        check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
+        int64_t taken = 0;
+        check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration, 0, &taken, &error), error);
+        assert_int_equal(hybrid.fragments.count, 1);
+        assert_int_equal(hybrid.fragments.items[0].mode, SHV_MODE_FRACTURE);
+        const ShvVec3 velocity = now(&hybrid).velocity;
+        check_near(velocity.x, k % 2 ? 0.0 : -0.5, 1e-4);
+        check_near(velocity.y, k % 2 ? -0.5 : 0.0, 1e-4);
+        shv_hybrid_release(&hybrid);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_analytic), cmocka_unit_test(test_bullet)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_analytic), cmocka_unit_test(test_bullet),
+                                       cmocka_unit_test(test_glides_over_edges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -239,6 +239,38 @@ static void test_slides_to_a_stop(void **unused)
     world_end(&world);
 }
 
+/* A plank that glides over the edges of a smooth block, its middle over it: nodes and edges of its flat face that come over the block,
+   or leave it, have nothing to do with the block's sides. Nothing slows or turns it. */
+static void test_glides_over_edges(void **unused)
+{
+    (void)unused;
+    uint64_t index = 0;
+    for (int k = 0; k < 12; k++) {
+        World world;
+        world_begin(&world);
+        ShvObjectDefinition *plank = world_box(&world, 0.3, 0.06, 0.03, 0.012);
+        ShvObstacleDefinition *block = world_obstacle(&world, SHV_OBSTACLE_BOX);
+        const double heights[] = {0.0, 1e-8, 1e-9}, angle = draw(&index, 0.0, 6.28), speed = draw(&index, 0.1, 1.0);
+        plank->placement.position[0] = draw(&index, -0.02, 0.02);
+        plank->placement.position[1] = draw(&index, -0.02, 0.02);
+        plank->placement.position[2] = 0.015 + heights[k % 3];
+        plank->placement.velocity[0] = speed * cos(angle);
+        plank->placement.velocity[1] = speed * sin(angle);
+        block->size[0] = block->size[1] = 0.16;
+        block->size[2] = 0.02;
+        block->placement.position[2] = -0.01;
+        block->placement.rotation_degrees = k % 2 ? draw(&index, 0.0, 90.0) : 0.0; /* about z */
+        world_build(&world);
+        world_fly(&world);
+        const ShvFragment *fragment = &world.fragments.items[0];
+        for (int i = 0; i < 30; i++) world_advance(&world, i * 1e-3, 1e-3, earth, NULL, NULL, NULL);
+        check_near(fragment->velocity.x, speed * cos(angle), 1e-9);
+        check_near(fragment->velocity.y, speed * sin(angle), 1e-9);
+        check_near(shv_norm(fragment->angular_velocity), 0.0, 1e-9);
+        world_end(&world);
+    }
+}
+
 /* Splinters that skid over a smooth floor while they spin meet it hundreds of times in a step; nothing slows them on their way. */
 static void test_a_step_with_many_impacts_is_a_whole_step(void **unused)
 {
@@ -728,6 +760,7 @@ int main(void)
         cmocka_unit_test(test_rest_without_sleep),
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_slides_to_a_stop),
+        cmocka_unit_test(test_glides_over_edges),
         cmocka_unit_test(test_a_step_with_many_impacts_is_a_whole_step),
         cmocka_unit_test(test_wake_stops_at_the_impact),
         cmocka_unit_test(test_only_the_accepted_fragment_wakes),
