@@ -52,6 +52,7 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
                                        fragment->element_count)
                 : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
+        fragment->longest = shv_hybrid_longest(hybrid, fragment);
         shv_hybrid_begin_growth(hybrid, fragment);
         fragment->fixed = shv_hybrid_starts_fixed(hybrid, fragment);
         if (starts_stretching(hybrid, fragment) || (shv_hybrid_is_held(hybrid, fragment) && !fragment->fixed)) {

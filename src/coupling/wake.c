@@ -317,6 +317,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->wake_energy = fmax(event.kinetic_after, energy_of_blow(fragment, contact)) / fragment->mass;
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);
+    fragment->longest = shv_hybrid_longest(hybrid, fragment);
     shv_waking_contact_begin(hybrid, fragment, contact);
     shv_hybrid_begin_growth(hybrid, fragment);
     hybrid->awake.stale = true;

@@ -700,6 +700,7 @@ static double latest_rest(Stage *stage, ShvHybrid *hybrid, ShvFragment *fragment
 {
     double soonest, latest;
     stage->scene.fracture.longest = longest;
+    fragment->longest = shv_hybrid_longest(hybrid, fragment);
     fragment->last_insertion = hybrid->state.time;
     fragment->last_crack = cracked ? hybrid->state.time : -HUGE_VAL;
     shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
