@@ -7,8 +7,6 @@
 static const double missing_of_radius = 0.01, free_of_radius = 0.005;
 /* Share of the radius within which a node is on an obstacle: on which side of it is rounding. */
 static const double touching_of_radius = 1e-9;
-/* Obstacles face each other when their normals are more than 120 degrees apart. */
-static const double facing = -0.5;
 
 enum { MOST_NEAR = 16 };
 
@@ -53,7 +51,7 @@ static bool some_face_each_other(const Side *sides, int32_t count)
 {
     for (int32_t i = 0; i < count; i++)
         for (int32_t k = i + 1; k < count; k++)
-            if (shv_dot(sides[i].normal, sides[k].normal) < facing) return true;
+            if (shv_normals_face(sides[i].normal, sides[k].normal)) return true;
     return false;
 }
 
@@ -74,7 +72,7 @@ static Side deepest_in(const ShvHybrid *hybrid, const ShvFragment *fragment, con
 /* Room that two sides lack, m; negative: they leave some, or do not face each other. */
 static double missing_between(const Side *a, const Side *b, double slack)
 {
-    const bool both = a->gap <= slack && b->gap <= slack && shv_dot(a->normal, b->normal) < facing;
+    const bool both = a->gap <= slack && b->gap <= slack && shv_normals_face(a->normal, b->normal);
     return both ? -(a->gap + b->gap) : -HUGE_VAL;
 }
 

@@ -2,10 +2,9 @@
 
 /* Impacts and changes of support within one step. After the first few impacts do not bounce any more. What spins on a corner meets its
    support again whenever it has gone deeper by the slop, hundreds of times (most that was seen: 2,032, at 600 m/s); a fragment that
-   needs more than the last waits where it is for the next step, and so does one between touches that face each other (their normals
-   more than 120 degrees apart), which no motion answers, much sooner. */
+   needs more than the last waits where it is for the next step, and so does one between touches that face each other, which no motion
+   answers, much sooner. */
 enum { BOUNCING_EVENTS = 16, PRESSED_EVENTS = 64, MOST_EVENTS = 4096 };
-static const double facing = -0.5;
 /* Steps without motion after which a fragment is put to rest, and the speed that counts as none, against that gained by
    free fall in one step. */
 enum { STILL_STEPS = 10 };
@@ -63,9 +62,6 @@ static ShvTouch touch_at(const ShvFlightStep *step, int32_t index, ShvVec3 point
                       .gap = gap};
 }
 
-/* Of neighbours that lie before the plane of contact, and may: shares of their distance. */
-static const double before_node = 0.1, before_edge = 0.5;
-
 static bool has_corner(const ShvFacetShape *facet, ShvVec3 node)
 {
     return shv_same3(facet->corners[0], node) || shv_same3(facet->corners[1], node) ||
@@ -80,10 +76,8 @@ static bool is_behind(const ShvArms *arms, ShvVec3 node, ShvVec3 end, ShvVec3 no
     for (int32_t k = 0; k < arms->facet_count; k++) {
         const ShvFacetShape *facet = &arms->facets[k];
         if (!has_corner(facet, node) || !has_corner(facet, end)) continue;
-        for (int c = 0; c < 3; c++) {
-            const ShvVec3 way = shv_sub(facet->corners[c], node);
-            if (shv_dot(normal, way) < -before * shv_norm(way)) return false;
-        }
+        for (int c = 0; c < 3; c++)
+            if (shv_is_before(normal, shv_sub(facet->corners[c], node), before)) return false;
     }
     return true;
 }
@@ -92,11 +86,9 @@ static bool is_behind(const ShvArms *arms, ShvVec3 node, ShvVec3 end, ShvVec3 no
 static bool is_edge_behind(const ShvArms *arms, const ShvFacetShape *facet, const ShvMat3 *turned,
                            const ShvFeaturePoint *point)
 {
-    for (int k = 0; k < 3; k++)
-        if (point->weights[k] == 0.0)
-            return is_behind(arms, facet->corners[(k + 1) % 3], facet->corners[(k + 2) % 3],
-                             shv_apply_transposed(turned, point->normal), before_edge);
-    return true;
+    const int edge = shv_feature_point_edge(point);
+    return edge < 0 || is_behind(arms, facet->corners[edge], facet->corners[(edge + 1) % 3],
+                                 shv_apply_transposed(turned, point->normal), SHV_BEFORE_EDGE);
 }
 
 static int32_t touches_of_nodes(const ShvFlightStep *step, int32_t index, const ShvMat3 *turned, ShvTouch *touches)
@@ -109,7 +101,8 @@ static int32_t touches_of_nodes(const ShvFlightStep *step, int32_t index, const 
         const ShvSurfacePoint surface = shv_obstacle_closest(&step->others[index], point, 2.0 * slop);
         if (surface.gap > slop) continue;
         if (shv_obstacle_is_sharp(&step->others[index], &surface) &&
-            !is_behind(&step->body->arms, offset, offset, shv_apply_transposed(turned, surface.normal), before_node))
+            !is_behind(&step->body->arms, offset, offset, shv_apply_transposed(turned, surface.normal),
+                       SHV_BEFORE_NODE))
             continue;
         touches[count] = touch_at(step, index, point, surface.normal, surface.gap);
         touches[count++].arm = arm;
@@ -297,7 +290,7 @@ static bool is_pressed(const ShvFlightStep *step, int32_t count)
 {
     for (int32_t i = 0; i < count; i++)
         for (int32_t k = i + 1; k < count; k++)
-            if (shv_dot(step->touches[i].normal, step->touches[k].normal) < facing) return true;
+            if (shv_normals_face(step->touches[i].normal, step->touches[k].normal)) return true;
     return false;
 }
 

@@ -302,6 +302,13 @@ int shv_feature_meet(const ShvObstacle *obstacle, const ShvFeature *feature, con
     return count;
 }
 
+int shv_feature_point_edge(const ShvFeaturePoint *point)
+{
+    for (int k = 0; k < 3; k++)
+        if (point->weights[k] == 0.0) return (k + 1) % 3;
+    return -1;
+}
+
 double shv_feature_distance(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet)
 {
     const ShvVec3 a = world_of(obstacle, feature->ends[0]);

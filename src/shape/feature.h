@@ -58,6 +58,17 @@ ShvVec3 shv_facet_centre(const ShvFacetShape *facet, double *radius);
    Returns how many points there are. */
 int shv_feature_meet(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, double limit,
                      ShvFeaturePoint points[3]);
+/* The edge of the facet on which such a point is, from its corner of this number to the next; −1: it is inside. */
+int shv_feature_point_edge(const ShvFeaturePoint *point);
+/* A push asks that the body is behind the plane through the point it acts on. Whether what lies by `way` from there is before that
+   plane by more than a share of its distance: next to a node, which flat faces bend by little; next to an edge, where a body that
+   drapes over an obstacle has its next nodes lower. */
+#define SHV_BEFORE_NODE 0.1
+#define SHV_BEFORE_EDGE 0.5
+static inline bool shv_is_before(ShvVec3 normal, ShvVec3 way, double share)
+{
+    return shv_dot(normal, way) < -share * shv_norm(way);
+}
 /* Distance of both, m; no point of shv_feature_meet has a smaller gap unless they overlap. */
 double shv_feature_distance(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet);
 
