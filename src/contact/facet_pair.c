@@ -111,6 +111,56 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvM
     return shape;
 }
 
+bool shv_surface_is_behind(const ShvSurfaceBodies *bodies, int32_t fragment, int32_t node, int32_t end, ShvVec3 push,
+                           double before)
+{
+    const ShvState *state = bodies->state;
+    const ShvVec3 x = shv_bodies_position(bodies, node, fragment);
+    for (int32_t i = 0; i < state->corner_count[node]; i++) {
+        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
+        if (end >= 0 && !shv_state_has_node(state, element, end)) continue;
+        for (int k = 0; k < 4; k++) {
+            const ShvVec3 corner = shv_bodies_position(bodies, shv_state_node(state, element, k), fragment);
+            if (shv_is_before(push, shv_sub(corner, x), before)) return false;
+        }
+    }
+    return true;
+}
+
+/* Cosine of the angle between a push and the inward normal of a facet, up to which the facet faces it. */
+static const double facing = 0.5;
+
+static bool facet_faces(const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, ShvVec3 push)
+{
+    int32_t nodes[3];
+    ShvVec3 corners[3];
+    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
+    for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
+    const ShvVec3 area = shv_cross(shv_sub(corners[1], corners[0]), shv_sub(corners[2], corners[0]));
+    return shv_dot(area, push) < -facing * shv_norm(area);
+}
+
+static bool is_faced(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceNode *node,
+                     ShvVec3 push)
+{
+    const ShvState *state = bodies->state;
+    for (int32_t i = 0; i < state->corner_count[node->node]; i++) {
+        const int32_t corner = state->corners[state->corner_start[node->node] + i];
+        for (int face = 0; face < 4; face++) {
+            const int32_t place = face == corner % 4 ? -1 : list->place[4 * (int64_t)(corner / 4) + face];
+            if (place >= 0 && facet_faces(bodies, &list->facets[place], push)) return true;
+        }
+    }
+    return false;
+}
+
+bool shv_surface_admits(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceNode *node,
+                        ShvVec3 push)
+{
+    return is_faced(bodies, list, node, push) ||
+           shv_surface_is_behind(bodies, node->fragment, node->node, -1, push, SHV_BEFORE_NODE);
+}
+
 /* How far both have to go until a point below the facet is in the nearer half of its tet, m: in the other half it may touch the
    surface at the tet's apex. Nor may it be outside again. */
 static double way_into_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet,
@@ -238,6 +288,7 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
         *distance = way_into_tet(bodies, list->model, facet, x, &place);
         if (*distance > 0.0) return false;
     }
+    if (!shv_surface_admits(bodies, list, node, place.plane.normal)) return false;
     *pair = (ShvFacetPair){.nodes = {node->node},
                            .node_count = 1,
                            .shares = {1.0},

@@ -80,6 +80,16 @@ double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x);
 ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvModel *model,
                                       const ShvSurfaceFacet *facet);
 
+/* Whether the tets at a node (at an edge, where `end` is its other node) are behind the plane through it that a push asks for, a unit
+   vector, but for `before`, a share of their edges. */
+bool shv_surface_is_behind(const ShvSurfaceBodies *bodies, int32_t fragment, int32_t node, int32_t end, ShvVec3 push,
+                           double before);
+/* Whether a push can come to a node from outside: its tets are behind the push, or a facet at the node faces it, as both walls of a
+   groove do that fits a ridge. Next to an edge of the other side the way out that seems shortest may be along a face that
+   glides over that edge, which has nothing to do with it. */
+bool shv_surface_admits(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceNode *node,
+                        ShvVec3 push);
+
 /* Whether the two may meet in a step: the node stands before or behind the facet (or will), no deeper than half the facet's tet
    reaches. Fills `pair`. Otherwise *distance receives how far they at least have to go for that, m. `reach`: m, how far
    any two can come closer in the step. */

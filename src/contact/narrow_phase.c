@@ -68,19 +68,6 @@ static double distance_left(const ShvSurfaceContact *contact, const ShvSurfaceBo
     return distance > reach ? distance : 0.0;
 }
 
-/* Cosine of the angle between the normals of a node and a facet above which both look the same way; barycentric weight at which a
-   point is clearly inside the edges. */
-static const double same_way = 0.25, clearly = 1e-3;
-
-/* A node comes from where its own surface looks. A facet that looks the same way, as the side of a block does for the
-   corners of an equal block on top of it, is met only by what is clearly past the facet's edges. */
-static bool faces_away(const ShvSurfaceContact *contact, const ShvSurfaceCandidate *candidate, const ShvFacetPair *pair)
-{
-    const ShvVec3 own = contact->list.nodes[candidate->slot].normal;
-    if (!(shv_dot(own, pair->normal) > same_way * shv_norm(own))) return false;
-    return fmin(pair->weights[0], fmin(pair->weights[1], pair->weights[2])) < clearly;
-}
-
 /* ---- what is due ---- */
 
 /* Twice the way both can go: other impulses of the step may speed them up. */
@@ -120,8 +107,7 @@ static int detect(const ShvSurfaceContact *contact, const ShvSurfaceBodies *bodi
     if (candidate->facet < 0)
         return shv_obstacle_pair_detect(bodies, &contact->list, candidate, step, reach, pairs, distance);
     if (candidate->own_facet < 0)
-        return shv_facet_pair_detect(bodies, &contact->list, candidate, step, reach, pairs, distance) &&
-               !faces_away(contact, candidate, pairs);
+        return shv_facet_pair_detect(bodies, &contact->list, candidate, step, reach, pairs, distance);
     *distance = 0.0;
     return shv_surface_edge(&contact->list, bodies, 3 * candidate->own_facet + candidate->own_edge, &own) &&
            shv_surface_edge(&contact->list, bodies, 3 * candidate->facet + candidate->edge, &other) &&

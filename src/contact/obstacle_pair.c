@@ -56,25 +56,6 @@ bool shv_obstacle_pair_crosses(const ShvFacetPair *pair, const ShvSurfaceBodies 
     return true;
 }
 
-/* Whether the tets at a node (at an edge, where `end` is its other node) are behind the plane through it that a push in a direction
-   asks for, but for `before`, a share of their edges. Next to an edge of an obstacle the way that seems shortest may be along a face
-   that glides over that edge, which has nothing to do with it. */
-static bool is_behind(const ShvSurfaceBodies *bodies, int32_t fragment, int32_t node, int32_t end, ShvVec3 normal,
-                      double before)
-{
-    const ShvState *state = bodies->state;
-    const ShvVec3 x = shv_bodies_position(bodies, node, fragment);
-    for (int32_t i = 0; i < state->corner_count[node]; i++) {
-        const int32_t element = state->corners[state->corner_start[node] + i] / 4;
-        if (end >= 0 && !shv_state_has_node(state, element, end)) continue;
-        for (int k = 0; k < 4; k++) {
-            const ShvVec3 corner = shv_bodies_position(bodies, shv_state_node(state, element, k), fragment);
-            if (shv_is_before(normal, shv_sub(corner, x), before)) return false;
-        }
-    }
-    return true;
-}
-
 /* Where a facet meets a feature on one of its edges. */
 static bool is_edge_behind(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceFacet *facet,
                            const ShvFeaturePoint *point)
@@ -82,7 +63,7 @@ static bool is_edge_behind(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
     const int edge = shv_feature_point_edge(point);
     if (edge < 0) return true;
     const int32_t start = list->nodes[facet->slots[edge]].node, end = list->nodes[facet->slots[(edge + 1) % 3]].node;
-    return is_behind(bodies, facet->fragment, start, end, point->normal, SHV_BEFORE_EDGE);
+    return shv_surface_is_behind(bodies, facet->fragment, start, end, point->normal, SHV_BEFORE_EDGE);
 }
 
 /* The way of a step is a small share of a facet, so that the plane found is the one that counts. */
@@ -138,9 +119,7 @@ int shv_obstacle_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceLis
     const ShvSurfacePoint at = shv_obstacle_closest(obstacle, x, look_ahead * reach);
     if (at.gap > reach) *distance = fmin(at.gap, look_ahead * reach);
     if (at.gap > reach) return 0;
-    if (shv_obstacle_is_sharp(obstacle, &at) &&
-        !is_behind(bodies, node->fragment, node->node, -1, at.normal, SHV_BEFORE_NODE))
-        return 0;
+    if (shv_obstacle_is_sharp(obstacle, &at) && !shv_surface_admits(bodies, list, node, at.normal)) return 0;
     place_pair(&pairs[0], bodies, &at, x);
     if (!shv_bodies_coupled_body(bodies, node->fragment)) find_plane(&pairs[0], bodies, obstacle, x);
     return 1;

@@ -142,14 +142,14 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     SHV_GROW(list->memory, SHV_PART_CONTACT, list->facet_path, room, list->facet_count, "contact", error);
     SHV_GROW(list->memory, SHV_PART_CONTACT, list->facets, list->facet_capacity, list->facet_count, "contact", error);
     list->facet_path[list->facet_count] = 0.0;
-    if (list->place) list->place[4 * (int64_t)element + face] = list->facet_count;
+    list->place[4 * (int64_t)element + face] = list->facet_count;
     ShvSurfaceFacet *facet = &list->facets[list->facet_count++];
     *facet = (ShvSurfaceFacet){.element = element, .face = face, .fragment = fragment, .across = {-1, -1, -1}};
     int32_t nodes[3];
     shv_surface_corners(bodies->state, element, face, nodes);
     for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
     measure(list, bodies, facet);
-    if (list->place) shv_surface_edges_link(list, list->facet_count - 1);
+    if (bodies->cohesive) shv_surface_edges_link(list, list->facet_count - 1);
     return SHV_OK;
 }
 
@@ -385,7 +385,7 @@ static ShvStatus add_boundary(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
 ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error)
 {
     for (int32_t k = 0; k < list->node_count; k++) list->slot[list->nodes[k].node] = -1;
-    if (bodies->cohesive) SHV_TRY(reserve_places(list, error));
+    SHV_TRY(reserve_places(list, error));
     list->node_count = list->facet_count = list->crack_count = list->outdated.count = 0;
     SHV_TRY(reserve_slots(list, bodies->state, error));
     SHV_TRY(find_boundary(list, error));

@@ -46,13 +46,14 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     ShvFragments *fragments = &hybrid->fragments;
     for (int32_t i = 0; i < fragments->count; i++) {
         ShvFragment *fragment = &fragments->items[i];
+        double bending;
         fragment->strength =
             hybrid->model.can_break
                 ? shv_cohesive_weakest(&hybrid->cohesive, fragments->elements + fragment->element_begin,
                                        fragment->element_count)
                 : HUGE_VAL;
         fragment->last_insertion = hybrid->state.time;
-        fragment->longest = shv_hybrid_longest(hybrid, fragment);
+        shv_hybrid_transit_times(hybrid, fragment, &fragment->woken_transit, &bending);
         shv_hybrid_begin_growth(hybrid, fragment);
         fragment->fixed = shv_hybrid_starts_fixed(hybrid, fragment);
         if (starts_stretching(hybrid, fragment) || (shv_hybrid_is_held(hybrid, fragment) && !fragment->fixed)) {

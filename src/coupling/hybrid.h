@@ -265,7 +265,7 @@ void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
 /* rest.c: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate of the shortest extent
    (half the period of the free fundamental, never less than the former), s; what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
-   start, in its pose, and its motion; how long after its last crack a body that wakes now goes to rest at the latest, s; those that
+   start, in its pose, and its motion; how long after its last crack a body without any that holds goes to rest at the latest, s; those that
    may rest do; between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold it). */
 void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending);
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);

@@ -39,17 +39,28 @@ static double last_change(const ShvFragment *fragment)
 
 /* How long a body may vibrate before it rests whatever it carries, in transits of the bending wave; and how many times as long
    where a crack that still holds has moved since it woke: such cracks go on, a little, for about a hundred transits. Those are of
-   the piece itself, whose vibration moves them; but no piece has less time than a whole body of the size of what woke. */
+   the piece itself, whose vibration moves them; but it bears the blow for as long as waves cross what woke, which those of the bar
+   do most directly: so many transits of theirs, at least. */
 static const double longest_transits = 20.0, cracked_window = 5.0;
+
+double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    double bar, bending;
+    if (hybrid->scene->fracture.longest > 0.0) return hybrid->scene->fracture.longest;
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
+    return longest_transits * fmax(bending, fragment->woken_transit);
+}
 
 static double window(const ShvHybrid *hybrid, const ShvFragment *fragment)
 {
+    const double whole = shv_hybrid_longest(hybrid, fragment);
     const bool chosen = hybrid->scene->fracture.longest > 0.0;
-    if (chosen || !hybrid->fragments.bonds || !(fragment->last_crack > -HUGE_VAL)) return fragment->longest;
+    if (chosen || !hybrid->fragments.bonds || !(fragment->last_crack > -HUGE_VAL)) return whole;
     const bool held = shv_cohesive_holds_cracks(&hybrid->cohesive, hybrid->fragments.elements + fragment->element_begin,
                                                 fragment->element_count);
-    const double of_piece = fmin(shv_hybrid_longest(hybrid, fragment), fragment->longest);
-    return held ? fmax(cracked_window * of_piece, fragment->longest) : fragment->longest;
+    double bar, bending;
+    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
+    return held ? fmax(cracked_window * longest_transits * bending, whole) : whole;
 }
 
 /* The energy against which what a body carries is small or not: that with which it woke and, where cracks have moved since,
@@ -119,7 +130,7 @@ static void track_damage(ShvHybrid *hybrid)
 static bool window_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double begun)
 {
     const double age = hybrid->state.time - begun;
-    return age >= fragment->longest && age >= window(hybrid, fragment);
+    return age >= shv_hybrid_longest(hybrid, fragment) && age >= window(hybrid, fragment);
 }
 
 /* A fragment may rest when nothing has broken in it for the scene's number of checks and for two transits of the bar wave, no
@@ -138,13 +149,6 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     if (age < 2.0 * bar || !shv_waking_contact_is_over(hybrid, fragment, bar)) return SHV_REASON_NONE;
     const bool little = carried <= carried_share * reference_energy(fragment);
     return little && damage_rests(hybrid, fragment, bar) ? SHV_REASON_QUIET : SHV_REASON_NONE;
-}
-
-double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment)
-{
-    double bar, bending;
-    shv_hybrid_transit_times(hybrid, fragment, &bar, &bending);
-    return hybrid->scene->fracture.longest > 0.0 ? hybrid->scene->fracture.longest : longest_transits * bending;
 }
 
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
@@ -401,7 +405,7 @@ double shv_hybrid_time_to_decay(const ShvHybrid *hybrid, const ShvFragment *frag
     shv_fragment_momentum(fragment, &hybrid->fragments, &hybrid->state, &momentum, &angular, &kinetic);
     const double carried = carried_beside(hybrid, fragment, kinetic, shv_audit_strain(hybrid, fragment));
     const double little = carried_share * reference_energy(fragment);
-    return carried > little ? fragment->longest * log(carried / little) : 0.0;
+    return carried > little ? shv_hybrid_longest(hybrid, fragment) * log(carried / little) : 0.0;
 }
 
 /* Of the longest time: the shortest that an estimate of the rest reckons with. */

@@ -295,6 +295,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     /* a coupled body may have been woken by another touch before */
     if (fragment->mode != SHV_MODE_FLIGHT) return take_partner(hybrid, contact, error);
     const double start = shv_now();
+    double bending;
     ShvEventView event = shv_audit_event(hybrid, SHV_RUN_WAKE, contact->fragment);
     event.obstacle = contact->obstacle;
     event.value = contact->closing_speed;
@@ -317,7 +318,7 @@ ShvStatus shv_hybrid_wake(ShvHybrid *hybrid, const ShvRigidContact *contact, Shv
     fragment->wake_energy = fmax(event.kinetic_after, energy_of_blow(fragment, contact)) / fragment->mass;
     fragment->load = contact->load;
     fragment->impact = severity(hybrid, contact);
-    fragment->longest = shv_hybrid_longest(hybrid, fragment);
+    shv_hybrid_transit_times(hybrid, fragment, &fragment->woken_transit, &bending);
     shv_waking_contact_begin(hybrid, fragment, contact);
     shv_hybrid_begin_growth(hybrid, fragment);
     hybrid->awake.stale = true;

@@ -58,8 +58,8 @@ void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, co
         shv_rotate(shv_quat_conjugate(fragment->orientation), shv_sub(contact->point, fragment->position));
     fragment->touched = fmax(hybrid->state.time, contact->expected);
     if (speed > 0.0)
-        fragment->touched +=
-            fmin(time_to_meet(hybrid, gap_of_nodes(hybrid, fragment, contact), speed), fragment->longest);
+        fragment->touched += fmin(time_to_meet(hybrid, gap_of_nodes(hybrid, fragment, contact), speed),
+                                  shv_hybrid_longest(hybrid, fragment));
     fragment->last_insertion = fragment->touched;
 }
 

@@ -64,7 +64,7 @@ typedef struct ShvFragment {
         last_crack; /* s: when a facet was inserted, a bond failed or damage was seen to grow last; −∞: not since it woke */
     double last_approach,
         approach_severity; /* s: when something was to strike it last, which supports hold; m/s: severity of the hardest such blow */
-    double longest; /* s: after its last crack it rests at the latest; as it woke, children inherit */
+    double woken_transit; /* s: of the bar wave through what woke; children inherit */
     double cut_time,
         cut_energy; /* s, J: work of opening its minimum cut, as it was then or, before that, at its last rest (rest.c) */
     double

@@ -62,7 +62,8 @@ static void test_cubes_head_on(void **state)
     surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(-0.021, 0.0, 0.0), shv_vec3(2.0, 0.0, 0.0));
     surfaces_place(surfaces_box(&s, 0.04, 0.04, 0.04, 0.01), shv_vec3(0.021, 0.003, 0.0), shv_vec3(-2.0, 0.0, 0.0));
     surfaces_build(&s, 0.3, false);
-    collide(&s, 0.004, 1e-4);
+    /* Edges that are flush: a corner of one that has slipped past the other's face comes back behind it. */
+    collide(&s, 0.004, 2e-4);
     assert_true(surfaces_mean_velocity(&s, 0).x < -0.5);
     assert_true(surfaces_mean_velocity(&s, 1).x > 0.5);
     surfaces_release(&s);
@@ -515,8 +516,6 @@ static int32_t brute_force(const Surfaces *s, double step, ShvFacetPair *found, 
                 (node->held && are_neighbours(&s->state, facet->element, node->node)) ||
                 !shv_facet_pair_detect(&s->bodies, list, &candidate, step, reach, &pair, &distance))
                 continue;
-            const double inside = fmin(pair.weights[0], fmin(pair.weights[1], pair.weights[2]));
-            if (shv_dot(node->normal, pair.normal) > 0.25 * shv_norm(node->normal) && inside < 1e-3) continue;
             if (pair.gap + step * shv_dot(pair.relative, pair.normal) >= 0.0) continue;
             assert_true(count < room);
             found[count++] = pair;

@@ -700,7 +700,6 @@ static double latest_rest(Stage *stage, ShvHybrid *hybrid, ShvFragment *fragment
 {
     double soonest, latest;
     stage->scene.fracture.longest = longest;
-    fragment->longest = shv_hybrid_longest(hybrid, fragment);
     fragment->last_insertion = hybrid->state.time;
     fragment->last_crack = cracked ? hybrid->state.time : -HUGE_VAL;
     shv_hybrid_rest_between(hybrid, fragment, &soonest, &latest);
@@ -726,6 +725,8 @@ static void cracked_bodies_tremble_longer(void **unused)
     check_near(latest_rest(&stage, &hybrid, fragment, 0.1, true), 0.1, 1e-12);
     memset(hybrid.cohesive.bonded, 0, (size_t)hybrid.cohesive.count); /* its cracks hold nothing any more */
     check_near(latest_rest(&stage, &hybrid, fragment, 0.0, true), whole, 1e-9 * whole);
+    fragment->woken_transit *= 3.0; /* what woke was larger: the piece bears its blow for as long */
+    check_near(latest_rest(&stage, &hybrid, fragment, 0.0, true), 3.0 * whole, 1e-9 * whole);
     shv_hybrid_release(&hybrid);
 }
 
