@@ -240,8 +240,8 @@ static void test_edges_pass(void **state)
     }
 }
 
-/* A block glides off another, on which it stands, or in which it is so deep from the start until its nodes run into sides of the
-   other. Its edges are askew to those of the other, parallel to them, or exactly on them; none is in the way. */
+/* A block glides off another, on which it stands, or in which it is so deep from the start. Its edges are askew to those of the
+   other, parallel to them, or exactly on them; none is in the way, nor are sides. */
 static void glide_off(double depth_at_start, double turn, double size)
 {
     Surfaces s;
