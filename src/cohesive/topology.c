@@ -2,17 +2,12 @@
 
 #include <string.h>
 
+#include "base/sorted.h"
+
 int32_t shv_topology_find(const int32_t *corners, int32_t count, int32_t element)
 {
-    int32_t low = 0, high = count;
-    while (low < high) {
-        const int32_t middle = low + (high - low) / 2;
-        if (corners[middle] < 4 * element)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < count && corners[low] / 4 == element ? low : -1;
+    const int32_t place = shv_sorted_place(corners, count, 4 * element);
+    return place < count && corners[place] / 4 == element ? place : -1;
 }
 
 /* Everything joined to one corner gets its label. The facets of an element that contain its corner k are those opposite

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/sorted.h"
+
 /* ---- making ---- */
 
 static const ShvObject *find_object(const ShvModel *model, const char *name)
@@ -178,22 +180,9 @@ bool shv_imposed_in_force(const ShvImposedCondition *condition, double time)
     return !is_over(condition, time) && time >= condition->definition->start;
 }
 
-static bool is_among(const int32_t *sorted, int32_t count, int32_t wanted)
-{
-    int32_t low = 0, high = count;
-    while (low < high) {
-        const int32_t middle = low + (high - low) / 2;
-        if (sorted[middle] < wanted)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < count && sorted[low] == wanted;
-}
-
 static bool is_chosen(const ShvImposedCondition *condition, int32_t origin)
 {
-    return is_among(condition->origins, condition->origin_count, origin);
+    return shv_sorted_contains(condition->origins, condition->origin_count, origin);
 }
 
 /* Whether it holds a node of the state; one that has not been looked at yet, as its origin. */
@@ -201,7 +190,7 @@ static bool has_node(const ShvImposed *imposed, const ShvImposedCondition *condi
                      int32_t node)
 {
     if (node >= imposed->known_nodes) return is_chosen(condition, state->origin[node]);
-    return is_among(condition->nodes, condition->node_count, node);
+    return shv_sorted_contains(condition->nodes, condition->node_count, node);
 }
 
 static bool is_held(const ShvImposed *imposed, const ShvState *state, int32_t node)
@@ -358,7 +347,7 @@ void shv_imposed_release_nodes(ShvImposed *imposed, const ShvState *state, const
         ShvImposedCondition *condition = &imposed->items[i];
         if (condition->definition->kind != SHV_CONDITION_SUPPORT || !holds_faces(imposed, condition)) continue;
         for (int32_t k = 0; k < count; k++)
-            if (is_among(condition->nodes, condition->node_count, nodes[k]) &&
+            if (shv_sorted_contains(condition->nodes, condition->node_count, nodes[k]) &&
                 !any_has_chosen_face(imposed, condition, state->corners + state->corner_start[nodes[k]],
                                      state->corner_count[nodes[k]]))
                 remove_node(condition, nodes[k]);

@@ -1,4 +1,5 @@
 #include "base/disjoint_sets.h"
+#include "base/sorted.h"
 #include "fragment/fragment.h"
 #include "fragment/severed.h"
 #include "mesh/facets.h"
@@ -169,20 +170,6 @@ static ShvStatus find_parts(Parts *parts, ShvFragments *fragments, const ShvStat
     return count_parts(parts, fragments, count, error);
 }
 
-/* Where an element of the fragment stands in its list, which increases. */
-static int32_t place_of(const int32_t *elements, int32_t count, int32_t element)
-{
-    int32_t low = 0;
-    for (int32_t high = count; high - low > 1;) {
-        const int32_t middle = low + (high - low) / 2;
-        if (elements[middle] <= element)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* The part of each element: all are of the rest but those at the nodes that have come off. */
 static void mark_severed(Parts *parts, const ShvFragments *fragments, const ShvState *state,
                          const ShvFragment *fragment, const ShvSevered *severed)
@@ -192,7 +179,8 @@ static void mark_severed(Parts *parts, const ShvFragments *fragments, const ShvS
     for (int32_t k = 0; k < severed->node_count; k++) {
         const int32_t node = fragments->label[k], *corners = state->corners + state->corner_start[node];
         for (int32_t i = 0; i < state->corner_count[node]; i++)
-            parts->element_part[place_of(elements, fragment->element_count, corners[i] / 4)] = fragments->found[node];
+            parts->element_part[shv_sorted_place(elements, fragment->element_count, corners[i] / 4)] =
+                fragments->found[node];
     }
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/disjoint_sets.h"
+#include "base/sorted.h"
 #include "cohesive/frame.h"
 
 /* Sections smaller than this share of the largest are ends of the body, a tet or two thick, and no cuts of it. */
@@ -66,19 +67,6 @@ static void add(Cut *cut, const Joint *joint, double area, int sign)
         cut->endless += sign;
 }
 
-static int32_t place_of(const Search *search, int32_t element)
-{
-    int32_t low = 0, high = search->count;
-    while (high - low > 1) {
-        const int32_t middle = low + (high - low) / 2;
-        if (search->elements[middle] <= element)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* Mean residual normal strength over the points of a cohesive facet, Pa. */
 static double residual(const ShvCohesive *cohesive, int32_t index)
 {
@@ -118,12 +106,13 @@ static void list_joints(Search *search)
         if (other < element || owner[other] != owner[element]) continue;
         const double strength = cohesive->facet_strength[facet];
         const ShvVec3 area = shv_cohesive_reference_area(cohesive->model, facet);
-        search->joints[search->joint_count++] = (Joint){.sides = {i / 4, place_of(search, other)},
-                                                        .area = area,
-                                                        .strength = strength,
-                                                        .residual = index < 0 ? strength : residual(cohesive, index),
-                                                        .energy = opening_work(cohesive, facet, shv_norm(area)),
-                                                        .inserted = index >= 0};
+        search->joints[search->joint_count++] =
+            (Joint){.sides = {i / 4, shv_sorted_place(search->elements, search->count, other)},
+                    .area = area,
+                    .strength = strength,
+                    .residual = index < 0 ? strength : residual(cohesive, index),
+                    .energy = opening_work(cohesive, facet, shv_norm(area)),
+                    .inserted = index >= 0};
     }
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/sorted.h"
 #include "conditions/condition_selection.h"
 
 /* ---- choosing ---- */
@@ -77,15 +78,7 @@ static ShvStatus find_point(ShvSampledProbe *probe, const ShvModel *model, ShvEr
 
 static bool is_chosen(const ShvSampledProbe *probe, int32_t origin)
 {
-    int32_t low = 0, high = probe->origin_count;
-    while (low < high) {
-        const int32_t middle = low + (high - low) / 2;
-        if (probe->origins[middle] < origin)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < probe->origin_count && probe->origins[low] == origin;
+    return shv_sorted_contains(probe->origins, probe->origin_count, origin);
 }
 
 static int chosen_corners(const ShvSampledProbe *probe, const ShvModel *model, int32_t element)
