@@ -893,9 +893,10 @@ static const ShvKey fracture_keys[] = {
      .sentence = "Checks without insertion after which a body may leave fracture mode."},
     {"longest", SHV_KEY_NUMBER, SHV_DIMENSION_TIME, SHV_KEY_AUTOMATIC, &not_negative, .offset = SCENE(fracture.longest),
      .absent = "auto",
-     .sentence = "A body leaves fracture mode so long after its last crack (an insertion, a failed bond, damage that "
-                 "grew); `auto` (or 0) takes 20 transits of the slowest bending wave through it, 100 where a crack has "
-                 "moved since it woke and still holds, but no less than 20 of the bar wave through the body that woke."},
+     .sentence =
+         "A body leaves fracture mode so long after its last crack (an insertion, a failed bond, damage that "
+         "grew); `auto` (or 0) takes 20 transits of the slowest bending wave through it, 100 where a crack has "
+         "moved since it woke and still holds, but no less than 20 of the bar wave through the body that woke."},
     {"deformation", SHV_KEY_CHOICE, .choices = deformation_choices, .offset = SCENE(fracture.deformation),
      .sentence =
          "What becomes of a body's deformation while it is rigid. `drop`: it goes back to its shape at the start, and "
