@@ -267,7 +267,7 @@ static bool meet_vertex(const ShvObstacle *obstacle, const ShvFeature *feature, 
 }
 
 /* One edge of the facet; its tet is to be on its far side, where a body that drapes over an edge has its next nodes lower. What a
-   node of the edge has gone into is its own to leave. */
+   node of the edge has gone into, deeper than the edge, is its own to leave: one that rests on the obstacle is in it by rounding. */
 static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, const ShvFacetShape *facet, int edge,
                       double limit, ShvFeaturePoint *found)
 {
@@ -285,7 +285,7 @@ static bool meet_edge(const ShvObstacle *obstacle, const ShvFeature *feature, co
         shv_dot(normal, shv_sub(facet->apex, b)) < 0.0)
         return false;
     for (int k = 0; k < 2 && gap <= 0.0; k++)
-        if (shv_obstacle_closest(obstacle, facet->corners[k == 0 ? edge : next], 0.0).gap <= 0.0) return false;
+        if (shv_obstacle_closest(obstacle, facet->corners[k == 0 ? edge : next], 0.0).gap <= gap) return false;
     *found = (ShvFeaturePoint){gap, shv_madd(a, at.shares[0], u), normal, {0.0, 0.0, 0.0}};
     found->weights[edge] = 1.0 - at.shares[1];
     found->weights[next] = at.shares[1];

@@ -206,9 +206,31 @@ static void test_beyond_a_free_face(void **state)
     shv_obstacles_release(&obstacles);
 }
 
+/* An edge of a facet crosses an edge of a box beyond a node that lies on its top, a billionth deep. Only what the node is deeper in
+   than the edge is left to it. */
+static void test_edge_beside_a_node(void **state)
+{
+    (void)state;
+    ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.0, 1.0, 1.0), shv_vec3(0.0, 0.0, -0.5));
+    ShvSceneDefinition scene = shv_scene_default();
+    ShvObstacles obstacles;
+    ShvError error = {SHV_OK, ""};
+    scene.obstacles = &definition;
+    scene.obstacle_count = 1;
+    check_ok(shv_obstacles_create(&obstacles, NULL, &scene, NULL, &error), error);
+    ShvFacetShape facet = {.corners = {{0.2, 0.0, -1e-9}, {0.8, 0.05, -2e-3}, {0.5, 3.0, 0.2}},
+                           .apex = {0.5, 1.0, 2.0}};
+    assert_int_equal(count_of_overlaps(obstacles.items, &facet), 1);
+    check_near(feature_gap(obstacles.items, &facet, NULL), -1e-3, 1e-5);
+    facet.corners[0].z = -5e-3;
+    assert_int_equal(count_of_overlaps(obstacles.items, &facet), 0);
+    shv_obstacles_release(&obstacles);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_distances), cmocka_unit_test(test_what_counts),
-                                       cmocka_unit_test(test_overlaps), cmocka_unit_test(test_beyond_a_free_face)};
+                                       cmocka_unit_test(test_overlaps), cmocka_unit_test(test_beyond_a_free_face),
+                                       cmocka_unit_test(test_edge_beside_a_node)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
