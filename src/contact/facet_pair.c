@@ -100,12 +100,9 @@ ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvM
 {
     ShvFacetShape shape = {.free = 0};
     const uint8_t *own = shv_face_corners[facet->face];
-    int32_t nodes[3];
-    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
-    for (int k = 0; k < 3; k++) {
-        shape.corners[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
+    shv_surface_facet_corners(bodies, facet, shape.corners);
+    for (int k = 0; k < 3; k++)
         if (is_free(bodies, model, facet->element, own[k])) shape.free |= (uint8_t)(1 << k);
-    }
     const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
     shape.apex = shv_bodies_position(bodies, apex, facet->fragment);
     return shape;
@@ -132,10 +129,8 @@ static const double facing = 0.5;
 
 static bool facet_faces(const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, ShvVec3 push)
 {
-    int32_t nodes[3];
     ShvVec3 corners[3];
-    shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
-    for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
+    shv_surface_facet_corners(bodies, facet, corners);
     const ShvVec3 area = shv_cross(shv_sub(corners[1], corners[0]), shv_sub(corners[2], corners[0]));
     return shv_dot(area, push) < -facing * shv_norm(area);
 }

@@ -99,36 +99,28 @@ static ShvStatus add_nodes(ShvSurfaceList *list, const ShvState *state, int32_t 
     return SHV_OK;
 }
 
-ShvVec3 shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+void shv_surface_facet_corners(const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, ShvVec3 corners[3])
 {
     int32_t nodes[3];
-    ShvVec3 x[3];
     shv_surface_corners(bodies->state, facet->element, facet->face, nodes);
-    facet->box = shv_box_empty();
-    for (int k = 0; k < 3; k++) {
-        x[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
-        shv_box_add(&facet->box, x[k]);
-    }
-    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
-    const ShvVec3 area = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])), n = shv_unit(area);
-    const double altitude = shv_dot(n, shv_sub(x[0], shv_bodies_position(bodies, apex, facet->fragment)));
-    for (int k = 0; k < 3; k++) shv_box_add(&facet->box, shv_madd(x[k], -0.5 * altitude, n));
-    return area;
+    for (int k = 0; k < 3; k++) corners[k] = shv_bodies_position(bodies, nodes[k], facet->fragment);
 }
 
-static void measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
+void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet)
 {
-    const ShvVec3 area = shv_surface_facet_measure(bodies, facet);
-    for (int k = 0; k < 3; k++) {
-        ShvVec3 *normal = &list->nodes[facet->slots[k]].normal;
-        *normal = shv_add(*normal, area);
-    }
+    ShvVec3 x[3];
+    shv_surface_facet_corners(bodies, facet, x);
+    facet->box = shv_box_empty();
+    for (int k = 0; k < 3; k++) shv_box_add(&facet->box, x[k]);
+    const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
+    const ShvVec3 n = shv_unit(shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
+    const double altitude = shv_dot(n, shv_sub(x[0], shv_bodies_position(bodies, apex, facet->fragment)));
+    for (int k = 0; k < 3; k++) shv_box_add(&facet->box, shv_madd(x[k], -0.5 * altitude, n));
 }
 
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies)
 {
-    for (int32_t k = 0; k < list->node_count; k++) list->nodes[k].normal = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < list->facet_count; k++) measure(list, bodies, &list->facets[k]);
+    for (int32_t k = 0; k < list->facet_count; k++) shv_surface_facet_measure(bodies, &list->facets[k]);
 }
 
 static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t element, int32_t face,
@@ -148,7 +140,7 @@ static ShvStatus add_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodies,
     int32_t nodes[3];
     shv_surface_corners(bodies->state, element, face, nodes);
     for (int k = 0; k < 3; k++) facet->slots[k] = list->slot[nodes[k]];
-    measure(list, bodies, facet);
+    shv_surface_facet_measure(bodies, facet);
     if (bodies->cohesive) shv_surface_edges_link(list, list->facet_count - 1);
     return SHV_OK;
 }
@@ -307,40 +299,11 @@ static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodie
     return from >= 0 && list->nodes[from].inner ? add_node(list, node, fragment, true, error) : SHV_OK;
 }
 
-static void add_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, int32_t slot)
-{
-    ShvVec3 x[3];
-    for (int i = 0; i < 3; i++) x[i] = shv_bodies_position(bodies, list->nodes[facet->slots[i]].node, facet->fragment);
-    ShvSurfaceNode *node = &list->nodes[slot];
-    node->normal = shv_add(node->normal, shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0])));
-}
-
-/* The sum over a node's facets, in their order. */
-static void sum_normal(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t slot)
-{
-    const ShvState *state = bodies->state;
-    const int32_t node = list->nodes[slot].node;
-    list->nodes[slot].normal = shv_vec3(0.0, 0.0, 0.0);
-    for (int32_t last = -1, next;; last = next) {
-        next = INT32_MAX;
-        for (int32_t i = 0; i < state->corner_count[node]; i++) {
-            const int32_t corner = state->corners[state->corner_start[node] + i];
-            for (int face = 0; face < 4; face++) {
-                const int32_t place = list->place[corner / 4 * (int64_t)4 + face];
-                if (face != corner % 4 && place > last && place < next) next = place;
-            }
-        }
-        if (next == INT32_MAX) return;
-        add_normal(list, bodies, &list->facets[next], slot);
-    }
-}
-
 /* A node that was split, or a copy: it has fewer facets now, and neighbours that it may meet. */
 static ShvStatus split_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
     const int32_t slot = list->slot[node];
     if (slot < 0) return SHV_OK;
-    sum_normal(list, bodies, slot);
     SHV_TRY(shv_surface_list_mark_outdated(list, slot, error));
     return hold_node(list, bodies, node, error);
 }

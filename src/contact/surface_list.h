@@ -49,7 +49,6 @@ typedef struct ShvSurfaceNode {
     bool outdated; /* its neighbour list is no longer whole, wherever it is */
     bool held;     /* one of a pair of copies that a crack keeps from passing each other: its facet has not separated */
     ShvVec3 from;  /* where it was when its speed class was chosen, m */
-    ShvVec3 normal; /* sum of the area vectors of its facets when last measured, × 2, m² */
 } ShvSurfaceNode;
 
 /* A cohesive facet whose faces have not separated. */
@@ -117,10 +116,12 @@ void shv_surface_list_release(ShvSurfaceList *list);
 /* Lists the surfaces of what is awake or a coupled body. Costs work in proportion to the model's boundary and its cohesive
    facets. */
 ShvStatus shv_surface_list_build(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, ShvError *error);
-/* Measures boxes and normals anew, of a list that still holds. */
+/* Measures boxes anew, of a list that still holds. */
 void shv_surface_list_measure(ShvSurfaceList *list, const ShvSurfaceBodies *bodies);
-/* The box of one facet; returns its area vector × 2, m². */
-ShvVec3 shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
+/* Where the corners of a facet are, m. */
+void shv_surface_facet_corners(const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, ShvVec3 corners[3]);
+/* The box of one facet. */
+void shv_surface_facet_measure(const ShvSurfaceBodies *bodies, ShvSurfaceFacet *facet);
 /* What was known before insertions: nodes of the state, cohesive facets, fragments. */
 typedef struct ShvSurfaceKnown {
     int32_t nodes, cohesive, fragments;

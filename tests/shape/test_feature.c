@@ -152,12 +152,7 @@ static void test_overlaps(void **state)
     (void)state;
     ShvObstacleDefinition definitions[2] = {box_definition("box", shv_vec3(1.0, 1.0, 1.0), shv_vec3(0.0, 0.0, -0.5)),
                                             sphere_definition("pin", 0.1, shv_vec3(5.0, 0.0, -0.1))};
-    ShvSceneDefinition scene = shv_scene_default();
-    ShvObstacles obstacles;
-    ShvError error = {SHV_OK, ""};
-    scene.obstacles = definitions;
-    scene.obstacle_count = 2;
-    check_ok(shv_obstacles_create(&obstacles, NULL, &scene, NULL, &error), error);
+    ShvObstacles obstacles = make_obstacles(definitions, 2);
     for (int k = 0; k < 2; k++) {
         const double x = k == 0 ? 0.0 : 5.0, depth = 1e-3;
         const ShvFacetShape facet = {.corners = {{x - 3.0, -2.0, -depth}, {x + 3.0, -2.5, -depth}, {x, 4.0, -depth}},
@@ -190,13 +185,8 @@ static int count_of_overlaps(const ShvObstacle *obstacle, const ShvFacetShape *f
 static void test_beyond_a_free_face(void **state)
 {
     (void)state;
-    ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.6, 1.6, 1.6), shv_vec3(0.0, 0.0, -0.8));
-    ShvSceneDefinition scene = shv_scene_default();
-    ShvObstacles obstacles;
-    ShvError error = {SHV_OK, ""};
-    scene.obstacles = &definition;
-    scene.obstacle_count = 1;
-    check_ok(shv_obstacles_create(&obstacles, NULL, &scene, NULL, &error), error);
+    const ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.6, 1.6, 1.6), shv_vec3(0.0, 0.0, -0.8));
+    ShvObstacles obstacles = make_obstacles(&definition, 1);
     ShvFacetShape facet = {.corners = {{-1.31, 1.09, 0.16}, {-2.05, -8.85, -0.66}, {3.49, -4.68, 4.78}},
                            .apex = {8.44, -9.64, -0.56},
                            .free = 4}; /* that opposite to the third corner, below */
@@ -211,13 +201,8 @@ static void test_beyond_a_free_face(void **state)
 static void test_edge_beside_a_node(void **state)
 {
     (void)state;
-    ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.0, 1.0, 1.0), shv_vec3(0.0, 0.0, -0.5));
-    ShvSceneDefinition scene = shv_scene_default();
-    ShvObstacles obstacles;
-    ShvError error = {SHV_OK, ""};
-    scene.obstacles = &definition;
-    scene.obstacle_count = 1;
-    check_ok(shv_obstacles_create(&obstacles, NULL, &scene, NULL, &error), error);
+    const ShvObstacleDefinition definition = box_definition("box", shv_vec3(1.0, 1.0, 1.0), shv_vec3(0.0, 0.0, -0.5));
+    ShvObstacles obstacles = make_obstacles(&definition, 1);
     ShvFacetShape facet = {.corners = {{0.2, 0.0, -1e-9}, {0.8, 0.05, -2e-3}, {0.5, 3.0, 0.2}},
                            .apex = {0.5, 1.0, 2.0}};
     assert_int_equal(count_of_overlaps(obstacles.items, &facet), 1);
