@@ -124,15 +124,12 @@ bool shv_surface_is_behind(const ShvSurfaceBodies *bodies, int32_t fragment, int
     return true;
 }
 
-/* Cosine of the angle between a push and the inward normal of a facet, up to which the facet faces it. */
-static const double facing = 0.5;
-
 static bool facet_faces(const ShvSurfaceBodies *bodies, const ShvSurfaceFacet *facet, ShvVec3 push)
 {
     ShvVec3 corners[3];
     shv_surface_facet_corners(bodies, facet, corners);
     const ShvVec3 area = shv_cross(shv_sub(corners[1], corners[0]), shv_sub(corners[2], corners[0]));
-    return shv_dot(area, push) < -facing * shv_norm(area);
+    return shv_normals_face(shv_unit(area), push);
 }
 
 static bool is_faced(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceNode *node,

@@ -84,7 +84,7 @@ ShvSurfacePoint shv_obstacle_closest(const ShvObstacle *obstacle, ShvVec3 point,
 /* Whether an edge or a corner of the obstacle is next to such a point (within 1e-3 of its radius), where the way to the nearest surface
    may be none that a body beside it can be pushed. */
 bool shv_obstacle_is_sharp(const ShvObstacle *obstacle, const ShvSurfacePoint *at);
-/* Whether two obstacles whose outward normals these are face each other: they are more than 120 degrees apart. */
+/* Whether two surfaces whose outward unit normals these are face each other: they are more than 120 degrees apart. */
 static inline bool shv_normals_face(ShvVec3 a, ShvVec3 b)
 {
     return shv_dot(a, b) < -0.5;
