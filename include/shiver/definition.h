@@ -102,7 +102,8 @@ typedef struct ShvMeshDefinition {
     ShvMeshPattern pattern; /* box, notched beam */
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
                                the surface; no tet is inverted */
-    uint64_t seed;    /* of the jitter */
+    uint64_t seed;    /* of the jitter, of an unstructured mesh, of what `improve` tries */
+    bool improve;     /* gmsh, tetgen, memory: betters the tenth of its tets that is worst; stl does so always */
     const char *file; /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY), stl */
     double scale;     /* multiplies every coordinate of a file, > 0; 1. stl: `edge` is that after it */
     double thickness; /* shell: inwards, m (after scale) */

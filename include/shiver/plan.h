@@ -31,6 +31,7 @@ typedef struct ShvPreflight {
     double wall_stiffness;     /* of such a wall in bending on this mesh, over what it should be; 1 without one */
     bool smoothed;             /* strain is averaged over the tets round each edge */
     bool ordered;              /* a box whose nodes stand in rank and file, and could stand without */
+    bool improvable;           /* tets from elsewhere that `improve` has not bettered */
     double stable_step;        /* s, smallest exact element step */
     int32_t stable_element;    /* of the joint mesh: the tet that sets it */
     double stable_centroid[3]; /* m, world at the start */

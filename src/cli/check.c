@@ -24,14 +24,18 @@ static void warn_mesh(const ShvPreflight *p)
                p->cohesive_zone, p->cohesive_zone / p->breaking_mean_edge);
 }
 
-/* Steps go with the flattest tet: half an edge is the altitude of a good one, and generators get within a tenth of an edge. */
+/* Steps go with the flattest tet: half an edge is the altitude of a good one, generators get within a tenth of an edge, and what is
+   bettered within 0.35. */
 static void warn_sliver(const ShvPreflight *p)
 {
-    const double flat = 0.05; /* mean edges */
-    if (!(p->smallest_altitude < flat * p->mean_edge)) return;
-    printf("  warning: the flattest tet is %.3g m high, %.2g of the mean edge, and sets the step: a mesh without "
-           "such\n           slivers takes about %.0f times fewer steps; try another edge length, or another mesher\n",
-           p->smallest_altitude, p->smallest_altitude / p->mean_edge, 0.5 * p->mean_edge / p->smallest_altitude);
+    const double flat = 0.05, poor = 0.3; /* mean edges */
+    const double height = p->smallest_altitude / p->mean_edge;
+    if (!(height < (p->improvable ? poor : flat))) return;
+    printf("  %s: the flattest tet is %.3g m high, %.2g of the mean edge, and sets the step: a mesh without "
+           "such\n           takes about %.*f times fewer steps; try %s\n",
+           height < flat ? "warning" : "note", p->smallest_altitude, height, height < flat ? 0 : 1,
+           (height < flat ? 0.5 : 0.4) / height,
+           p->improvable ? "'improve: true' in the object's mesh" : "another edge length, or another mesher");
 }
 
 /* Where most of a body is wall. On edges as long as it is thick, linear tets are 2.3 times too stiff. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "mesh/fill.h"
+#include "mesh/improve.h"
 
 static const char *kind_name(ShvMeshKind kind)
 {
@@ -49,6 +50,9 @@ static ShvStatus check_definition(const ShvMeshDefinition *definition, ShvError 
         return shv_fail(error, SHV_BAD_INPUT, "%s: jitter is %g, but must lie between 0 and 0.3", name,
                         definition->jitter);
     const bool read = is_read(definition->kind);
+    if (definition->improve && (!(read || definition->kind == SHV_MESH_MEMORY) || definition->kind == SHV_MESH_SHELL))
+        return shv_fail(error, SHV_BAD_INPUT, "%s: 'improve' is for tets from a file or from memory; leave it out",
+                        name);
     if (!read && definition->kind != SHV_MESH_MEMORY) return SHV_OK;
     if (read && (!definition->file || !*definition->file))
         return shv_fail(error, SHV_BAD_INPUT, "%s: no file is named; set file", name);
@@ -146,6 +150,8 @@ static ShvStatus finish_mesh(ShvMesh *mesh, const ShvMeshDefinition *definition,
 {
     SHV_TRY(shv_mesh_validate(mesh, what, error));
     if (definition->jitter > 0.0) SHV_TRY(shv_mesh_jitter(mesh, definition->jitter, definition->seed, error));
+    const bool filled = definition->improve || definition->kind == SHV_MESH_STL;
+    if (filled || definition->jitter > 0.0) SHV_TRY(shv_mesh_improve(mesh, filled, definition->seed, error));
     return shv_mesh_renumber(mesh, NULL, NULL, error);
 }
 

@@ -256,6 +256,15 @@ static ShvVec3 draw_way(Work *w)
     return shv_load3(x);
 }
 
+/* Where it goes when it would move that way. */
+static ShvVec3 keep(const ShvImprove *mesh, int32_t node, ShvVec3 old, ShvVec3 way)
+{
+    if (mesh->outline) return shv_outline_keep(mesh->outline, mesh->held[node], old, shv_add(old, way));
+    const ShvVec3 wanted = shv_add(old, shv_freedom_shift(&mesh->freedom, node, way));
+    const double slid = shv_norm(shv_sub(wanted, place(mesh->original, node)));
+    return mesh->freedom.kind[node] == SHV_FREE || slid < mesh->wanted ? wanted : old;
+}
+
 /* Tries places near a node for one where the worst of its tets is better. */
 static void move(Work *w, int32_t node)
 {
@@ -265,7 +274,7 @@ static void move(Work *w, int32_t node)
     Worst worst = worst_at(w, node, none);
     for (int i = 0; i < PLACES && worst.measure < mesh->wanted; i++) {
         const ShvVec3 old = shv_load3(x);
-        shv_store3(x, shv_outline_keep(mesh->outline, mesh->held[node], old, shv_madd(old, way, draw_way(w))));
+        shv_store3(x, keep(mesh, node, old, shv_scale(draw_way(w), way)));
         const Worst now = worst_at(w, node, worst);
         if (now.measure > worst.measure) {
             w->any = w->any || now.measure > worst.measure + (better - 1.0) * mesh->wanted;

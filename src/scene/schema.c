@@ -267,12 +267,22 @@ static const ShvKey notched_beam_keys[] = {
          "Tetrahedra of a body-centred lattice, whose cells are halved towards the notch, or five in each brick "
          "of a grid, whose bricks grow thinner along x towards the notch."}};
 MESH_TABLE(notched_beam, "A beam with a notch in its lower face, centred on its origin.");
+#define IMPROVE_KEY                                                                                                    \
+    {                                                                                                                  \
+        "improve", SHV_KEY_BOOLEAN,                                                                                    \
+            .offset = MESH(improve),                                                                                   \
+            .sentence =                                                                                                \
+                "Betters the tenth of the tets that is worst, which set the time step: other tets in the same "        \
+                "room, other places of nodes, along smooth parts of the surface as well."                              \
+    }
+
 static const ShvKey gmsh_keys[] = {
-    FILE_KEY("file", MESH(file), "File of tetrahedra: MSH 2.2 ASCII, or 4.1 ASCII or binary."), SCALE_KEY(MESH(scale))};
+    FILE_KEY("file", MESH(file), "File of tetrahedra: MSH 2.2 ASCII, or 4.1 ASCII or binary."), SCALE_KEY(MESH(scale)),
+    IMPROVE_KEY};
 MESH_TABLE(gmsh, "Tetrahedra of a Gmsh file.");
 static const ShvKey tetgen_keys[] = {
     FILE_KEY("file", MESH(file), "Name of the .node file, or what .node and .ele files have in common."),
-    SCALE_KEY(MESH(scale))};
+    SCALE_KEY(MESH(scale)), IMPROVE_KEY};
 MESH_TABLE(tetgen, "Tetrahedra of TetGen's .node and .ele files.");
 static const ShvKey shell_keys[] = {
     FILE_KEY("surface", MESH(file), "File of a closed triangle surface: OBJ, STL or PLY."),
@@ -289,7 +299,7 @@ static const ShvKey stl_keys[] = {
     FILE_KEY("file", MESH(file),
              "File of a closed triangle surface (STL, OBJ, PLY), or of CAD that gmsh reads (STEP, IGES, BREP)."),
     SCALE_KEY(MESH(scale)), EDGE_KEY};
-static const ShvKey memory_keys[] = {SCALE_KEY(MESH(scale))};
+static const ShvKey memory_keys[] = {SCALE_KEY(MESH(scale)), IMPROVE_KEY};
 MESH_TABLE(memory, "Tetrahedra that the calling program has (docs/library.md).");
 MESH_TABLE(stl, "A body filled with tetrahedra by gmsh, which must be installed, each time that the scene is read.");
 
@@ -332,7 +342,8 @@ static const ShvKey mesh_keys[] = {
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
          "steer cracks. Surface nodes stay on the surface."},
-    {"seed", SHV_KEY_UINT64, .offset = MESH(seed), .sentence = "Seed of the jitter, and of an unstructured mesh."},
+    {"seed", SHV_KEY_UINT64, .offset = MESH(seed),
+     .sentence = "Seed of the jitter, of an unstructured mesh, and of what `improve` tries."},
 };
 static const ShvTable mesh_table = {.name = "objects.<name>.mesh",
                                     .sentence =

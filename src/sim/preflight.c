@@ -165,6 +165,8 @@ ShvStatus shv_simulation_preflight(const ShvSimulation *simulation, int32_t obje
     measure_mesh(preflight, &hybrid->model, body);
     measure_wall(preflight, &hybrid->model, body);
     const ShvMeshDefinition *mesh = &hybrid->scene->objects[object].mesh;
+    preflight->improvable = !mesh->improve && (mesh->kind == SHV_MESH_GMSH || mesh->kind == SHV_MESH_TETGEN ||
+                                               mesh->kind == SHV_MESH_MEMORY);
     preflight->ordered = mesh->kind == SHV_MESH_BOX && mesh->pattern != SHV_PATTERN_UNSTRUCTURED;
     for (int32_t e = body->element_begin; e < body->element_end; e++) preflight->mass += hybrid->state.element_mass[e];
     measure_step(preflight, hybrid, body);
