@@ -232,6 +232,16 @@ static void check_groups(Checker *checker, const ShvObjectItem *item)
         fault(checker, item->head.node, "groups", "only a mesh from a gmsh file has groups: mesh: {gmsh: …}");
 }
 
+/* Other tets have other facets: a crack that the mesh was made for would be bridged where they are. */
+static void check_cracks(Checker *checker, const ShvObjectItem *item)
+{
+    if (item->head.good && item->cracks.count > 0 && item->definition.mesh.improve)
+        fault(
+            checker, item->head.node, "cracks",
+            "'improve' may take away facets that 'cracks' open: leave out one of them, and better the mesh where it is "
+            "made");
+}
+
 static void check_objects(Checker *checker)
 {
     const ShvObjectItem *items = checker->scene->objects.data;
@@ -240,6 +250,7 @@ static void check_objects(Checker *checker)
         const ShvEntry *mesh = shv_tree_find(item->head.node, "mesh");
         check_material_name(checker, item->head.node, item->definition.material);
         check_groups(checker, item);
+        check_cracks(checker, item);
         if (item->head.good && mesh) check_mesh(checker, mesh->value, &item->definition.mesh);
     }
     const ShvEntry *objects = shv_tree_find(checker->scene->head.node, "objects");

@@ -341,7 +341,9 @@ static const ShvKey mesh_keys[] = {
     {"jitter", SHV_KEY_NUMBER, .range = &jitter, .offset = MESH(jitter),
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
-         "steer cracks. Surface nodes stay on the surface."},
+         "steer cracks. Surface nodes stay on the surface; the tenth of the tets that is worst then, which sets the "
+         "step, is "
+         "bettered."},
     {"seed", SHV_KEY_UINT64, .offset = MESH(seed),
      .sentence = "Seed of the jitter, of an unstructured mesh, and of what `improve` tries."},
 };

@@ -303,6 +303,11 @@ static void objects(void **state)
               "s.yaml:4:64: error: only a mesh from a gmsh file has groups: mesh: {gmsh: …}");
     check_one(WITH_OBJECT("material: m, mesh: {gmsh: {file: /dev/null}}, groups: [{name: a, material: n}]"),
               "s.yaml:4:82: error: material 'n' is no material of the scene; there is m");
+    check_one(
+        WITH_OBJECT("material: m, mesh: {gmsh: {file: /dev/null, improve: true}}, cracks: [{plane: {normal: [0, 0, 1], "
+                    "tolerance: 1}}]"),
+        "s.yaml:4:76: error: 'improve' may take away facets that 'cracks' open: leave out one of them, and better the "
+        "mesh where it is made");
     check_one(WITH_OBJECT("material: m, mesh: {ball: {radius: 1, edge: 1}}, repeat: {count: 0, offset: [0, 0, 0]}"),
               "s.yaml:4:72: error: count is '0'; expected a whole number, at least 1 and at most 65535");
     check_one(WITH_OBJECT("material: m, mesh: {ball: {radius: 1, edge: 1}}, repeat: {count: 2, offset: [0, 0, 0]}}\n"
