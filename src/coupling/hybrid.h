@@ -162,7 +162,7 @@ typedef struct ShvObserver {
     double least_spring_step;             /* s: of all frames so far; 0: none */
     ShvLedgerView balance;                /* of the last observed time */
     double start_energy, start_potential; /* J */
-    double least_contact_work;            /* J: of contact, friction and closure together, so far */
+    double least_contact_work;            /* J: of contacts and closing faces with their friction, so far */
     bool started;                         /* the balance */
     int32_t steps_since;                  /* the ledger was last looked at */
     double backend_contact, backend_friction, backend_bars, backend_damping; /* works already booked */

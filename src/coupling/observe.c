@@ -283,6 +283,13 @@ static double given_by_closing(const ShvHybrid *hybrid, const ShvLedgerView *bal
     return balance->closure + hybrid->observer.cohesive_energy.held;
 }
 
+/* Of contacts and of closing faces, pushes and friction together: no impulse of either gives kinetic energy, but what each of them does to
+   the others' pairs is booked there, so that of the two alone one may rise. */
+static double contact_work(const ShvHybrid *hybrid, const ShvLedgerView *balance)
+{
+    return balance->contact + balance->friction + balance->crack_friction + given_by_closing(hybrid, balance);
+}
+
 /* What contacts have given since they had taken most, J. They take energy or leave it, unless obstacles are driven or overlaps are
    the scene's; a balance cannot tell, since all that they do is booked. */
 static double contact_gain(const ShvHybrid *hybrid)
@@ -291,7 +298,7 @@ static double contact_gain(const ShvHybrid *hybrid)
     if (hybrid->scene->overlaps == SHV_OVERLAPS_KEEP) return 0.0;
     for (int32_t i = 0; i < hybrid->obstacles.count; i++)
         if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED) return 0.0;
-    return b->contact + b->friction + given_by_closing(hybrid, b) - hybrid->observer.least_contact_work;
+    return contact_work(hybrid, b) - hybrid->observer.least_contact_work;
 }
 
 /* What it takes to lift every body by its radius, J: contacts may lift out what starts or wakes inside something else. */
@@ -383,7 +390,7 @@ ShvStatus shv_hybrid_observe(ShvHybrid *hybrid, ShvError *error)
     close_balance(hybrid, &balance);
     const double largest = hybrid->observer.balance.largest;
     hybrid->observer.balance = balance;
-    hybrid->observer.least_contact_work = fmin(hybrid->observer.least_contact_work,
-                                               balance.contact + balance.friction + given_by_closing(hybrid, &balance));
+    hybrid->observer.least_contact_work =
+        fmin(hybrid->observer.least_contact_work, contact_work(hybrid, &hybrid->observer.balance));
     return judge_balance(hybrid, largest, error);
 }
