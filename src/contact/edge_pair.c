@@ -8,8 +8,9 @@ static const double just_met = 1e-3, deepest = 0.1;
 static const double share_of_overlap = 0.25;
 /* Edges cross as such at least so far from their ends: shares of the edge, and times their depth. Nearer to a node the node meets
    the facets, before the edges are as deep as it is far. What a node of an edge has gone into is its own to leave, too: such an edge
-   crosses others next to the node, in directions that have nothing to do with how the node came in. */
-static const double rim = 1e-2, clear_of_node = 10.0;
+   crosses others next to the node, in directions that have nothing to do with how the node came in. Shares larger than this let edges
+   through where their nodes are beside the other body. */
+static const double rim = 1e-3, clear_of_node = 10.0;
 /* Sine of the angle by which a normal may be out of a normal cone, and a way out of a wedge: where an edge lies on a facet up to the
    facet's rim, as of a box on a box, it is on the rim of both, and facets bend under load. */
 static const double normal_cone = 0.087; /* 5 degrees */

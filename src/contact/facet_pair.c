@@ -176,7 +176,15 @@ static ShvVec3 mean_velocity(const ShvFacetPair *pair, const ShvVec3 velocities[
     return mean;
 }
 
-/* Whether the node will stand over the facet at the end of the step. */
+/* When the node will be in the facet's plane, if it is over it now, or the end of the step. */
+static double time_to_meet(const Place *place, ShvVec3 velocity, const ShvVec3 velocities[3], double step)
+{
+    double approach = -shv_dot(place->plane.normal, velocity);
+    for (int k = 0; k < 3; k++) approach += place->weights[k] * shv_dot(place->plane.normal, velocities[k]);
+    return place->gap < approach * step ? place->gap / approach : step;
+}
+
+/* Whether the node will stand over the facet after `step`. */
 static bool will_be_over(ShvVec3 x, ShvVec3 velocity, const ShvVec3 corners[3], const ShvVec3 velocities[3],
                          double step)
 {
@@ -274,7 +282,8 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
     for (int k = 0; k < 3; k++)
         velocities[k] = node_velocity(bodies, candidate->corners[k], facet->fragment, corners[k]);
     if (place.gap > 0.0) {
-        if (side > 0.0 && !will_be_over(x, v, corners, velocities, step)) return false;
+        const double meeting = side > 0.0 ? step : time_to_meet(&place, v, velocities, step);
+        if (!will_be_over(x, v, corners, velocities, meeting)) return false;
     } else {
         if (side > 0.0) return false;
         *distance = way_into_tet(bodies, list->model, facet, x, &place);

@@ -76,6 +76,7 @@ typedef struct Crossing {
     double glide; /* m/s, across that */
     double tilt;  /* degrees: of each plate about its edge; 0: narrow face meets narrow face */
     double turn;  /* degrees: between their edges */
+    double share; /* of an edge: from a node to where they cross; 0: 0.4 */
     int32_t threads;
     bool coupled, unbreakable;
 } Crossing;
@@ -88,7 +89,8 @@ static void define_plate(Surfaces *s, const Crossing *crossing, int index)
     const ShvQuat pose =
         shv_quat_multiply(shv_quat_exponential(shv_vec3(0.0, 0.0, turn)), shv_quat_exponential(shv_vec3(t, 0.0, 0.0)));
     ShvObjectDefinition *plate = surfaces_box(s, 0.064, thickness, height, edge);
-    const ShvVec3 ridge = {0.4 * edge, t > 0.0 ? -0.5 * way * thickness : 0.0, -0.5 * way * height};
+    const ShvVec3 ridge = {(crossing->share > 0.0 ? crossing->share : 0.4) * edge,
+                           t > 0.0 ? -0.5 * way * thickness : 0.0, -0.5 * way * height};
     ShvVec3 centre = shv_scale(shv_rotate(pose, ridge), -1.0);
     centre.z += 0.5 * way * gap;
     surfaces_place(plate, centre, shv_vec3(0.5 * way * crossing->glide, 0.0, -0.5 * way * crossing->speed));
@@ -181,6 +183,14 @@ static void test_shallow_approach(void **state)
             check_plates(&(Crossing){.speed = 2.0, .glide = 20.0, .tilt = 30.0 * tilt, .turn = 45.0 * turn});
 }
 
+/* Next to a node of each, which is beside the other body still: a hundredth of an edge away, and half of that. */
+static void test_next_to_nodes(void **state)
+{
+    (void)state;
+    for (int k = 1; k <= 2; k++)
+        assert_true(run_plates(&(Crossing){.speed = 1.0, .tilt = 45.0, .turn = 90.0, .share = 0.005 * k}) < 1e-3);
+}
+
 /* One of them rigid. */
 static void test_coupled_bodies(void **state)
 {
@@ -257,6 +267,39 @@ static void glide_off(double depth_at_start, double turn, double size)
         fail_msg("%g m deep, turned by %g degrees: impulses of %d edges and %d nodes", depth_at_start, turn, sum.edges,
                  sum.nodes);
     surfaces_release(&s);
+}
+
+/* A block that leans by so many degrees glides along its own lower face over the rim of another, and off it, with its last nodes just over
+   the other's upper face until they have passed the rim: none is in the way. */
+static void glide_down(double degrees, double turn)
+{
+    Surfaces s;
+    const double t = radians(degrees), gap = 1e-8;
+    surfaces_define(&s);
+    ShvObjectDefinition *block = surfaces_box(&s, 0.02, 0.02, 0.02, 0.01);
+    const ShvQuat pose = shv_quat_multiply(shv_quat_exponential(shv_vec3(0.0, t, 0.0)),
+                                           shv_quat_exponential(shv_vec3(0.0, 0.0, radians(turn))));
+    const ShvVec3 down = shv_vec3(cos(t), 0.0, -sin(t)), up = shv_vec3(sin(t), 0.0, cos(t)), rim = {0.01, 0.0, 0.01};
+    const ShvVec3 centre = shv_madd(shv_madd(rim, 0.01 + gap, up), -0.003, down);
+    surfaces_place(block, centre, shv_scale(down, 5.0));
+    shv_store3(block->placement.rotation_axis, shv_vec3(pose.x, pose.y, pose.z));
+    block->placement.rotation_degrees = 2.0 * acos(pose.w) * 180.0 / 3.14159265358979;
+    surfaces_box(&s, 0.02, 0.02, 0.02, 0.01);
+    surfaces_build(&s, 0.3, false);
+    const Impulses sum = count_impulses(&s, 0.03 / 5.0);
+    if (sum.edges > 0 || sum.nodes > 0)
+        fail_msg("leaning by %g degrees, turned by %g: impulses of %d edges and %d nodes", degrees, turn, sum.edges,
+                 sum.nodes);
+    surfaces_release(&s);
+}
+
+static void test_block_glides_down(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        glide_down(15.0, 10.0 * k);
+        glide_down(40.0, 10.0 * k);
+    }
 }
 
 static void test_block_glides_off(void **state)
@@ -362,11 +405,13 @@ static void test_out_of_memory(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_speeds),           cmocka_unit_test(test_angles),
-                                       cmocka_unit_test(test_shallow_approach), cmocka_unit_test(test_coupled_bodies),
-                                       cmocka_unit_test(test_unbreakable),      cmocka_unit_test(test_edges_pass),
-                                       cmocka_unit_test(test_block_glides_off), cmocka_unit_test(test_block_glides_on),
-                                       cmocka_unit_test(test_common_edges),     cmocka_unit_test(test_threads),
-                                       cmocka_unit_test(test_out_of_memory)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_speeds),           cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_shallow_approach), cmocka_unit_test(test_coupled_bodies),
+        cmocka_unit_test(test_unbreakable),      cmocka_unit_test(test_edges_pass),
+        cmocka_unit_test(test_next_to_nodes),    cmocka_unit_test(test_block_glides_down),
+        cmocka_unit_test(test_block_glides_off), cmocka_unit_test(test_block_glides_on),
+        cmocka_unit_test(test_common_edges),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
