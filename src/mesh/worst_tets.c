@@ -1,5 +1,5 @@
-/* Meshes that come from elsewhere: their worst tets are bettered, group by group, so that every group keeps its shape. */
-#include <float.h>
+/* Meshes that come from elsewhere or were shifted (jitter.c): their worst tets are bettered, group by group, so that every group keeps its
+   shape. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,12 +11,12 @@ static const double worst_share = 0.1;
    curved surface that the mesh resolves by less. */
 static const double same_surface = 0.5;
 
-typedef struct Shares {
+typedef struct Rework {
     ShvMesh *mesh;
     ShvImprove improve;
     int32_t *tets, *groups; /* of the new mesh */
-    int32_t count, capacity;
-} Shares;
+    int32_t count;
+} Rework;
 
 static int by_size(const void *a, const void *b)
 {
@@ -68,10 +68,10 @@ static int32_t next_group(const ShvMesh *mesh, int32_t last)
     return next;
 }
 
-static ShvStatus copy_group(Shares *shares, int32_t group, ShvError *error)
+static ShvStatus copy_group(Rework *rework, int32_t group, ShvError *error)
 {
-    const ShvMesh *mesh = shares->mesh;
-    ShvImprove *improve = &shares->improve;
+    const ShvMesh *mesh = rework->mesh;
+    ShvImprove *improve = &rework->improve;
     int32_t count = 0;
     for (int32_t t = 0; t < mesh->element_count; t++) count += group_of(mesh, t) == group;
     improve->tets = shv_allocate(mesh->memory, SHV_PART_GENERAL, 4 * (size_t)count, sizeof *improve->tets);
@@ -84,52 +84,52 @@ static ShvStatus copy_group(Shares *shares, int32_t group, ShvError *error)
     return SHV_OK;
 }
 
-static ShvStatus append(Shares *shares, int32_t group, ShvError *error)
+static ShvStatus append(Rework *rework, int32_t group, ShvError *error)
 {
-    const ShvImprove *improve = &shares->improve;
-    const size_t count = (size_t)shares->count + (size_t)improve->tet_count;
-    SHV_RESIZE(shares->mesh->memory, SHV_PART_MESH, shares->tets, 4 * count, "better tets", 16 * count, error);
-    memcpy(shares->tets + 4 * (int64_t)shares->count, improve->tets,
-           4 * (size_t)improve->tet_count * sizeof *shares->tets);
-    if (shares->mesh->element_groups) {
-        SHV_RESIZE(shares->mesh->memory, SHV_PART_MESH, shares->groups, count, "groups of better tets", 4 * count,
+    const ShvImprove *improve = &rework->improve;
+    const size_t count = (size_t)rework->count + (size_t)improve->tet_count;
+    SHV_RESIZE(rework->mesh->memory, SHV_PART_MESH, rework->tets, 4 * count, "better tets", 16 * count, error);
+    memcpy(rework->tets + 4 * (int64_t)rework->count, improve->tets,
+           4 * (size_t)improve->tet_count * sizeof *rework->tets);
+    if (rework->mesh->element_groups) {
+        SHV_RESIZE(rework->mesh->memory, SHV_PART_MESH, rework->groups, count, "groups of better tets", 4 * count,
                    error);
-        for (size_t t = (size_t)shares->count; t < count; t++) shares->groups[t] = group;
+        for (size_t t = (size_t)rework->count; t < count; t++) rework->groups[t] = group;
     }
-    shares->count = (int32_t)count;
+    rework->count = (int32_t)count;
     return SHV_OK;
 }
 
-static ShvStatus improve_groups(Shares *shares, ShvError *error)
+static ShvStatus improve_groups(Rework *rework, ShvError *error)
 {
-    ShvImprove *improve = &shares->improve;
+    ShvImprove *improve = &rework->improve;
     int32_t group = INT32_MIN;
-    for (int32_t next = next_group(shares->mesh, group); next != group; next = next_group(shares->mesh, group)) {
+    for (int32_t next = next_group(rework->mesh, group); next != group; next = next_group(rework->mesh, group)) {
         group = next;
-        ShvStatus status = copy_group(shares, group, error);
+        ShvStatus status = copy_group(rework, group, error);
         if (status == SHV_OK) status = shv_improve(improve, error);
-        if (status == SHV_OK) status = append(shares, group, error);
+        if (status == SHV_OK) status = append(rework, group, error);
         shv_release(improve->tets);
         if (status != SHV_OK) return status;
     }
     return SHV_OK;
 }
 
-static void take(Shares *shares)
+static void take(Rework *rework)
 {
-    ShvMesh *mesh = shares->mesh;
+    ShvMesh *mesh = rework->mesh;
     shv_release(mesh->elements);
     shv_release(mesh->element_groups);
-    mesh->elements = shares->tets;
-    mesh->element_groups = shares->groups;
-    mesh->element_count = shares->count;
-    shares->tets = shares->groups = NULL;
+    mesh->elements = rework->tets;
+    mesh->element_groups = rework->groups;
+    mesh->element_count = rework->count;
+    rework->tets = rework->groups = NULL;
 }
 
-static ShvStatus prepare(Shares *shares, bool curved, double *original, ShvError *error)
+static ShvStatus prepare(Rework *rework, bool curved, double *original, ShvError *error)
 {
-    const ShvMesh *mesh = shares->mesh;
-    ShvImprove *improve = &shares->improve;
+    const ShvMesh *mesh = rework->mesh;
+    ShvImprove *improve = &rework->improve;
     memcpy(original, mesh->positions, 3 * (size_t)mesh->node_count * sizeof *original);
     improve->original = original;
     SHV_TRY(find_wanted(mesh, &improve->wanted, error));
@@ -144,16 +144,16 @@ ShvStatus shv_mesh_improve(ShvMesh *mesh, bool curved, uint64_t seed, ShvError *
     const size_t nodes = (size_t)mesh->node_count;
     double *original = shv_allocate(mesh->memory, SHV_PART_GENERAL, 3 * nodes, sizeof *original);
     if (!original) return shv_fail_memory(error, "places of nodes", 24 * nodes);
-    Shares shares = {
+    Rework rework = {
         .mesh = mesh,
         .improve = {
             .memory = mesh->memory, .positions = mesh->positions, .node_count = mesh->node_count, .seed = seed}};
-    ShvStatus status = prepare(&shares, curved, original, error);
-    if (status == SHV_OK) status = improve_groups(&shares, error);
-    if (status == SHV_OK) take(&shares);
-    shv_freedom_release(&shares.improve.freedom);
-    shv_release(shares.tets);
-    shv_release(shares.groups);
+    ShvStatus status = prepare(&rework, curved, original, error);
+    if (status == SHV_OK) status = improve_groups(&rework, error);
+    if (status == SHV_OK) take(&rework);
+    shv_freedom_release(&rework.improve.freedom);
+    shv_release(rework.tets);
+    shv_release(rework.groups);
     shv_release(original);
     return status;
 }
