@@ -176,7 +176,7 @@ static ShvVec3 mean_velocity(const ShvFacetPair *pair, const ShvVec3 velocities[
     return mean;
 }
 
-/* When the node will be in the facet's plane, if it is over it now, or the end of the step. */
+/* Until the node is in the plane of the facet that it is over, at most the step, s. */
 static double time_to_meet(const Place *place, ShvVec3 velocity, const ShvVec3 velocities[3], double step)
 {
     double approach = -shv_dot(place->plane.normal, velocity);
