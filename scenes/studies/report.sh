@@ -154,7 +154,7 @@ END
     printf '\nBy the dissipated energy, which says how much broke:\n\n'
     conclusion sphere_drop 'Plaster ball'
     conclusion tile 'Glass tile'
-    conclusion beam "The chapter's beam (its 30 µs are 1.224 stable steps here)"
+    conclusion beam "The chapter's beam (its 30 µs are 1.03 stable steps here)"
     cat <<'END'
 
 How to read it. Bars add a stiffness of about ρ (h/Δt)²/2 that belongs to no material (docs/stability.md); `bar_share` tells how
