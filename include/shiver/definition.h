@@ -101,9 +101,9 @@ typedef struct ShvMeshDefinition {
     double notch_growth;    /* notched beam: growth of the edge asked for per distance from the notch, > 0; 0.3 */
     ShvMeshPattern pattern; /* box, notched beam */
     double jitter;    /* random shift of nodes as a share of the shortest incident edge, 0…0.3; surface nodes stay on
-                               the surface; no tet is inverted, and the worst are bettered */
+                               the surface; no tet is inverted, and the worst are improved */
     uint64_t seed;    /* of the jitter, of an unstructured mesh, of what `improve` tries */
-    bool improve;     /* gmsh, tetgen, memory: betters the tenth of its tets that is worst; stl does so always */
+    bool improve;     /* gmsh, tetgen, memory: improves the tenth of its tets that is worst; stl does so always */
     const char *file; /* gmsh, tetgen (base name or .node), shell surface (OBJ, STL, PLY), stl */
     double scale;     /* multiplies every coordinate of a file, > 0; 1. stl: `edge` is that after it */
     double thickness; /* shell: inwards, m (after scale) */

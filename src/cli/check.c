@@ -24,17 +24,15 @@ static void warn_mesh(const ShvPreflight *p)
                p->cohesive_zone, p->cohesive_zone / p->breaking_mean_edge);
 }
 
-/* Steps go with the flattest tet: half an edge is the altitude of a good one, generators get within a tenth of an edge, and what is
-   bettered within 0.35. */
+/* Steps go with the flattest tet: half an edge is the altitude of a good one, generators get within a tenth of an edge. */
 static void warn_sliver(const ShvPreflight *p)
 {
-    const double flat = 0.05, poor = 0.3; /* mean edges */
+    const double good = 0.5, poor = 0.3, flat = 0.05; /* mean edges */
     const double height = p->smallest_altitude / p->mean_edge;
     if (!(height < (p->improvable ? poor : flat))) return;
     printf("  %s: the flattest tet is %.3g m high, %.2g of the mean edge, and sets the step: a mesh without "
            "such\n           takes about %.*f times fewer steps; try %s\n",
-           height < flat ? "warning" : "note", p->smallest_altitude, height, height < flat ? 0 : 1,
-           (height < flat ? 0.5 : 0.4) / height,
+           height < flat ? "warning" : "note", p->smallest_altitude, height, height < flat ? 0 : 1, good / height,
            p->improvable ? "'improve: true' in the object's mesh" : "another edge length, or another mesher");
 }
 

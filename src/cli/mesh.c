@@ -51,7 +51,7 @@ static void print_object(const char *output, const ShvMesh *mesh)
     }
     for (int k = 0; k < 3; k++) size = fmax(size, high[k] - low[k]);
     const char *scale = size > most_likely_metres ? ", scale: 0.001" : "";
-    printf("\nobjects:\n  body:\n    mesh: {gmsh: {file: %s%s, improve: true}}   # betters its worst tets, which set "
+    printf("\nobjects:\n  body:\n    mesh: {gmsh: {file: %s%s, improve: true}}   # improves its worst tets, which set "
            "the time step\n    material: stoneware\n",
            output, scale);
     if (mesh->group_count > 0) printf("    groups:   # physical volumes; material is that of the rest\n");

@@ -1,7 +1,5 @@
 #include "mesh/freedom.h"
 
-#include <stdbool.h>
-
 #include "mesh/adjacency.h"
 
 static bool is_same(ShvVec3 a, ShvVec3 b, double same)
@@ -29,7 +27,35 @@ static ShvVec3 area_of(const ShvMesh *mesh, const int32_t nodes[3])
     return shv_cross(shv_sub(shv_mesh_position(mesh, nodes[1]), a), shv_sub(shv_mesh_position(mesh, nodes[2]), a));
 }
 
-ShvStatus shv_freedom_find(ShvFreedom *freedom, const ShvMesh *mesh, double same, ShvError *error)
+static void add_areas(const ShvFreedom *freedom, const int32_t nodes[3], ShvVec3 area, double same, double *sums)
+{
+    const ShvVec3 normal = shv_unit(area);
+    for (int i = 0; i < 3; i++)
+        for (int p = 0; p < 2 && p < freedom->kind[nodes[i]]; p++) {
+            const int64_t at = 6 * (int64_t)nodes[i] + 3 * p;
+            if (!is_same(shv_load3(freedom->normals + at), normal, same)) continue;
+            shv_store3(sums + at, shv_add(shv_load3(sums + at), area));
+            break;
+        }
+}
+
+/* For each plane the mean over its facets in place of the first one's normal. */
+static ShvStatus average(ShvFreedom *freedom, const ShvMesh *mesh, const int32_t *triangles, int32_t count, double same,
+                         ShvError *error)
+{
+    const size_t planes = 2 * (size_t)mesh->node_count;
+    double *sums = shv_allocate(mesh->memory, SHV_PART_GENERAL, 3 * planes, sizeof *sums);
+    if (!sums) return shv_fail_memory(error, "planes of a surface", 24 * planes);
+    for (int32_t t = 0; t < count; t++) {
+        const int32_t *n = triangles + 3 * (int64_t)t;
+        add_areas(freedom, n, area_of(mesh, n), same, sums);
+    }
+    for (size_t i = 0; i < planes; i++) shv_store3(freedom->normals + 3 * i, shv_unit(shv_load3(sums + 3 * i)));
+    shv_release(sums);
+    return SHV_OK;
+}
+
+ShvStatus shv_freedom_find(ShvFreedom *freedom, const ShvMesh *mesh, double same, bool mean, ShvError *error)
 {
     const size_t nodes = (size_t)mesh->node_count;
     int32_t *triangles = NULL, count = 0;
@@ -44,37 +70,8 @@ ShvStatus shv_freedom_find(ShvFreedom *freedom, const ShvMesh *mesh, double same
         const ShvVec3 normal = shv_unit(area_of(mesh, n));
         for (int i = 0; i < 3; i++) restrict_node(freedom, n[i], normal, same);
     }
+    const ShvStatus status = mean ? average(freedom, mesh, triangles, count, same, error) : SHV_OK;
     shv_release(triangles);
-    return SHV_OK;
-}
-
-static void add_areas(const ShvFreedom *freedom, const int32_t nodes[3], ShvVec3 area, double same, double *sums)
-{
-    const ShvVec3 normal = shv_unit(area);
-    for (int i = 0; i < 3; i++)
-        for (int p = 0; p < 2 && p < freedom->kind[nodes[i]]; p++) {
-            const int64_t at = 6 * (int64_t)nodes[i] + 3 * p;
-            if (!is_same(shv_load3(freedom->normals + at), normal, same)) continue;
-            shv_store3(sums + at, shv_add(shv_load3(sums + at), area));
-            break;
-        }
-}
-
-ShvStatus shv_freedom_average(ShvFreedom *freedom, const ShvMesh *mesh, double same, ShvError *error)
-{
-    const size_t planes = 2 * (size_t)mesh->node_count;
-    int32_t *triangles = NULL, count = 0;
-    double *sums = shv_allocate(mesh->memory, SHV_PART_GENERAL, 3 * planes, sizeof *sums);
-    if (!sums) return shv_fail_memory(error, "planes of a surface", 24 * planes);
-    const ShvStatus status = shv_mesh_boundary(mesh, SHV_PART_GENERAL, &triangles, &count, error);
-    for (int32_t t = 0; t < count; t++) {
-        const int32_t *n = triangles + 3 * (int64_t)t;
-        add_areas(freedom, n, area_of(mesh, n), same, sums);
-    }
-    for (size_t i = 0; i < planes && status == SHV_OK; i++)
-        shv_store3(freedom->normals + 3 * i, shv_unit(shv_load3(sums + 3 * i)));
-    shv_release(triangles);
-    shv_release(sums);
     return status;
 }
 

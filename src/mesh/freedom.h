@@ -3,6 +3,8 @@
 #ifndef SHV_MESH_FREEDOM_H
 #define SHV_MESH_FREEDOM_H
 
+#include <stdbool.h>
+
 #include "mesh/mesh.h"
 
 typedef enum ShvFreedomKind { SHV_FREE, SHV_IN_PLANE, SHV_ON_LINE, SHV_FIXED } ShvFreedomKind;
@@ -16,11 +18,9 @@ typedef struct ShvFreedom {
    size), below the turn from facet to facet of any curved surface that a mesh resolves. */
 static const double shv_same_plane = 1e-6;
 
-/* Facets at a node whose unit normals differ by less than `same` are one plane, that of the first of them. Released by the caller, also
-   after a failure. */
-ShvStatus shv_freedom_find(ShvFreedom *freedom, const ShvMesh *mesh, double same, ShvError *error);
-/* Of a curved surface: takes for each plane the mean over its facets, by area. `same` as it was found with. */
-ShvStatus shv_freedom_average(ShvFreedom *freedom, const ShvMesh *mesh, double same, ShvError *error);
+/* Facets at a node whose unit normals differ by less than `same` are one plane: that of the first of them or, for `mean`, the mean by area.
+   Released by the caller, also after a failure. */
+ShvStatus shv_freedom_find(ShvFreedom *freedom, const ShvMesh *mesh, double same, bool mean, ShvError *error);
 void shv_freedom_release(ShvFreedom *freedom);
 
 /* What is left of a node's shift. */

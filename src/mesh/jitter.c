@@ -110,7 +110,7 @@ static ShvStatus allocate(Jitter *j, ShvError *error)
 static ShvStatus jitter_nodes(Jitter *j, double amount, uint64_t seed, ShvError *error)
 {
     SHV_TRY(allocate(j, error));
-    SHV_TRY(shv_freedom_find(&j->freedom, j->mesh, shv_same_plane, error));
+    SHV_TRY(shv_freedom_find(&j->freedom, j->mesh, shv_same_plane, false, error));
     measure_elements(j);
     memcpy(j->original, j->mesh->positions, 3 * (size_t)j->mesh->node_count * sizeof *j->original);
     draw_shifts(j, amount, seed);

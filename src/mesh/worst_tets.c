@@ -41,26 +41,25 @@ static int32_t group_of(const ShvMesh *mesh, int32_t tet)
     return mesh->element_groups ? mesh->element_groups[tet] : 0;
 }
 
-/* A node's first group, then whether another one has it. */
 static ShvStatus fix_common_nodes(const ShvMesh *mesh, ShvFreedom *freedom, ShvError *error)
 {
     const size_t nodes = (size_t)mesh->node_count;
-    int32_t *first = shv_allocate(mesh->memory, SHV_PART_GENERAL, nodes, sizeof *first);
+    int32_t *first = shv_allocate(mesh->memory, SHV_PART_GENERAL, nodes, sizeof *first); /* tet at each, −1: none yet */
     if (!first) return shv_fail_memory(error, "groups at nodes", 4 * nodes);
     memset(first, 0xff, nodes * sizeof *first);
     for (int32_t corner = 0; corner < 4 * mesh->element_count; corner++) {
-        const int32_t node = mesh->elements[corner], group = group_of(mesh, corner / 4);
-        if (first[node] == -1) first[node] = group;
-        if (first[node] != group) freedom->kind[node] = SHV_FIXED;
+        const int32_t node = mesh->elements[corner], tet = corner / 4;
+        if (first[node] < 0) first[node] = tet;
+        if (group_of(mesh, first[node]) != group_of(mesh, tet)) freedom->kind[node] = SHV_FIXED;
     }
     shv_release(first);
     return SHV_OK;
 }
 
-/* The smallest group above another one; the same when there is none. */
-static int32_t next_group(const ShvMesh *mesh, int32_t last)
+/* The smallest group above `last`, which is below every tag at first; `last` when there is none. */
+static int64_t next_group(const ShvMesh *mesh, int64_t last)
 {
-    int32_t next = last;
+    int64_t next = last;
     for (int32_t t = 0; t < mesh->element_count; t++) {
         const int32_t group = group_of(mesh, t);
         if (group > last && (next == last || group < next)) next = group;
@@ -103,12 +102,12 @@ static ShvStatus append(Rework *rework, int32_t group, ShvError *error)
 static ShvStatus improve_groups(Rework *rework, ShvError *error)
 {
     ShvImprove *improve = &rework->improve;
-    int32_t group = INT32_MIN;
-    for (int32_t next = next_group(rework->mesh, group); next != group; next = next_group(rework->mesh, group)) {
-        group = next;
-        ShvStatus status = copy_group(rework, group, error);
+    int64_t last = (int64_t)INT32_MIN - 1;
+    for (int64_t next = next_group(rework->mesh, last); next != last; next = next_group(rework->mesh, last)) {
+        last = next;
+        ShvStatus status = copy_group(rework, (int32_t)next, error);
         if (status == SHV_OK) status = shv_improve(improve, error);
-        if (status == SHV_OK) status = append(rework, group, error);
+        if (status == SHV_OK) status = append(rework, (int32_t)next, error);
         shv_release(improve->tets);
         if (status != SHV_OK) return status;
     }
@@ -133,9 +132,7 @@ static ShvStatus prepare(Rework *rework, bool curved, double *original, ShvError
     memcpy(original, mesh->positions, 3 * (size_t)mesh->node_count * sizeof *original);
     improve->original = original;
     SHV_TRY(find_wanted(mesh, &improve->wanted, error));
-    const double same = curved ? same_surface : shv_same_plane;
-    SHV_TRY(shv_freedom_find(&improve->freedom, mesh, same, error));
-    SHV_TRY(shv_freedom_average(&improve->freedom, mesh, same, error));
+    SHV_TRY(shv_freedom_find(&improve->freedom, mesh, curved ? same_surface : shv_same_plane, true, error));
     return fix_common_nodes(mesh, &improve->freedom, error);
 }
 

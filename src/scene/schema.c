@@ -272,7 +272,7 @@ MESH_TABLE(notched_beam, "A beam with a notch in its lower face, centred on its 
         "improve", SHV_KEY_BOOLEAN,                                                                                    \
             .offset = MESH(improve),                                                                                   \
             .sentence =                                                                                                \
-                "Betters the tenth of the tets that is worst, which set the time step: other tets in the same "        \
+                "Improves the tenth of the tets that is worst, which set the time step: other tets in the same "       \
                 "room, other places of nodes, along smooth parts of the surface as well."                              \
     }
 
@@ -342,8 +342,7 @@ static const ShvKey mesh_keys[] = {
      .sentence =
          "Random shift of nodes, as a share of the shortest edge that meets there, so that a regular mesh does not "
          "steer cracks. Surface nodes stay on the surface; the tenth of the tets that is worst then, which sets the "
-         "step, is "
-         "bettered."},
+         "step, is improved."},
     {"seed", SHV_KEY_UINT64, .offset = MESH(seed),
      .sentence = "Seed of the jitter, of an unstructured mesh, and of what `improve` tries."},
 };

@@ -130,4 +130,24 @@ static inline double enclosed_volume(const ShvMesh *mesh, const int32_t *triangl
     return volume;
 }
 
+/* Nodes of a notch that keep to it: the lips stay in its plane, the front where it is. */
+typedef struct NotchNodes {
+    int32_t front, slid; /* nodes of the front, of the lips that moved */
+} NotchNodes;
+
+static inline NotchNodes check_notch_stays(const ShvMeshDefinition *d, const ShvMesh *before, const ShvMesh *mesh)
+{
+    const double tip = -0.5 * d->size[2] + d->notch_depth;
+    NotchNodes nodes = {0, 0};
+    for (int32_t n = 0; n < mesh->node_count; n++) {
+        const ShvVec3 old = shv_mesh_position(before, n), x = shv_mesh_position(mesh, n);
+        if (old.x != d->notch_offset || old.z > tip) continue;
+        check_near(x.x, d->notch_offset, 1e-15);
+        if (old.z == tip) assert_true(x.z == tip && x.y == old.y);
+        nodes.front += old.z == tip;
+        nodes.slid += x.z != old.z;
+    }
+    return nodes;
+}
+
 #endif

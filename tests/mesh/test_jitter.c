@@ -84,18 +84,9 @@ static void check_notch(ShvMeshPattern pattern, double edge)
 {
     ShvMeshDefinition d = body(SHV_MESH_NOTCHED_BEAM, edge);
     d.pattern = pattern;
-    const double tip = -0.5 * d.size[2] + d.notch_depth;
     ShvMesh before = jittered(&d, 0.0, 3), mesh = jittered(&d, 0.3, 3);
-    int32_t on_front = 0, on_lips = 0;
-    for (int32_t n = 0; n < mesh.node_count; n++) {
-        const ShvVec3 old = shv_mesh_position(&before, n), x = shv_mesh_position(&mesh, n);
-        if (old.x != d.notch_offset || old.z > tip) continue;
-        check_near(x.x, d.notch_offset, 1e-15);
-        if (old.z == tip) assert_true(x.z == tip && x.y == old.y);
-        on_front += old.z == tip;
-        on_lips += x.z != old.z;
-    }
-    assert_true(on_front > 10 && on_lips > 20);
+    const NotchNodes nodes = check_notch_stays(&d, &before, &mesh);
+    assert_true(nodes.front > 10 && nodes.slid > 20);
     shv_mesh_release(&mesh);
     shv_mesh_release(&before);
 }

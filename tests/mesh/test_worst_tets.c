@@ -119,21 +119,15 @@ static void notches_stay(void **state)
 {
     (void)state;
     const ShvMeshDefinition d = body(SHV_MESH_NOTCHED_BEAM, edge);
-    const double tip = -0.5 * d.size[2] + d.notch_depth;
     ShvMesh mesh = spoiled(&d), before = spoiled(&d);
-    int32_t front = 0;
     improve(&mesh, true);
-    for (int32_t n = 0; n < mesh.node_count; n++) {
-        const ShvVec3 old = shv_mesh_position(&before, n), x = shv_mesh_position(&mesh, n);
-        if (old.x != d.notch_offset || old.z > tip) continue;
-        check_near(x.x, old.x, 1e-15);
-        if (old.z == tip) assert_true(x.z == tip && x.y == old.y);
-        front += old.z == tip;
-    }
-    assert_true(front > 10);
+    assert_true(check_notch_stays(&d, &before, &mesh).front > 10);
     shv_mesh_release(&before);
     shv_mesh_release(&mesh);
 }
+
+/* Tags of a file may be any whole number. */
+static const int32_t tags[2] = {INT32_MIN, -1};
 
 /* Two groups with a jagged border: each keeps its volume, and nodes of the border their places. */
 static ShvMesh grouped(void)
@@ -145,7 +139,7 @@ static ShvMesh grouped(void)
     for (int32_t t = 0; t < mesh.element_count; t++) {
         double x = 0.0;
         for (int i = 0; i < 4; i++) x += mesh.positions[3 * (int64_t)mesh.elements[4 * (int64_t)t + i]];
-        mesh.element_groups[t] = x > 0.0 ? 7 : 3;
+        mesh.element_groups[t] = x > 0.0 ? tags[1] : tags[0];
     }
     return mesh;
 }
@@ -165,11 +159,14 @@ static void groups_keep_their_shape(void **state)
     uint8_t *seen = calloc((size_t)before.node_count, 1);
     assert_non_null(seen);
     for (int32_t i = 0; i < 4 * before.element_count; i++)
-        seen[before.elements[i]] |= before.element_groups[i / 4] == 7 ? 1 : 2;
+        seen[before.elements[i]] |= before.element_groups[i / 4] == tags[1] ? 1 : 2;
     improve(&mesh, true);
     assert_true(worst(&mesh) > 5.0 * worst(&before));
-    for (int32_t group = 3; group <= 7; group += 4)
-        check_near(group_volume(&mesh, group), group_volume(&before, group), 1e-12 * group_volume(&before, group));
+    for (int i = 0; i < 2; i++) {
+        const double volume = group_volume(&before, tags[i]);
+        assert_true(volume > 0.0);
+        check_near(group_volume(&mesh, tags[i]), volume, 1e-12 * volume);
+    }
     int32_t common = 0;
     for (int32_t n = 0; n < mesh.node_count; n++) {
         if (seen[n] != 3) continue;
