@@ -86,23 +86,23 @@ double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x)
     return distance_from(place.gap, side_distance(x, &place));
 }
 
-/* A face that bounds the body: of the mesh's boundary or of a crack. Where nothing can break no list says so: splinters do not arise. */
-static bool is_free(const ShvSurfaceBodies *bodies, const ShvModel *model, int32_t element, int32_t face)
+/* A face that bounds the body: of the mesh's boundary or of a crack. */
+static bool is_free(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, int32_t element, int32_t face)
 {
-    if (!model->can_break) return false;
-    const int32_t facet = model->adjacency.element_facets[4 * (int64_t)element + face];
-    if (facet >= model->adjacency.interior_count) return true;
-    return bodies->cohesive && bodies->cohesive->facet_cohesive[facet] >= 0;
+    const int64_t slot = 4 * (int64_t)element + face;
+    if (!bodies->cohesive) return list->place[slot] >= 0;
+    const int32_t facet = list->model->adjacency.element_facets[slot];
+    return facet >= list->model->adjacency.interior_count || bodies->cohesive->facet_cohesive[facet] >= 0;
 }
 
-ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvModel *model,
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
                                       const ShvSurfaceFacet *facet)
 {
     ShvFacetShape shape = {.free = 0};
     const uint8_t *own = shv_face_corners[facet->face];
     shv_surface_facet_corners(bodies, facet, shape.corners);
     for (int k = 0; k < 3; k++)
-        if (is_free(bodies, model, facet->element, own[k])) shape.free |= (uint8_t)(1 << k);
+        if (is_free(bodies, list, facet->element, own[k])) shape.free |= (uint8_t)(1 << k);
     const int32_t apex = shv_state_node(bodies->state, facet->element, facet->face);
     shape.apex = shv_bodies_position(bodies, apex, facet->fragment);
     return shape;
@@ -155,10 +155,10 @@ bool shv_surface_admits(const ShvSurfaceBodies *bodies, const ShvSurfaceList *li
 
 /* How far both have to go until a point below the facet is in the nearer half of its tet, m: in the other half it may touch the
    surface at the tet's apex. Nor may it be outside again. */
-static double way_into_tet(const ShvSurfaceBodies *bodies, const ShvModel *model, const ShvSurfaceFacet *facet,
+static double way_into_tet(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list, const ShvSurfaceFacet *facet,
                            ShvVec3 x, const Place *place)
 {
-    const ShvFacetShape shape = shv_surface_facet_shape(bodies, model, facet);
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, list, facet);
     const double altitude = -shv_dot(place->plane.normal, shv_sub(shape.apex, shape.corners[0]));
     if (-place->gap > 0.5 * altitude) return share_below * (-place->gap - 0.5 * altitude);
     return share_below * shv_facet_beyond_free_face(&shape, x);
@@ -286,7 +286,7 @@ bool shv_facet_pair_detect(const ShvSurfaceBodies *bodies, const ShvSurfaceList 
         if (!will_be_over(x, v, corners, velocities, meeting)) return false;
     } else {
         if (side > 0.0) return false;
-        *distance = way_into_tet(bodies, list->model, facet, x, &place);
+        *distance = way_into_tet(bodies, list, facet, x, &place);
         if (*distance > 0.0) return false;
     }
     if (!shv_surface_admits(bodies, list, node, place.plane.normal)) return false;

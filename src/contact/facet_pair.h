@@ -77,7 +77,7 @@ bool shv_facet_plane_make(const ShvVec3 corners[3], ShvFacetPlane *plane);
 double shv_facet_plane_distance(const ShvFacetPlane *plane, ShvVec3 x);
 
 /* A facet of a fragment as obstacles meet it. */
-ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvModel *model,
+ShvFacetShape shv_surface_facet_shape(const ShvSurfaceBodies *bodies, const ShvSurfaceList *list,
                                       const ShvSurfaceFacet *facet);
 
 /* Whether the tets at a node (at an edge, where `end` is its other node) are behind the plane through it that a push asks for, a unit

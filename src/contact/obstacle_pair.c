@@ -74,7 +74,7 @@ static int detect_facet(const ShvSurfaceBodies *bodies, const ShvSurfaceList *li
     const ShvObstacle *obstacle = shv_bodies_obstacle(bodies, candidate->facet);
     const ShvFeature *feature = &obstacle->features[candidate->feature];
     const ShvSurfaceFacet *facet = &list->facets[candidate->own_facet];
-    const ShvFacetShape shape = shv_surface_facet_shape(bodies, list->model, facet);
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, list, facet);
     ShvFeaturePoint points[SHV_MOST_POINTS];
     const int count = shv_feature_meet(obstacle, feature, &shape, reach, points);
     if (count == 0) {

@@ -141,7 +141,7 @@ static ShvStatus pair_facet_obstacle(ShvSurfaceContact *contact, const ShvSurfac
 {
     const ShvObstacle *other = &bodies->obstacles->items[obstacle];
     const ShvSurfaceFacet *facet = &contact->list.facets[place];
-    const ShvFacetShape shape = shv_surface_facet_shape(bodies, contact->list.model, facet);
+    const ShvFacetShape shape = shv_surface_facet_shape(bodies, &contact->list, facet);
     const double margin = contact->skin[facet->speed_class] + contact->skin[SHV_SURFACE_OBSTACLES];
     ShvFeatureRange range;
     if (!shv_features_about(other, &shape, margin, &range)) return SHV_OK;

@@ -55,10 +55,7 @@ static ShvStatus list_facets(ShvSurfaceContact *contact, const ShvState *state, 
     contact->rebuilt_facets.count = 0;
     for (; contact->facets_with_neighbours < list->facet_count; contact->facets_with_neighbours++)
         SHV_TRY(append(contact, contact->facets_with_neighbours, error));
-    for (int32_t k = 0; !list->place && k < list->facet_count; k++)
-        for (int i = 0; i < 3; i++)
-            if (list->nodes[list->facets[k].slots[i]].outdated) SHV_TRY(append(contact, k, error));
-    for (int32_t k = 0; list->place && k < list->outdated.count; k++) {
+    for (int32_t k = 0; k < list->outdated.count; k++) {
         const int32_t node = list->nodes[list->outdated.items[k]].node;
         for (int32_t i = 0; i < state->corner_count[node]; i++) {
             const int32_t corner = state->corners[state->corner_start[node] + i];

@@ -79,7 +79,6 @@ static void note(ShvHybrid *hybrid, int32_t fragment, int32_t obstacle, int32_t 
 void shv_waking_contact_follow(ShvHybrid *hybrid)
 {
     const ShvState *state = &hybrid->state;
-    if (!hybrid->model.can_break) return; /* nothing then has corners to find a node's fragment by */
     for (int32_t k = 0; k < hybrid->stabiliser.relax.touch_count && hybrid->stabiliser.active; k++) {
         const ShvRelaxTouch *touch = &hybrid->stabiliser.relax.touches[k];
         note(hybrid, fragment_of(state, touch->node), touch->obstacle, -1, touch->normal_impulse);

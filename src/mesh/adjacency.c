@@ -19,15 +19,17 @@ static int32_t number_facets(ShvAdjacency *a, const int32_t *mates, int32_t slot
     return facet;
 }
 
-static void number_corners(ShvAdjacency *a, const ShvMesh *mesh)
+void shv_mesh_corners(const ShvMesh *mesh, int32_t *start, int32_t *corners)
 {
     const int32_t slots = 4 * mesh->element_count;
-    for (int32_t slot = 0; slot < slots; slot++) a->corner_start[mesh->elements[slot] + 1]++;
-    for (int32_t n = 0; n < mesh->node_count; n++) a->corner_start[n + 1] += a->corner_start[n];
-    for (int32_t slot = 0; slot < slots; slot++) a->corners[a->corner_start[mesh->elements[slot]]++] = slot;
+    int32_t sum = slots;
+    for (int32_t n = 0; n < mesh->node_count; n++) start[n] = 0;
+    for (int32_t slot = 0; slot < slots; slot++) start[mesh->elements[slot]]++;
+    for (int32_t n = mesh->node_count - 1; n >= 0; n--) start[n] = sum -= start[n];
+    for (int32_t slot = 0; slot < slots; slot++) corners[start[mesh->elements[slot]]++] = slot;
     /* Filling moved every start to the next one's place. */
-    for (int32_t n = mesh->node_count; n > 0; n--) a->corner_start[n] = a->corner_start[n - 1];
-    a->corner_start[0] = 0;
+    for (int32_t n = mesh->node_count - 1; n > 0; n--) start[n] = start[n - 1];
+    start[0] = 0;
 }
 
 static ShvStatus allocate(ShvAdjacency *a, const ShvMesh *mesh, int32_t facet_count, ShvError *error)
@@ -59,7 +61,8 @@ ShvStatus shv_adjacency_build(ShvAdjacency *adjacency, const ShvMesh *mesh, ShvE
         adjacency->facet_count = interior + boundary;
         adjacency->interior_count = number_facets(adjacency, mates, slots, 0, 0);
         number_facets(adjacency, mates, slots, 1, interior);
-        number_corners(adjacency, mesh);
+        shv_mesh_corners(mesh, adjacency->corner_start, adjacency->corners);
+        adjacency->corner_start[mesh->node_count] = slots;
     }
     shv_release(mates);
     return status;

@@ -20,6 +20,9 @@ typedef struct ShvAdjacency {
 ShvStatus shv_adjacency_build(ShvAdjacency *adjacency, const ShvMesh *mesh, ShvError *error);
 void shv_adjacency_release(ShvAdjacency *adjacency);
 
+/* The corners that meet at each node, as in ShvAdjacency but for the last start. The mesh has an element at least. */
+void shv_mesh_corners(const ShvMesh *mesh, int32_t *start, int32_t *corners);
+
 /* Boundary triangles of the mesh, outward, 3 nodes each, in facet order; caller releases *triangles. */
 ShvStatus shv_mesh_boundary(const ShvMesh *mesh, ShvPart part, int32_t **triangles, int32_t *count, ShvError *error);
 

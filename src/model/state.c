@@ -40,15 +40,15 @@ ShvStatus shv_state_reserve(ShvState *state, int64_t nodes, ShvError *error)
     return set_capacity(state, (int32_t)capacity, error);
 }
 
-static ShvStatus allocate_elements(ShvState *state, bool corners, ShvError *error)
+static ShvStatus allocate_elements(ShvState *state, ShvError *error)
 {
     ShvMemory *memory = state->memory;
     const size_t elements = (size_t)state->element_count, slots = 4 * SHV_LANES * (size_t)state->batch_count;
     state->connectivity = shv_allocate(memory, SHV_PART_STATE, slots, sizeof *state->connectivity);
     state->element_mass = shv_allocate(memory, SHV_PART_STATE, elements, sizeof *state->element_mass);
     state->element_fragment = shv_allocate(memory, SHV_PART_STATE, elements, sizeof *state->element_fragment);
-    if (corners) state->corners = shv_allocate(memory, SHV_PART_STATE, 4 * elements, sizeof *state->corners);
-    if (!state->connectivity || !state->element_mass || !state->element_fragment || (corners && !state->corners))
+    state->corners = shv_allocate(memory, SHV_PART_STATE, 4 * elements, sizeof *state->corners);
+    if (!state->connectivity || !state->element_mass || !state->element_fragment || !state->corners)
         return shv_fail_memory(error, "the state of elements",
                                slots * sizeof *state->connectivity + elements * (sizeof *state->element_mass + 20));
     return SHV_OK;
@@ -72,12 +72,10 @@ static void fill_nodes(ShvState *state, const ShvModel *model)
 {
     memcpy(state->reference, model->mesh.positions, 3 * (size_t)state->node_count * sizeof *state->reference);
     for (int32_t i = 0; i < state->node_count; i++) state->origin[i] = i;
-    if (!model->can_break) return;
-    const ShvAdjacency *adjacency = &model->adjacency;
-    memcpy(state->corners, adjacency->corners, 4 * (size_t)state->element_count * sizeof *state->corners);
+    shv_mesh_corners(&model->mesh, state->corner_start, state->corners);
     for (int32_t i = 0; i < state->node_count; i++) {
-        state->corner_start[i] = adjacency->corner_start[i];
-        state->corner_count[i] = adjacency->corner_start[i + 1] - adjacency->corner_start[i];
+        const int32_t end = i + 1 < state->node_count ? state->corner_start[i + 1] : 4 * state->element_count;
+        state->corner_count[i] = end - state->corner_start[i];
     }
 }
 
@@ -141,7 +139,7 @@ static void start_velocities(ShvState *state, const ShvObject *object, const Shv
 static ShvStatus create(ShvState *state, const ShvModel *model, const ShvSceneDefinition *scene, ShvError *error)
 {
     SHV_TRY(set_capacity(state, state->node_count, error));
-    SHV_TRY(allocate_elements(state, model->can_break, error));
+    SHV_TRY(allocate_elements(state, error));
     fill_nodes(state, model);
     fill_elements(state, model);
     lump_masses(state);
@@ -194,7 +192,7 @@ uint64_t shv_state_hash(const ShvState *state)
     hash = hash_int32_t(hash, state->connectivity, 4 * SHV_LANES * (int64_t)state->batch_count);
     hash = hash_double(hash, state->element_mass, state->element_count);
     hash = hash_int32_t(hash, state->element_fragment, state->element_count);
-    if (state->corners) hash = hash_int32_t(hash, state->corners, 4 * (int64_t)state->element_count);
+    hash = hash_int32_t(hash, state->corners, 4 * (int64_t)state->element_count);
     hash = hash_double(hash, &state->time, 1);
     hash = hash_double(hash, &state->last_step, 1);
     return hash_word(hash, (uint64_t)state->step);

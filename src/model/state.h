@@ -30,11 +30,10 @@ typedef struct ShvState {
     int32_t *connectivity;     /* 4 × SHV_LANES × batch_count */
     double *element_mass;      /* ρV per element, kg */
     int32_t *element_fragment; /* index of the fragment each element belongs to (ShvFragments) */
-    int32_t *corners;          /* 4 × element_count, element × 4 + corner, grouped by node; increasing within a node.
-                                  NULL where nothing can break */
-    double time;               /* s */
-    double last_step;          /* s: the step that led to `time`; 0 at a start, where velocity is that of `time` */
-    int64_t step;              /* steps of fracture mode so far */
+    int32_t *corners; /* 4 × element_count, element × 4 + corner, grouped by node; increasing within a node */
+    double time;      /* s */
+    double last_step; /* s: the step that led to `time`; 0 at a start, where velocity is that of `time` */
+    int64_t step;     /* steps of fracture mode so far */
 } ShvState;
 
 /* Initial state of a model: displacement zero, masses lumped, velocities those of the placements (v + ω × r about each

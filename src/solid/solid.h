@@ -55,7 +55,7 @@ void shv_solid_add_internal_force(const ShvSolid *solid, ShvState *state);
 bool shv_solid_add_internal_force_and_find_faces(const ShvSolid *solid, ShvState *state, const double *weight,
                                                  double floor, uint32_t *faces);
 /* The internal force of some nodes after they were split, put into state->force: the bits that shv_solid_add_internal_force
-   would add to zero. With smoothed elements the forces of nodes near them are others as well. Needs state->corners. */
+   would add to zero. With smoothed elements the forces of nodes near them are others as well. */
 ShvStatus shv_solid_put_internal_force(const ShvSolid *solid, ShvState *state, const int32_t *nodes, int32_t count,
                                        ShvError *error);
 /* Strain energy of the active batches, J; summed in batch order within fixed blocks, whatever the threads. */
@@ -75,7 +75,7 @@ void shv_solid_stress_of(const ShvSolid *solid, const ShvState *state, const int
                          double *stress);
 /* The same of one batch, awake or not: stress[6 × SHV_LANES], aligned to 64 bytes. */
 void shv_solid_batch_stress(const ShvSolid *solid, const ShvState *state, int32_t batch, double *stress);
-/* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. Needs state->corners. */
+/* Volume weighted average of the stress of a node's elements (its corners, in order); Voigt. */
 void shv_solid_nodal_stress(const ShvSolid *solid, const ShvState *state, const double *stress, int32_t node,
                             double voigt[6]);
 static inline int64_t shv_stress_slot(int32_t element, int component)

@@ -33,7 +33,7 @@ static double distance_to_surface(const Surfaces *s, int32_t fragment, ShvVec3 x
     for (int32_t f = 0; f < s->contact.list.facet_count; f++) {
         const ShvSurfaceFacet *facet = &s->contact.list.facets[f];
         if (facet->fragment != fragment) continue;
-        const ShvFacetShape shape = shv_surface_facet_shape(&s->bodies, s->contact.list.model, facet);
+        const ShvFacetShape shape = shv_surface_facet_shape(&s->bodies, &s->contact.list, facet);
         least = fmin(least, shv_norm(shv_sub(x, shv_triangle_closest(x, shape.corners).point)));
     }
     return least;
@@ -52,7 +52,7 @@ static double depth_of_edges(const Surfaces *s, int32_t fragment, int32_t other)
     for (int32_t f = 0; f < s->contact.list.facet_count; f++) {
         const ShvSurfaceFacet *facet = &s->contact.list.facets[f];
         if (facet->fragment != fragment) continue;
-        const ShvFacetShape shape = shv_surface_facet_shape(&s->bodies, s->contact.list.model, facet);
+        const ShvFacetShape shape = shv_surface_facet_shape(&s->bodies, &s->contact.list, facet);
         for (int k = 0; k < 3; k++)
             for (int i = 0; i <= POINTS; i++) {
                 const ShvVec3 a = shape.corners[k], b = shape.corners[(k + 1) % 3];

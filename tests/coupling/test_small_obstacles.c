@@ -147,9 +147,74 @@ static void test_glides_over_edges(void **state)
     }
 }
 
+/* Whether a point is in the body. */
+static bool is_inside(const ShvState *state, ShvVec3 x)
+{
+    for (int32_t e = 0; e < state->element_count; e++) {
+        bool inside = true;
+        for (int f = 0; inside && f < 4; f++) {
+            ShvVec3 at[3];
+            for (int c = 0; c < 3; c++)
+                at[c] = shv_state_position(state, shv_state_node(state, e, shv_face_corners[f][c]));
+            const ShvVec3 area = shv_cross(shv_sub(at[1], at[0]), shv_sub(at[2], at[0]));
+            inside = shv_dot(area, shv_sub(x, at[0])) < 0.0;
+        }
+        if (inside) return true;
+    }
+    return false;
+}
+
+/* A soft pad that drapes over the edge of a box, deep enough for its nodes to leave their skin: whether it can break or not, the edge is
+   nowhere deeper in it than 1 % of an edge of the mesh. */
+static void test_soft_pad_on_an_edge(void **state)
+{
+    (void)state;
+    const double size = 6e-3, side = 0.03;
+    for (int breakable = 0; breakable < 2; breakable++) {
+        Stage stage;
+        ShvHybrid hybrid;
+        ShvError error = {SHV_OK, ""};
+        stage_make(&stage);
+        stage.material.density = 1100.0;
+        stage.material.youngs_modulus = 5e6;
+        stage.material.poissons_ratio = 0.45;
+        stage.material.breakable = breakable;
+        stage.material.cohesive_strength = 1e9;
+        stage.material.fracture_energy = 1e6;
+        ShvObjectDefinition *pad = stage_box(&stage, "pad", (const double[3]){0.06, 0.06, 0.018}, size, 9.1e-3);
+        pad->placement.position[0] = 1.3e-3;
+        pad->mesh.jitter = 0.2;
+        pad->placement.velocity[2] = -2.0;
+        pad->placement.stretch_rate[0] = 1e-6; /* starts awake */
+        ShvObstacleDefinition *box = &stage.obstacles[stage.scene.obstacle_count++];
+        *box = obstacle_of(0);
+        box->size[0] = box->size[2] = side;
+        box->size[1] = 0.2;
+        box->placement.position[2] = -side * sqrt(0.5); /* its upper edge is the y axis */
+        box->placement.rotation_axis[1] = 1.0;
+        box->placement.rotation_axis[2] = 0.0;
+        box->placement.rotation_degrees = 45.0;
+        stage.scene.duration = 6e-3;
+        check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
+        double lowest = 0.0;
+        for (int part = 1; part <= 30; part++) {
+            int64_t taken = 0;
+            check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration * part / 30.0, 0, &taken, &error), error);
+            assert_int_equal(hybrid.fragments.items[0].mode, SHV_MODE_FRACTURE);
+            for (int k = 0; k <= 60; k++)
+                assert_false(is_inside(&hybrid.state, shv_vec3(0.0, -0.03 + 1e-3 * k, -0.01 * size)));
+            for (int32_t i = 0; i < hybrid.state.node_count; i++)
+                lowest = fmin(lowest, shv_state_position(&hybrid.state, i).z);
+        }
+        assert_true(lowest < -0.2 * size); /* it has draped over the edge */
+        shv_hybrid_release(&hybrid);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_analytic), cmocka_unit_test(test_bullet),
-                                       cmocka_unit_test(test_glides_over_edges)};
+                                       cmocka_unit_test(test_glides_over_edges),
+                                       cmocka_unit_test(test_soft_pad_on_an_edge)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
