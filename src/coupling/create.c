@@ -71,13 +71,23 @@ static ShvStatus start_fragments(ShvHybrid *hybrid, ShvError *error)
     return shv_awake_refresh(hybrid, error);
 }
 
+/* Whether anything may be in fracture mode. */
+static bool may_deform(const ShvHybrid *hybrid)
+{
+    const ShvSceneDefinition *scene = hybrid->scene;
+    bool any = hybrid->model.can_break || scene->rigid.wake == SHV_WAKE_CONTACT || scene->condition_count > 0;
+    for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
+        any = starts_stretching(hybrid, &hybrid->fragments.items[i]);
+    return any;
+}
+
 /* Where nothing can meet anything, Bullet is left out. */
 static ShvStatus create_backend(ShvHybrid *hybrid, const ShvRigidWorld *world, ShvError *error)
 {
     const ShvSceneDefinition *scene = hybrid->scene;
     const bool contact = scene->obstacle_count > 0 || hybrid->fragments.count > 1 || hybrid->model.can_break;
     if (scene->rigid.engine == SHV_RIGID_PBD) return shv_pbd_create(&hybrid->backend, world, &scene->pbd, error);
-    const bool handed_over = hybrid->model.can_break || scene->rigid.wake == SHV_WAKE_CONTACT;
+    const bool handed_over = may_deform(hybrid);
     if (scene->rigid.engine == SHV_RIGID_BULLET_PLAIN) {
         SHV_TRY(shv_bullet_plain_create(&hybrid->backend, world, &scene->bullet_plain, error));
         hybrid->backend->leaves_obstacles = handed_over;
