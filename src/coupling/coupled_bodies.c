@@ -185,9 +185,7 @@ static ShvStatus judge(ShvHybrid *hybrid, int32_t index, const ShvFragmentTouch 
                                      .fresh = touch && touch->severity > 0.0,
                                      .other_mass = touch ? touch->other_mass : 0.0,
                                      .load = load};
-    const bool wakes = isfinite(hybrid->fragments.items[index].strength) && shv_hybrid_judge(hybrid, &contact);
-    if (!wakes) return SHV_OK;
-    return shv_hybrid_wake(hybrid, &contact, error);
+    return shv_hybrid_judge(hybrid, &contact) ? shv_hybrid_wake(hybrid, &contact, error) : SHV_OK;
 }
 
 ShvStatus shv_coupled_bodies_judge(ShvHybrid *hybrid, ShvError *error)

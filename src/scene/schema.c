@@ -818,9 +818,10 @@ static const ShvKey rigid_keys[] = {
          "than 16 of that mode's steps. What an impact wakes stays in fracture mode to the end of the step, unless it "
          "is whole and all that moves: for bodies of millimetres take it shorter, as `shiver check` says."},
     {"wake", SHV_KEY_CHOICE, .choices = wake_choices, .offset = SCENE(rigid.wake),
-     .sentence = "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
-                 "(under Bullet at most one in a rigid time step and body). With `stress` what spins faster than it "
-                 "may bear wakes, too."},
+     .sentence =
+         "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
+         "(under Bullet at most one in a rigid time step and body; what cannot break only with `fracture.enabled: "
+         "false`). With `stress` what spins faster than it may bear wakes, too."},
     {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),
      .sentence = "Share of the weakest facet's strength that the estimate must reach."},
     {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),
