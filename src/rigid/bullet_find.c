@@ -30,7 +30,7 @@ bool shv_bullet_leaves_pair(const ShvBulletRigidBody *a, const ShvBulletRigidBod
 
 /* Beside the straight way: what gravity and supports that give way make of it in a step; and a share of the radius, so that
    near neighbours are pairs, whatever pushes them together. */
-static const double beside_of_radius = 0.02;
+static const double beside_of_radius = 0.04;
 
 ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletRigidBody *body, double time, ShvError *error)
 {
@@ -290,8 +290,7 @@ static bool is_free_for(const ShvBullet *bullet, const ShvBulletRigidBody *body,
     return body->impact_time < 0.0 || fabs(body->impact_time - time) <= same_moment * bullet->step;
 }
 
-/* The pair as it stands at a time; its contacts there. */
-static ShvStatus collide_at(ShvBullet *bullet, ShvContactPair *contact_pair, double time, ShvError *error)
+ShvStatus shv_bullet_collide_at(ShvBullet *bullet, ShvContactPair *contact_pair, double time, ShvError *error)
 {
     const ShvBulletRigidBody *pair[2] = {&bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b]};
     for (int i = 0; i < 2; i++)
@@ -334,13 +333,13 @@ static ShvStatus find_contacts_at_impact(ShvBullet *bullet, ShvContactPair *cont
     const double near =
         impact_of_radius * fmin(bullet->bodies[contact_pair->a].radius, bullet->bodies[contact_pair->b].radius);
     for (int i = 0; i < IMPACT_CORRECTIONS; i++) {
-        SHV_TRY(collide_at(bullet, contact_pair, contact_pair->impact, error));
+        SHV_TRY(shv_bullet_collide_at(bullet, contact_pair, contact_pair->impact, error));
         double gap = 0.0, closing = 1.0;
         if (!nearest_closing(bullet, contact_pair, contact_pair->impact, &gap, &closing) || fabs(gap) <= near)
             return SHV_OK;
         contact_pair->impact = fmin(fmax(0.0, contact_pair->impact + gap / closing), bullet->step * (1.0 - least_left));
     }
-    return collide_at(bullet, contact_pair, contact_pair->impact, error);
+    return shv_bullet_collide_at(bullet, contact_pair, contact_pair->impact, error);
 }
 
 /* Of those who have an impact at another time. */
@@ -386,7 +385,7 @@ static ShvStatus choose_impacts(ShvBullet *bullet, ShvError *error)
         }
         if (set >= 0.0) {
             contact_pair->impact = set;
-            SHV_TRY(collide_at(bullet, contact_pair, set, error));
+            SHV_TRY(shv_bullet_collide_at(bullet, contact_pair, set, error));
         } else if (contact_pair->impact > 0.0) {
             SHV_TRY(find_contacts_at_impact(bullet, contact_pair, error));
             if (defer(bullet, k)) {

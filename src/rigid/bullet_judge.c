@@ -64,11 +64,10 @@ static const ShvBulletContact *fastest_contact(const ShvBullet *bullet, const Sh
 }
 
 static ShvRigidContact report(ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvBulletContact *contact,
-                              double closing, bool first)
+                              double closing, double time, bool first)
 {
     const int32_t own = first ? contact_pair->a : contact_pair->b, other = first ? contact_pair->b : contact_pair->a;
     const ShvBulletRigidBody *body = &bullet->bodies[own];
-    const double time = contact_pair->struck ? contact_pair->impact : 0.0;
     const ShvVec3 centre = shv_bullet_body_position(body, time, bullet->gravity);
     return (ShvRigidContact){.fragment = body->fragment,
                              .obstacle = bullet->bodies[other].obstacle,
@@ -112,43 +111,169 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
         bullet->backend.contact_work += shv_bullet_body_energy(body, bullet->gravity) - before;
 }
 
-static void judge_contact_pair(ShvBullet *bullet, const ShvContactPair *contact_pair, ShvWakeJudge judge,
-                               void *judge_data, ShvRigidContact *wakes, int32_t *wake_count)
+/* ---- nodes ---- */
+
+/* Of a fragment's lowest node above a plane at a time of the step, m; what an obstacle has convex pieces for is exact. */
+static double height_above(const ShvBullet *bullet, const ShvBulletRigidBody *body, double time, ShvVec3 point,
+                           ShvVec3 normal)
 {
-    if (contact_pair->contact_count == 0 || bullet->bodies[contact_pair->a].leaves ||
-        bullet->bodies[contact_pair->b].leaves)
-        return;
-    double closing = 0.0;
-    const ShvBulletContact *contact = fastest_contact(bullet, contact_pair, &closing);
-    if (!contact) return;
+    if (body->fragment < 0) return 0.0;
+    const ShvRigidWorld *world = &bullet->backend.world;
+    const ShvFragment *fragment = &world->fragments->items[body->fragment];
+    const ShvVec3 centre = shv_bullet_body_position(body, time, bullet->gravity);
+    const ShvQuat orientation = shv_bullet_body_orientation(body, time);
+    double least = (double)INFINITY;
+    for (int32_t k = 0; k < fragment->node_count; k++) {
+        const int32_t node = world->fragments->nodes[fragment->node_begin + k];
+        const ShvVec3 arm = shv_rotate(orientation, shv_fragment_shape_position(fragment, world->state, node));
+        least = fmin(least, shv_dot(normal, shv_sub(shv_add(centre, arm), point)));
+    }
+    return least;
+}
+
+/* When nodes of the two have come to the plane of a contact that closes at `time`: no later. Convex pieces of a round body cut its
+   corners by hundredths of its radius; as late as that the blow would come to many nodes at once, deep in the other side. */
+static double time_of_nodes(const ShvBullet *bullet, const ShvContactPair *contact_pair,
+                            const ShvBulletContact *contact, double closing, double time)
+{
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    const ShvVec3 normal = shv_load3(contact->normal);
+    const bool first = a->fragment < 0; /* the plane is the obstacle's; of two fragments any will do */
+    const ShvVec3 middle = shv_add(shv_bullet_body_position(first ? a : b, time, bullet->gravity),
+                                   shv_load3(first ? contact->arm_first : contact->arm_second));
+    const ShvVec3 point = shv_madd(middle, (first ? 0.5 : -0.5) * contact->gap, normal);
+    const double gap =
+        height_above(bullet, a, time, point, normal) + height_above(bullet, b, time, point, shv_scale(normal, -1.0));
+    return closing > 0.0 && gap < 0.0 ? fmax(0.0, time + gap / closing) : time;
+}
+
+/* ---- judging ---- */
+
+/* Where wakes go, and who is asked. */
+typedef struct Judgement {
+    ShvWakeJudge judge;
+    void *data;
+    ShvRigidContact *wakes;
+    int32_t *wake_count;
+} Judgement;
+
+/* A contact that closes at `time`: whom it wakes leaves flight when nodes touch, if that is in this step. */
+static void judge_contact(ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvBulletContact *contact,
+                          double closing, double time, const Judgement *to)
+{
     bool accepted[2] = {false, false};
     ShvRigidContact contacts[2];
     for (int side = 0; side < 2; side++) {
         if (bullet->bodies[side ? contact_pair->b : contact_pair->a].fragment < 0) continue;
-        contacts[side] = report(bullet, contact_pair, contact, closing, side == 0);
-        accepted[side] = judge(judge_data, &contacts[side]);
+        contacts[side] = report(bullet, contact_pair, contact, closing, time, side == 0);
+        accepted[side] = to->judge(to->data, &contacts[side]);
     }
+    if (!accepted[0] && !accepted[1]) return;
+    const double touch = time > 0.0 ? time_of_nodes(bullet, contact_pair, contact, closing, time) : time;
+    if (touch >= bullet->step) return;
     for (int side = 0; side < 2; side++) {
         if (!accepted[side]) continue;
-        wakes[(*wake_count)++] = contacts[side];
-        take_out(bullet, side ? contact_pair->b : contact_pair->a, side ? contact_pair->a : contact_pair->b,
-                 contact_pair->struck ? contact_pair->impact : 0.0);
+        if (touch < time) contacts[side].expected = contacts[side].time;
+        contacts[side].time = bullet->time + touch;
+        to->wakes[(*to->wake_count)++] = contacts[side];
+        take_out(bullet, side ? contact_pair->b : contact_pair->a, side ? contact_pair->a : contact_pair->b, touch);
     }
+}
+
+static bool has_left(const ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    return bullet->bodies[contact_pair->a].leaves || bullet->bodies[contact_pair->b].leaves;
+}
+
+static void judge_contact_pair(ShvBullet *bullet, const ShvContactPair *contact_pair, const Judgement *to)
+{
+    double closing = 0.0;
+    if (contact_pair->contact_count == 0 || has_left(bullet, contact_pair)) return;
+    const ShvBulletContact *contact = fastest_contact(bullet, contact_pair, &closing);
+    const double time = contact_pair->struck ? contact_pair->impact : 0.0;
+    if (contact) judge_contact(bullet, contact_pair, contact, closing, time, to);
+}
+
+/* ---- contacts of nodes before those of convex pieces ---- */
+
+/* Of a fragment's radius: what a hull of 64 vertices in a ball leaves out at most. */
+static const double cut_of_radius = 0.04;
+
+static double cuts_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    return cut_of_radius * ((a->fragment >= 0 ? a->radius : 0.0) + (b->fragment >= 0 ? b->radius : 0.0));
+}
+
+/* Whether a pair that convex pieces keep apart in this step, in free flight, could wake somebody if it closed as fast as it moves. */
+static bool could_wake(ShvBullet *bullet, const ShvContactPair *contact_pair, const Judgement *to)
+{
+    const ShvBulletRigidBody *pair[2] = {&bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b]};
+    const ShvBulletContact none = {.normal = {0.0, 0.0, 0.0}};
+    if (!contact_pair->found || contact_pair->touching || contact_pair->struck || has_left(bullet, contact_pair))
+        return false;
+    for (int side = 0; side < 2; side++)
+        if (pair[side]->coupled || pair[side]->impact_time >= 0.0) return false;
+    const double fastest = contact_pair->reach / bullet->step;
+    for (int side = 0; side < 2; side++) {
+        if (pair[side]->fragment < 0) continue;
+        const ShvRigidContact contact = report(bullet, contact_pair, &none, fastest, 0.0, side == 0);
+        if (to->judge(to->data, &contact)) return true;
+    }
+    return false;
+}
+
+/* The contact of a pair apart that closes first, if they go on as they do. */
+static const ShvBulletContact *soonest_contact(const ShvBullet *bullet, const ShvContactPair *contact_pair,
+                                               double *closing, double *time)
+{
+    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
+    const ShvBulletContact *soonest = NULL;
+    for (int32_t i = 0; i < contact_pair->contact_count; i++) {
+        const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + i];
+        const double speed = -shv_dot(shv_load3(contact->normal),
+                                      shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin));
+        const double gap = contact->gap + contact_pair->allowed_penetration;
+        if (!(speed > bullet->rest) || (soonest && gap / speed >= *time)) continue;
+        soonest = contact;
+        *closing = speed;
+        *time = gap / speed;
+    }
+    return soonest;
+}
+
+/* Nodes may touch in this step where convex pieces will in the next. */
+static ShvStatus judge_ahead(ShvBullet *bullet, const ShvContactPair *contact_pair, const Judgement *to,
+                             ShvError *error)
+{
+    const int32_t known = bullet->contact_count;
+    ShvContactPair ahead = *contact_pair;
+    double closing = 0.0, time = 0.0;
+    ahead.reach += cuts_of(bullet, contact_pair);
+    SHV_TRY(shv_bullet_collide_at(bullet, &ahead, 0.0, error));
+    const ShvBulletContact *contact = soonest_contact(bullet, &ahead, &closing, &time);
+    if (contact && time >= bullet->step) judge_contact(bullet, &ahead, contact, closing, time, to);
+    bullet->contact_count = known;
+    return SHV_OK;
 }
 
 ShvStatus shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
                            int32_t *wake_count, ShvError *error)
 {
     if (!judge) return SHV_OK;
+    const Judgement to = {judge, judge_data, wakes, wake_count};
     SHV_TRY(find_heaps(bullet, error));
     for (int32_t i = 0; i < bullet->contact_pair_count; i++) {
         const ShvContactPair *contact_pair = &bullet->contact_pairs[i];
         if (contact_pair->found && contact_pair->touching && !contact_pair->struck)
-            judge_contact_pair(bullet, contact_pair, judge, judge_data, wakes, wake_count);
+            judge_contact_pair(bullet, contact_pair, &to);
     }
     for (int32_t k = 0; k < bullet->order_count; k++) {
         const ShvContactPair *contact_pair = &bullet->contact_pairs[bullet->order[k].contact_pair];
-        if (contact_pair->struck) judge_contact_pair(bullet, contact_pair, judge, judge_data, wakes, wake_count);
+        if (contact_pair->struck) judge_contact_pair(bullet, contact_pair, &to);
     }
+    for (int32_t i = 0; i < bullet->contact_pair_count; i++)
+        if (could_wake(bullet, &bullet->contact_pairs[i], &to))
+            SHV_TRY(judge_ahead(bullet, &bullet->contact_pairs[i], &to, error));
     return SHV_OK;
 }

@@ -109,6 +109,8 @@ ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletRigidBody *bo
 
 ShvStatus shv_bullet_place_all(ShvBullet *bullet, ShvError *error);
 ShvStatus shv_bullet_find(ShvBullet *bullet, const ShvBulletPair *pairs, int32_t count, ShvError *error);
+/* The pair as it stands at a time of the step; its contacts there, behind those of the others. */
+ShvStatus shv_bullet_collide_at(ShvBullet *bullet, ShvContactPair *contact_pair, double time, ShvError *error);
 ShvStatus shv_bullet_judge(ShvBullet *bullet, ShvWakeJudge judge, void *judge_data, ShvRigidContact *wakes,
                            int32_t *wake_count, ShvError *error);
 ShvStatus shv_bullet_set_up_contacts(ShvBullet *bullet, ShvBulletTask *task, ShvError *error);
