@@ -113,38 +113,79 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
 
 /* ---- nodes ---- */
 
-/* Of a fragment's lowest node above a plane at a time of the step, m; what an obstacle has convex pieces for is exact. */
-static double height_above(const ShvBullet *bullet, const ShvBulletRigidBody *body, double time, ShvVec3 point,
-                           ShvVec3 normal)
+/* Of a body's radius: what a hull of 64 vertices in a ball leaves out at most, and how far round a contact that is so. */
+static const double cut_of_radius = 0.04, near_of_radius = 0.3;
+
+/* How far nodes of a body may stand out of its convex pieces, m. Of pieces the rough faces of cracks do, and hulls stand back from those;
+   of a body that nothing has broken off it is hulls that cut corners of what is round. */
+static double cut_of(const ShvBullet *bullet, const ShvBulletRigidBody *body)
 {
     if (body->fragment < 0) return 0.0;
     const ShvRigidWorld *world = &bullet->backend.world;
     const ShvFragment *fragment = &world->fragments->items[body->fragment];
-    const ShvVec3 centre = shv_bullet_body_position(body, time, bullet->gravity);
-    const ShvQuat orientation = shv_bullet_body_orientation(body, time);
+    const ShvObject *object = &world->model->objects[fragment->object];
+    const bool whole = fragment->element_count == object->element_end - object->element_begin;
+    return whole ? cut_of_radius * body->radius : 0.0;
+}
+
+/* The tangent plane of a body's convex pieces at a contact that closes at a time of the step, and the obstacle met there, or NULL. */
+typedef struct ContactPlane {
+    double time;
+    ShvVec3 point, normal; /* into the body */
+    const ShvObstacle *obstacle;
+} ContactPlane;
+
+/* How far the nodes of a body round a contact are from the obstacle, or else inside of the plane, m; negative: beyond. */
+static double gap_of_nodes(const ShvBullet *bullet, const ShvBulletRigidBody *body, const ContactPlane *plane)
+{
+    const ShvRigidWorld *world = &bullet->backend.world;
+    const ShvFragment *fragment = &world->fragments->items[body->fragment];
+    const ShvVec3 centre = shv_bullet_body_position(body, plane->time, bullet->gravity);
+    const ShvQuat orientation = shv_bullet_body_orientation(body, plane->time);
+    const double near = near_of_radius * body->radius;
     double least = (double)INFINITY;
     for (int32_t k = 0; k < fragment->node_count; k++) {
         const int32_t node = world->fragments->nodes[fragment->node_begin + k];
         const ShvVec3 arm = shv_rotate(orientation, shv_fragment_shape_position(fragment, world->state, node));
-        least = fmin(least, shv_dot(normal, shv_sub(shv_add(centre, arm), point)));
+        const ShvVec3 x = shv_add(centre, arm), from = shv_sub(x, plane->point);
+        double gap = shv_dot(plane->normal, from);
+        if (shv_dot(from, from) - gap * gap > near * near) continue;
+        if (plane->obstacle) { /* stands where the step began */
+            const ShvVec3 then = shv_madd(x, -plane->time, shv_obstacle_velocity(plane->obstacle, x));
+            gap = shv_obstacle_closest(plane->obstacle, then, near).gap;
+        }
+        least = fmin(least, gap);
     }
     return least;
 }
 
-/* When nodes of the two have come to the plane of a contact that closes at `time`: no later. Convex pieces of a round body cut its
-   corners by hundredths of its radius; as late as that the blow would come to many nodes at once, deep in the other side. */
-static double time_of_nodes(const ShvBullet *bullet, const ShvContactPair *contact_pair,
-                            const ShvBulletContact *contact, double closing, double time)
+/* A contact of two bodies' convex pieces that closes in this step or the next. */
+typedef struct Closing {
+    const ShvBulletContact *contact;
+    double speed, time, gap; /* m/s; s, of the step; m: what is left there at that time */
+} Closing;
+
+/* When nodes of the two touch there: no later. As late as convex pieces that cut corners the blow would come to many nodes at once, deep
+   in the other side. Deeper than those cut is no such corner. */
+static double time_of_nodes(const ShvBullet *bullet, const ShvContactPair *contact_pair, const Closing *closing)
 {
-    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-    const ShvVec3 normal = shv_load3(contact->normal);
-    const bool first = a->fragment < 0; /* the plane is the obstacle's; of two fragments any will do */
-    const ShvVec3 middle = shv_add(shv_bullet_body_position(first ? a : b, time, bullet->gravity),
-                                   shv_load3(first ? contact->arm_first : contact->arm_second));
-    const ShvVec3 point = shv_madd(middle, (first ? 0.5 : -0.5) * contact->gap, normal);
-    const double gap =
-        height_above(bullet, a, time, point, normal) + height_above(bullet, b, time, point, shv_scale(normal, -1.0));
-    return closing > 0.0 && gap < 0.0 ? fmax(0.0, time + gap / closing) : time;
+    const ShvBulletRigidBody *pair[2] = {&bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b]};
+    const double cuts = cut_of(bullet, pair[0]) + cut_of(bullet, pair[1]);
+    double gap = closing->gap;
+    for (int i = 0; i < 2; i++) {
+        if (!(cut_of(bullet, pair[i]) > 0.0)) continue;
+        const double *arm = i == 0 ? closing->contact->arm_first : closing->contact->arm_second;
+        const int32_t obstacle = pair[1 - i]->obstacle;
+        ContactPlane plane = {.time = closing->time,
+                              .normal = shv_scale(shv_load3(closing->contact->normal), i == 0 ? 1.0 : -1.0)};
+        plane.point = shv_add(shv_bullet_body_position(pair[i], closing->time, bullet->gravity), shv_load3(arm));
+        plane.point = shv_madd(plane.point, 0.5 * closing->contact->gap, plane.normal); /* arms end in the middle */
+        if (obstacle >= 0) plane.obstacle = &bullet->backend.world.obstacles->items[obstacle];
+        const double own = gap_of_nodes(bullet, pair[i], &plane);
+        gap = obstacle >= 0 ? own : gap + own;
+    }
+    if (!(gap < 0.0 && gap >= -cuts && closing->speed > 0.0)) return closing->time;
+    return fmax(0.0, closing->time + gap / closing->speed);
 }
 
 /* ---- judging ---- */
@@ -157,23 +198,23 @@ typedef struct Judgement {
     int32_t *wake_count;
 } Judgement;
 
-/* A contact that closes at `time`: whom it wakes leaves flight when nodes touch, if that is in this step. */
-static void judge_contact(ShvBullet *bullet, const ShvContactPair *contact_pair, const ShvBulletContact *contact,
-                          double closing, double time, const Judgement *to)
+/* Whom it wakes leaves flight when nodes touch, if that is in this step. */
+static void judge_contact(ShvBullet *bullet, const ShvContactPair *contact_pair, const Closing *closing,
+                          const Judgement *to)
 {
     bool accepted[2] = {false, false};
     ShvRigidContact contacts[2];
     for (int side = 0; side < 2; side++) {
         if (bullet->bodies[side ? contact_pair->b : contact_pair->a].fragment < 0) continue;
-        contacts[side] = report(bullet, contact_pair, contact, closing, time, side == 0);
+        contacts[side] = report(bullet, contact_pair, closing->contact, closing->speed, closing->time, side == 0);
         accepted[side] = to->judge(to->data, &contacts[side]);
     }
     if (!accepted[0] && !accepted[1]) return;
-    const double touch = time > 0.0 ? time_of_nodes(bullet, contact_pair, contact, closing, time) : time;
+    const double touch = closing->time > 0.0 ? time_of_nodes(bullet, contact_pair, closing) : closing->time;
     if (touch >= bullet->step) return;
     for (int side = 0; side < 2; side++) {
         if (!accepted[side]) continue;
-        if (touch < time) contacts[side].expected = contacts[side].time;
+        if (touch < closing->time && contacts[side].obstacle < 0) contacts[side].expected = contacts[side].time;
         contacts[side].time = bullet->time + touch;
         to->wakes[(*to->wake_count)++] = contacts[side];
         take_out(bullet, side ? contact_pair->b : contact_pair->a, side ? contact_pair->a : contact_pair->b, touch);
@@ -187,23 +228,15 @@ static bool has_left(const ShvBullet *bullet, const ShvContactPair *contact_pair
 
 static void judge_contact_pair(ShvBullet *bullet, const ShvContactPair *contact_pair, const Judgement *to)
 {
-    double closing = 0.0;
+    Closing closing = {.time = contact_pair->struck ? contact_pair->impact : 0.0};
     if (contact_pair->contact_count == 0 || has_left(bullet, contact_pair)) return;
-    const ShvBulletContact *contact = fastest_contact(bullet, contact_pair, &closing);
-    const double time = contact_pair->struck ? contact_pair->impact : 0.0;
-    if (contact) judge_contact(bullet, contact_pair, contact, closing, time, to);
+    closing.contact = fastest_contact(bullet, contact_pair, &closing.speed);
+    if (!closing.contact) return;
+    closing.gap = closing.contact->gap;
+    judge_contact(bullet, contact_pair, &closing, to);
 }
 
 /* ---- contacts of nodes before those of convex pieces ---- */
-
-/* Of a fragment's radius: what a hull of 64 vertices in a ball leaves out at most. */
-static const double cut_of_radius = 0.04;
-
-static double cuts_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
-{
-    const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-    return cut_of_radius * ((a->fragment >= 0 ? a->radius : 0.0) + (b->fragment >= 0 ? b->radius : 0.0));
-}
 
 /* Whether a pair that convex pieces keep apart in this step, in free flight, could wake somebody if it closed as fast as it moves. */
 static bool could_wake(ShvBullet *bullet, const ShvContactPair *contact_pair, const Judgement *to)
@@ -214,6 +247,7 @@ static bool could_wake(ShvBullet *bullet, const ShvContactPair *contact_pair, co
         return false;
     for (int side = 0; side < 2; side++)
         if (pair[side]->coupled || pair[side]->impact_time >= 0.0) return false;
+    if (!(cut_of(bullet, pair[0]) + cut_of(bullet, pair[1]) > 0.0)) return false;
     const double fastest = contact_pair->reach / bullet->step;
     for (int side = 0; side < 2; side++) {
         if (pair[side]->fragment < 0) continue;
@@ -224,20 +258,17 @@ static bool could_wake(ShvBullet *bullet, const ShvContactPair *contact_pair, co
 }
 
 /* The contact of a pair apart that closes first, if they go on as they do. */
-static const ShvBulletContact *soonest_contact(const ShvBullet *bullet, const ShvContactPair *contact_pair,
-                                               double *closing, double *time)
+static Closing soonest_contact(const ShvBullet *bullet, const ShvContactPair *contact_pair)
 {
     const ShvBulletRigidBody *a = &bullet->bodies[contact_pair->a], *b = &bullet->bodies[contact_pair->b];
-    const ShvBulletContact *soonest = NULL;
+    Closing soonest = {.contact = NULL};
     for (int32_t i = 0; i < contact_pair->contact_count; i++) {
         const ShvBulletContact *contact = &bullet->contacts[contact_pair->contact_begin + i];
         const double speed = -shv_dot(shv_load3(contact->normal),
                                       shv_bullet_relative(contact, a->velocity, a->spin, b->velocity, b->spin));
-        const double gap = contact->gap + contact_pair->allowed_penetration;
-        if (!(speed > bullet->rest) || (soonest && gap / speed >= *time)) continue;
-        soonest = contact;
-        *closing = speed;
-        *time = gap / speed;
+        const double time = (contact->gap + contact_pair->allowed_penetration) / speed;
+        if (!(speed > bullet->rest) || (soonest.contact && time >= soonest.time)) continue;
+        soonest = (Closing){contact, speed, time, 0.0};
     }
     return soonest;
 }
@@ -248,11 +279,10 @@ static ShvStatus judge_ahead(ShvBullet *bullet, const ShvContactPair *contact_pa
 {
     const int32_t known = bullet->contact_count;
     ShvContactPair ahead = *contact_pair;
-    double closing = 0.0, time = 0.0;
-    ahead.reach += cuts_of(bullet, contact_pair);
+    ahead.reach += cut_of(bullet, &bullet->bodies[ahead.a]) + cut_of(bullet, &bullet->bodies[ahead.b]);
     SHV_TRY(shv_bullet_collide_at(bullet, &ahead, 0.0, error));
-    const ShvBulletContact *contact = soonest_contact(bullet, &ahead, &closing, &time);
-    if (contact && time >= bullet->step) judge_contact(bullet, &ahead, contact, closing, time, to);
+    const Closing closing = soonest_contact(bullet, &ahead);
+    if (closing.contact && closing.time >= bullet->step) judge_contact(bullet, &ahead, &closing, to);
     bullet->contact_count = known;
     return SHV_OK;
 }
