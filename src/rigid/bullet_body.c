@@ -163,6 +163,18 @@ double shv_bullet_body_load(const ShvBulletRigidBody *body)
     return sum / fmax(fewest_windows, body->load_count);
 }
 
+/* Of the radius of a ball: height of the cap over a face of a regular hull of 64 vertices in it, 124 equal triangles. */
+static const double cut_of_radius = 0.04;
+
+double shv_bullet_body_cut(const ShvBulletRigidBody *body, const ShvRigidWorld *world)
+{
+    if (body->fragment < 0) return 0.0;
+    const ShvFragment *fragment = &world->fragments->items[body->fragment];
+    const ShvObject *object = &world->model->objects[fragment->object];
+    const bool whole = fragment->element_count == object->element_end - object->element_begin;
+    return whole ? cut_of_radius * body->radius : 0.0;
+}
+
 /* ---- time of impact ---- */
 
 static ShvStatus make_impact_shape(ShvBulletRigidBody *body, const ShvRigidWorld *world, ShvError *error)

@@ -89,6 +89,9 @@ void shv_bullet_body_place(const ShvBulletRigidBody *body, ShvBulletWorld *bulle
 double shv_bullet_body_energy(const ShvBulletRigidBody *body, ShvVec3 gravity);
 /* Contact force, N: the mean of the last steps, over at least 5 of them (missing ones count as 0). */
 double shv_bullet_body_load(const ShvBulletRigidBody *body);
+/* How far nodes of a body may stand out of its convex pieces, m: of one that nothing has broken off, where those cut corners of what is
+   round. 0 of pieces, whose hulls stand back from rough faces of cracks on purpose, and of obstacles. */
+double shv_bullet_body_cut(const ShvBulletRigidBody *body, const ShvRigidWorld *world);
 /* For impact_time.h; the body must outlive the motion. */
 ShvStatus shv_bullet_body_impact_body(ShvBulletRigidBody *body, const ShvRigidWorld *world, ShvVec3 gravity,
                                       ShvImpactBody *impact_body, ShvError *error);

@@ -29,8 +29,8 @@ bool shv_bullet_leaves_pair(const ShvBulletRigidBody *a, const ShvBulletRigidBod
 }
 
 /* Beside the straight way: what gravity and supports that give way make of it in a step; and a share of the radius, so that
-   near neighbours are pairs, whatever pushes them together. */
-static const double beside_of_radius = 0.04;
+   near neighbours are pairs, whatever pushes them together, or what the nodes of a whole body need to touch before its convex pieces do. */
+static const double beside_of_radius = 0.02;
 
 ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletRigidBody *body, double time, ShvError *error)
 {
@@ -38,8 +38,9 @@ ShvStatus shv_bullet_reach(const ShvBullet *bullet, const ShvBulletRigidBody *bo
     shv_store3(displacement, shv_scale(body->velocity, time));
     const double fall = body->moves ? 2.0 * shv_norm(bullet->gravity) * bullet->step * time : 0.0;
     const double beside = isfinite(body->radius) ? beside_of_radius * body->radius : 0.0;
+    const double around = fmax(beside, shv_bullet_body_cut(body, &bullet->backend.world));
     const double turn = body->round || body->fastest == 0.0 ? 0.0 : fmin(2.0, body->fastest * time) * body->radius;
-    return shv_bullet_world_reach(bullet->bullet, body->number, displacement, fall + beside, turn, error);
+    return shv_bullet_world_reach(bullet->bullet, body->number, displacement, fall + around, turn, error);
 }
 
 /* Bound of the relative motion of two surfaces; supports that give way let a body come nearer by the fall of a step, of which

@@ -113,20 +113,9 @@ static void take_out(ShvBullet *bullet, int32_t own, int32_t other, double time)
 
 /* ---- nodes ---- */
 
-/* Of a body's radius: what a hull of 64 vertices in a ball leaves out at most, and how far round a contact that is so. */
-static const double cut_of_radius = 0.04, near_of_radius = 0.3;
-
-/* How far nodes of a body may stand out of its convex pieces, m. Of pieces the rough faces of cracks do, and hulls stand back from those;
-   of a body that nothing has broken off it is hulls that cut corners of what is round. */
-static double cut_of(const ShvBullet *bullet, const ShvBulletRigidBody *body)
-{
-    if (body->fragment < 0) return 0.0;
-    const ShvRigidWorld *world = &bullet->backend.world;
-    const ShvFragment *fragment = &world->fragments->items[body->fragment];
-    const ShvObject *object = &world->model->objects[fragment->object];
-    const bool whole = fragment->element_count == object->element_end - object->element_begin;
-    return whole ? cut_of_radius * body->radius : 0.0;
-}
+/* Of a body's radius: how far round a contact convex pieces cut a corner. A face of the regular hull of 64 vertices in a ball, 4 π/124 of
+   a unit sphere, has a circumscribed circle of 0.28. */
+static const double near_of_radius = 0.3;
 
 /* The tangent plane of a body's convex pieces at a contact that closes at a time of the step, and the obstacle met there, or NULL. */
 typedef struct ContactPlane {
@@ -159,6 +148,14 @@ static double gap_of_nodes(const ShvBullet *bullet, const ShvBulletRigidBody *bo
     return least;
 }
 
+/* By how much nodes of both may touch before their convex pieces do, m. */
+static double cuts_of(const ShvBullet *bullet, const ShvContactPair *contact_pair)
+{
+    const ShvRigidWorld *world = &bullet->backend.world;
+    return shv_bullet_body_cut(&bullet->bodies[contact_pair->a], world) +
+           shv_bullet_body_cut(&bullet->bodies[contact_pair->b], world);
+}
+
 /* A contact of two bodies' convex pieces that closes in this step or the next. */
 typedef struct Closing {
     const ShvBulletContact *contact;
@@ -170,10 +167,9 @@ typedef struct Closing {
 static double time_of_nodes(const ShvBullet *bullet, const ShvContactPair *contact_pair, const Closing *closing)
 {
     const ShvBulletRigidBody *pair[2] = {&bullet->bodies[contact_pair->a], &bullet->bodies[contact_pair->b]};
-    const double cuts = cut_of(bullet, pair[0]) + cut_of(bullet, pair[1]);
     double gap = closing->gap;
     for (int i = 0; i < 2; i++) {
-        if (!(cut_of(bullet, pair[i]) > 0.0)) continue;
+        if (!(shv_bullet_body_cut(pair[i], &bullet->backend.world) > 0.0)) continue;
         const double *arm = i == 0 ? closing->contact->arm_first : closing->contact->arm_second;
         const int32_t obstacle = pair[1 - i]->obstacle;
         ContactPlane plane = {.time = closing->time,
@@ -184,7 +180,7 @@ static double time_of_nodes(const ShvBullet *bullet, const ShvContactPair *conta
         const double own = gap_of_nodes(bullet, pair[i], &plane);
         gap = obstacle >= 0 ? own : gap + own;
     }
-    if (!(gap < 0.0 && gap >= -cuts && closing->speed > 0.0)) return closing->time;
+    if (!(gap < 0.0 && gap >= -cuts_of(bullet, contact_pair) && closing->speed > 0.0)) return closing->time;
     return fmax(0.0, closing->time + gap / closing->speed);
 }
 
@@ -247,7 +243,7 @@ static bool could_wake(ShvBullet *bullet, const ShvContactPair *contact_pair, co
         return false;
     for (int side = 0; side < 2; side++)
         if (pair[side]->coupled || pair[side]->impact_time >= 0.0) return false;
-    if (!(cut_of(bullet, pair[0]) + cut_of(bullet, pair[1]) > 0.0)) return false;
+    if (!(cuts_of(bullet, contact_pair) > 0.0)) return false;
     const double fastest = contact_pair->reach / bullet->step;
     for (int side = 0; side < 2; side++) {
         if (pair[side]->fragment < 0) continue;
@@ -279,7 +275,7 @@ static ShvStatus judge_ahead(ShvBullet *bullet, const ShvContactPair *contact_pa
 {
     const int32_t known = bullet->contact_count;
     ShvContactPair ahead = *contact_pair;
-    ahead.reach += cut_of(bullet, &bullet->bodies[ahead.a]) + cut_of(bullet, &bullet->bodies[ahead.b]);
+    ahead.reach += cuts_of(bullet, contact_pair);
     SHV_TRY(shv_bullet_collide_at(bullet, &ahead, 0.0, error));
     const Closing closing = soonest_contact(bullet, &ahead);
     if (closing.contact && closing.time >= bullet->step) judge_contact(bullet, &ahead, &closing, to);

@@ -1,30 +1,13 @@
 /* Surfaces that meet where their edges cross, and no node is near. */
 #include "surfaces.h"
 
+#include "contact/inside.h"
+
 #include "shape/triangle.h"
 
 static const double edge = 0.008, thickness = 0.004; /* m */
 
 /* ---- how deep edges are in the other body ---- */
-
-/* Whether a point is in a tet of a fragment. */
-static bool is_inside(const Surfaces *s, int32_t fragment, ShvVec3 x)
-{
-    for (int32_t e = 0; e < s->state.element_count; e++) {
-        ShvVec3 at[4];
-        double least = (double)INFINITY;
-        if (s->state.element_fragment[e] != fragment) continue;
-        for (int k = 0; k < 4; k++) at[k] = shv_bodies_position(&s->bodies, shv_state_node(&s->state, e, k), fragment);
-        for (int f = 0; f < 4; f++) {
-            const ShvVec3 a = at[shv_face_corners[f][0]];
-            const ShvVec3 area =
-                shv_cross(shv_sub(at[shv_face_corners[f][1]], a), shv_sub(at[shv_face_corners[f][2]], a));
-            least = fmin(least, -shv_dot(area, shv_sub(x, a)));
-        }
-        if (least > 0.0) return true;
-    }
-    return false;
-}
 
 /* From a point to the surface of a fragment. */
 static double distance_to_surface(const Surfaces *s, int32_t fragment, ShvVec3 x)
@@ -57,7 +40,7 @@ static double depth_of_edges(const Surfaces *s, int32_t fragment, int32_t other)
             for (int i = 0; i <= POINTS; i++) {
                 const ShvVec3 a = shape.corners[k], b = shape.corners[(k + 1) % 3];
                 const ShvVec3 x = shv_madd(a, (double)i / POINTS, shv_sub(b, a));
-                if (shv_box_holds(&box, x) && is_inside(s, other, x))
+                if (shv_box_holds(&box, x) && is_inside(&s->bodies, other, x))
                     deepest = fmax(deepest, distance_to_surface(s, other, x));
             }
     }

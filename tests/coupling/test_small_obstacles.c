@@ -1,4 +1,5 @@
 /* Obstacles smaller than an edge, and edges of larger ones: every hit is felt, in flight and in fracture mode. */
+#include "contact/inside.h"
 #include "coupling/stage.h"
 
 #include "coupling/hybrid.h"
@@ -147,23 +148,6 @@ static void test_glides_over_edges(void **state)
     }
 }
 
-/* Whether a point is in the body. */
-static bool is_inside(const ShvState *state, ShvVec3 x)
-{
-    for (int32_t e = 0; e < state->element_count; e++) {
-        bool inside = true;
-        for (int f = 0; inside && f < 4; f++) {
-            ShvVec3 at[3];
-            for (int c = 0; c < 3; c++)
-                at[c] = shv_state_position(state, shv_state_node(state, e, shv_face_corners[f][c]));
-            const ShvVec3 area = shv_cross(shv_sub(at[1], at[0]), shv_sub(at[2], at[0]));
-            inside = shv_dot(area, shv_sub(x, at[0])) < 0.0;
-        }
-        if (inside) return true;
-    }
-    return false;
-}
-
 /* A soft pad that drapes over the edge of a box, deep enough for its nodes to leave their skin: whether it can break or not, the edge is
    nowhere deeper in it than 1 % of an edge of the mesh. */
 static void test_soft_pad_on_an_edge(void **state)
@@ -196,13 +180,14 @@ static void test_soft_pad_on_an_edge(void **state)
         box->placement.rotation_degrees = 45.0;
         stage.scene.duration = 6e-3;
         check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
+        const ShvSurfaceBodies bodies = {.state = &hybrid.state};
         double lowest = 0.0;
         for (int part = 1; part <= 30; part++) {
             int64_t taken = 0;
             check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration * part / 30.0, 0, &taken, &error), error);
             assert_int_equal(hybrid.fragments.items[0].mode, SHV_MODE_FRACTURE);
             for (int k = 0; k <= 60; k++)
-                assert_false(is_inside(&hybrid.state, shv_vec3(0.0, -0.03 + 1e-3 * k, -0.01 * size)));
+                assert_false(is_inside(&bodies, 0, shv_vec3(0.0, -0.03 + 1e-3 * k, -0.01 * size)));
             for (int32_t i = 0; i < hybrid.state.node_count; i++)
                 lowest = fmin(lowest, shv_state_position(&hybrid.state, i).z);
         }
