@@ -64,6 +64,7 @@ static ShvStatus begin_interval(ShvHybrid *hybrid, double until, ShvError *error
     SHV_TRY(shv_hybrid_wake_spinning(hybrid, error));
     shv_obstacles_script_step(&hybrid->obstacles, now, hybrid->interval_end - now);
     SHV_TRY(shv_hybrid_wake_approached(hybrid, error));
+    SHV_TRY(shv_hybrid_wake_squeezed(hybrid, error));
     SHV_TRY(shv_coupled_bodies_choose(hybrid, hybrid->interval_end - now, error));
     shv_coupled_bodies_to_flight(hybrid);
     SHV_TRY(fly(hybrid, error));

@@ -81,13 +81,16 @@ static ShvStatus note_insertions(ShvHybrid *hybrid, int32_t count, ShvError *err
     return SHV_OK;
 }
 
-/* Components of one awake fragment; its children carry on with its record. */
+/* Components of one awake fragment; its children carry on with its record, but each with its own damage. */
 static ShvStatus relabel_fragment(ShvHybrid *hybrid, int32_t index, const ShvConnectivityChange *change,
                                   ShvError *error)
 {
     int32_t parts = 0;
+    const int32_t before = hybrid->fragments.count;
     SHV_TRY(shv_fragments_split_by(&hybrid->fragments, &hybrid->model, &hybrid->state, index, change, &parts, error));
     if (parts < 2) return SHV_OK;
+    for (int32_t i = before; i < hybrid->fragments.count && hybrid->fragments.bonds; i++)
+        shv_hybrid_note_damage(hybrid, &hybrid->fragments.items[i]);
     const ShvEventView event = {
         .time = hybrid->state.time, .kind = SHV_RUN_SPLIT, .fragment = index, .obstacle = -1, .value = parts};
     return shv_hybrid_log(hybrid, &event, error);

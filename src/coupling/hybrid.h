@@ -264,11 +264,12 @@ void shv_waking_contact_begin(const ShvHybrid *hybrid, ShvFragment *fragment, co
 void shv_waking_contact_follow(ShvHybrid *hybrid);
 bool shv_waking_contact_is_over(const ShvHybrid *hybrid, const ShvFragment *fragment, double transit);
 /* rest.c: one transit of the longest extent by the bar wave, and by the slowest bending wave of a plate of the shortest extent
-   (half the period of the free fundamental, never less than the former), s; what has dissipated in a body that wakes now, after shv_waking_contact_begin; nodes of a fragment get its shape at the
+   (half the period of the free fundamental, never less than the former), s; what has dissipated in a body that wakes now, after shv_waking_contact_begin, and in one of which damage is looked at from now on; nodes of a fragment get its shape at the
    start, in its pose, and its motion; how long after its last crack a body without any that holds goes to rest at the latest, s; those that
    may rest do; between which times an awake fragment goes to rest if nothing more breaks in it, s (infinite: conditions hold it). */
 void shv_hybrid_transit_times(const ShvHybrid *hybrid, const ShvFragment *fragment, double *bar, double *bending);
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment);
+void shv_hybrid_note_damage(const ShvHybrid *hybrid, ShvFragment *fragment);
 void shv_hybrid_scatter(ShvHybrid *hybrid, const ShvFragment *fragment);
 double shv_hybrid_longest(const ShvHybrid *hybrid, const ShvFragment *fragment);
 ShvStatus shv_hybrid_sleep_quiet(ShvHybrid *hybrid, ShvError *error);
@@ -360,7 +361,13 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t fragment, const S
 void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t fragment);
 void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvPlacement *placement);
 void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement);
-/* squeeze.c: events of bodies that obstacles which hold their place leave no room; asked at the end of a rigid interval. */
+/* squeeze.c: whether obstacles that move take more room from a body that can break, in a time, than they leave it; those in flight of
+   which the interval that begins makes it so wake; events of bodies that obstacles which hold their place leave no room; asked at the end
+   of a rigid interval. */
+/* finds what is awake and pressed by obstacles that move, itself or by way of others, which therefore does not rest. */
+void shv_hybrid_find_pressed(ShvHybrid *hybrid);
+bool shv_hybrid_is_squeezed(const ShvHybrid *hybrid, const ShvFragment *fragment, double time);
+ShvStatus shv_hybrid_wake_squeezed(ShvHybrid *hybrid, ShvError *error);
 ShvStatus shv_hybrid_find_squeeze(ShvHybrid *hybrid, ShvError *error);
 /* audit.c: one more event. */
 ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);

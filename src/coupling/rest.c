@@ -96,8 +96,14 @@ static double dissipated(const ShvHybrid *hybrid, const ShvFragment *fragment)
 void shv_hybrid_begin_growth(const ShvHybrid *hybrid, ShvFragment *fragment)
 {
     fragment->growth_time = fragment->last_insertion;
-    fragment->last_crack = fragment->cut_time = -HUGE_VAL;
+    fragment->last_crack = fragment->cut_time = fragment->last_pressed = -HUGE_VAL;
     fragment->growth_sum = fragment->cracked && hybrid->fragments.bonds ? dissipated(hybrid, fragment) : 0.0;
+}
+
+void shv_hybrid_note_damage(const ShvHybrid *hybrid, ShvFragment *fragment)
+{
+    fragment->growth_time = hybrid->state.time;
+    fragment->growth_sum = dissipated(hybrid, fragment);
 }
 
 /* Whether damage has grown little since it was looked at last, two transits of the bar wave ago or earlier. */
@@ -122,8 +128,7 @@ static void track_damage(ShvHybrid *hybrid)
         const bool grown = now - fragment->growth_time >= 2.0 * bar && !damage_rests(hybrid, fragment, bar);
         if (!inserted && !grown) continue;
         if (grown) fragment->last_crack = now;
-        fragment->growth_time = now;
-        fragment->growth_sum = dissipated(hybrid, fragment);
+        shv_hybrid_note_damage(hybrid, fragment);
     }
 }
 
@@ -151,6 +156,12 @@ static ShvSwitchReason reason_to_rest(const ShvHybrid *hybrid, const ShvFragment
     return little && damage_rests(hybrid, fragment, bar) ? SHV_REASON_QUIET : SHV_REASON_NONE;
 }
 
+/* Until when a body does not rest since obstacles that move have pressed it: its motion against theirs tells so between vibrations only. */
+static double end_of_pressure(const ShvHybrid *hybrid, const ShvFragment *fragment)
+{
+    return isfinite(fragment->strength) ? fragment->last_pressed + shv_hybrid_longest(hybrid, fragment) : -HUGE_VAL;
+}
+
 void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragment, double *soonest, double *latest)
 {
     double bar, bending;
@@ -166,7 +177,8 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
     *soonest = by_checks ? counted : fmax(counted, last_change(fragment) + 2.0 * bar);
     *latest = fmax(now, last_change(fragment) + window(hybrid, fragment));
     if (by_checks) *latest = fmin(*latest, counted);
-    *soonest = fmin(*soonest, *latest);
+    *latest = fmax(*latest, end_of_pressure(hybrid, fragment));
+    *soonest = fmax(fmin(*soonest, *latest), end_of_pressure(hybrid, fragment));
 }
 
 /* Nothing that the cheap half of the rule forbids; only then is the motion brought to the present time. What is held rests when all that
@@ -174,6 +186,7 @@ void shv_hybrid_rest_between(const ShvHybrid *hybrid, const ShvFragment *fragmen
 static bool may_be_quiet(const ShvHybrid *hybrid, const ShvFragment *fragment, bool all_can_be_fixed)
 {
     if (fragment->mode != SHV_MODE_FRACTURE || reason_to_rest(hybrid, fragment, 0.0) == SHV_REASON_NONE) return false;
+    if (hybrid->state.time < end_of_pressure(hybrid, fragment)) return false;
     return all_can_be_fixed || !shv_hybrid_is_held(hybrid, fragment);
 }
 
@@ -368,6 +381,7 @@ static ShvStatus rest_quiet_ones(ShvHybrid *hybrid, ShvError *error)
     bool any = false;
     track_damage(hybrid);
     release_unrestrained(hybrid);
+    shv_hybrid_find_pressed(hybrid);
     const bool all_can_be_fixed = can_all_be_fixed(hybrid);
     for (int32_t i = 0; i < hybrid->fragments.count && !any; i++)
         any = may_be_quiet(hybrid, &hybrid->fragments.items[i], all_can_be_fixed);

@@ -1,5 +1,6 @@
-/* Bodies between obstacles that leave them no room: no motion can answer such contacts, and what a solver makes of them is bounded
-   but means nothing. It is told as events, one for each of the two obstacles. */
+/* Bodies between obstacles that leave them no room: no rigid motion can answer such contacts, and what a solver makes of them is
+   bounded but means nothing. So what can break wakes before obstacles that move have closed on it, and stays awake as long as they do.
+   What is rigid there all the same is told as events, one for each of the two obstacles. */
 #include "coupling/hybrid.h"
 
 /* Shares of the radius: room that is missing between two obstacles before it counts, beyond what round hulls, rough faces and
@@ -17,9 +18,10 @@ typedef struct Side {
     double gap;
 } Side;
 
-/* Of the rigid shape, also where an engine keeps nodes, which it may press together. */
+/* Of what flies that of the rigid shape, also where an engine keeps nodes, which it may press together. */
 static ShvVec3 position_of(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, int32_t node)
 {
+    if (fragment->mode == SHV_MODE_FRACTURE) return shv_state_position(&hybrid->state, node);
     const ShvVec3 reference = shv_load3(hybrid->state.reference + 3 * (int64_t)node);
     return shv_add(fragment->position, shv_apply(turned, shv_sub(reference, fragment->reference_centre)));
 }
@@ -118,6 +120,117 @@ static void find_for_awake(const ShvHybrid *hybrid, const ShvFragment *fragment,
         if (count > 1) find_among(sides, count, slack, squeeze);
     }
 }
+
+/* ---- obstacles that close ---- */
+
+/* How far the obstacle that moves most goes in a time, at the middle of a body, m. */
+static double longest_way(const ShvHybrid *hybrid, const ShvFragment *fragment, double time)
+{
+    double fastest = 0.0;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        if (hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED)
+            fastest = fmax(fastest, shv_norm(shv_obstacle_velocity(&hybrid->obstacles.items[i], fragment->position)));
+    return fastest * time;
+}
+
+/* Whether two sides take more room from a body between them in a time than they leave it. A body may go along with both. */
+static bool close_on(const ShvHybrid *hybrid, const ShvFragment *fragment, const Side *a, const Side *b, double slack,
+                     double time)
+{
+    const double missing = missing_between(a, b, slack);
+    if (!(missing > -HUGE_VAL)) return false;
+    const ShvVec3 approach = shv_sub(shv_obstacle_velocity(&hybrid->obstacles.items[a->obstacle], fragment->position),
+                                     shv_obstacle_velocity(&hybrid->obstacles.items[b->obstacle], fragment->position));
+    const double way = time * shv_dot(approach, shv_unit(shv_sub(a->normal, b->normal)));
+    return way > touching_of_radius * fragment->radius && missing + way > 0.0;
+}
+
+bool shv_hybrid_is_squeezed(const ShvHybrid *hybrid, const ShvFragment *fragment, double time)
+{
+    if (hybrid->obstacles.count < 2 || !isfinite(fragment->strength) || fragment->dust) return false;
+    ShvFragment fitted = *fragment;
+    if (fragment->mode == SHV_MODE_FRACTURE) shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
+    const double way = longest_way(hybrid, &fitted, time);
+    if (!(way > 0.0)) return false;
+    const ShvMat3 turned = shv_quat_to_matrix(fitted.orientation);
+    const double slack = way + free_of_radius * fitted.radius;
+    Side sides[MOST_NEAR];
+    const int32_t count = list_sides(hybrid, &fitted, &turned, slack, sides);
+    if (!some_face_each_other(sides, count)) return false;
+    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, &fitted, &turned, sides[i].obstacle, slack);
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = i + 1; k < count; k++)
+            if (close_on(hybrid, &fitted, &sides[i], &sides[k], slack, time)) return true;
+    return false;
+}
+
+/* Of its own speed into a body, that with which an obstacle still closes on what does not give way. */
+static const double closing_share = 0.1;
+
+/* Whether an obstacle that moves pushes a body which does not go along with it: something behind it holds. */
+static bool is_pressed(const ShvHybrid *hybrid, const ShvFragment *fragment, double time)
+{
+    ShvFragment fitted = *fragment;
+    shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
+    const double slack = longest_way(hybrid, &fitted, time) + free_of_radius * fitted.radius;
+    const ShvMat3 turned = shv_quat_to_matrix(fitted.orientation);
+    Side sides[MOST_NEAR];
+    const int32_t count = list_sides(hybrid, &fitted, &turned, slack, sides);
+    for (int32_t i = 0; i < count; i++) {
+        const ShvObstacle *obstacle = &hybrid->obstacles.items[sides[i].obstacle];
+        const Side side = deepest_in(hybrid, &fitted, &turned, sides[i].obstacle, slack);
+        const double speed = shv_dot(shv_obstacle_velocity(obstacle, fitted.position), side.normal);
+        if (side.gap > slack || !(speed > 0.0)) continue;
+        if (speed - shv_dot(fitted.velocity, side.normal) > closing_share * speed) return true;
+    }
+    return false;
+}
+
+/* What is pressed presses what it meets. */
+static void spread_pressure(ShvHybrid *hybrid)
+{
+    const ShvSurfaceContact *surface = &hybrid->coupling.surface;
+    ShvFragment *items = hybrid->fragments.items;
+    for (bool more = true; more;) {
+        more = false;
+        for (int32_t k = 0; k < surface->pair_count; k++) {
+            if (surface->pairs[k].element < 0) continue;
+            ShvFragment *pair[2] = {&items[surface->pairs[k].fragments[0]], &items[surface->pairs[k].fragments[1]]};
+            const double last = fmax(pair[0]->last_pressed, pair[1]->last_pressed);
+            more = more || pair[0]->last_pressed < last || pair[1]->last_pressed < last;
+            pair[0]->last_pressed = pair[1]->last_pressed = last;
+        }
+    }
+}
+
+void shv_hybrid_find_pressed(ShvHybrid *hybrid)
+{
+    const double time = hybrid->scene->rigid.time_step;
+    bool moves = false, any = false;
+    for (int32_t i = 0; i < hybrid->obstacles.count; i++)
+        moves = moves || hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED;
+    for (int32_t i = 0; i < hybrid->fragments.count && moves; i++) {
+        ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode != SHV_MODE_FRACTURE) continue;
+        if (!shv_hybrid_is_squeezed(hybrid, fragment, time) && !is_pressed(hybrid, fragment, time)) continue;
+        fragment->last_pressed = hybrid->state.time;
+        any = true;
+    }
+    if (any) spread_pressure(hybrid);
+}
+
+ShvStatus shv_hybrid_wake_squeezed(ShvHybrid *hybrid, ShvError *error)
+{
+    const double interval = hybrid->interval_end - hybrid->state.time;
+    for (int32_t i = 0; i < hybrid->fragments.count; i++) {
+        const ShvFragment *fragment = &hybrid->fragments.items[i];
+        if (fragment->mode == SHV_MODE_FLIGHT && shv_hybrid_is_squeezed(hybrid, fragment, interval))
+            SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
+    }
+    return shv_awake_refresh(hybrid, error);
+}
+
+/* ---- events ---- */
 
 static ShvStatus tell(ShvHybrid *hybrid, int32_t index, const Squeeze *squeeze, ShvError *error)
 {

@@ -106,6 +106,9 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
     if (shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
+    if (shv_hybrid_is_squeezed(hybrid, &hybrid->fragments.items[contact->fragment],
+                               hybrid->interval_end - hybrid->state.time))
+        return SHV_REASON_SQUEEZE;
     const bool audit = hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh &&
                        contact->closing_speed > shv_hybrid_rest_speed(hybrid);
     return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;

@@ -328,6 +328,8 @@ static void start_fragments(ShvFragments *fragments, const Parts *parts, const S
         shv_fragment_measure(fragment, fragments, model, state);
         shv_fragment_fit(fragment, fragments, state);
         fragment->orientation = like->orientation;
+        const ShvVec3 way = shv_sub(like->reference_centre, fragment->reference_centre);
+        fragment->contact_arm = shv_add(like->contact_arm, way);
     }
     fragments->node_end += parts->node_count;
     fragments->alive += parts->count;

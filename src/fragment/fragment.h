@@ -62,6 +62,8 @@ typedef struct ShvFragment {
     double growth_time, growth_sum; /* s, J: what its cohesive facets had dissipated then (rest.c) */
     double
         last_crack; /* s: when a facet was inserted, a bond failed or damage was seen to grow last; −∞: not since it woke */
+    double
+        last_pressed; /* s: when an obstacle that moves, or what one pressed, pressed it last (squeeze.c); −∞: not since it woke */
     double last_approach,
         approach_severity; /* s: when something was to strike it last, which supports hold; m/s: severity of the hardest such blow */
     double woken_transit; /* s: of the bar wave through what woke; children inherit */

@@ -26,7 +26,7 @@ static const Size sizes[] = {
     SIZE(ShvImposedCondition, "conditions/condition_archive.c", 88),
     SIZE(ShvObstacle, "shape/obstacle_archive.c", 520),
     SIZE(ShvFragments, "rigid/rigid_archive.c", 104),
-    SIZE(ShvFragment, "rigid/rigid_archive.c", 696),
+    SIZE(ShvFragment, "rigid/rigid_archive.c", 704),
     SIZE(ShvFlightBody, "rigid/rigid_archive.c", 368),
     SIZE(ShvBullet, "rigid/bullet_archive.c", 352),
     SIZE(ShvBulletRigidBody, "rigid/bullet_archive.c", 880),

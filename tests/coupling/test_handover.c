@@ -730,6 +730,37 @@ static void cracked_bodies_tremble_longer(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* Growth of damage is told from what a body had: of a piece that has just come off its own share, not that of the whole. */
+static void pieces_begin_with_their_own_damage(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 4000 };
+    Stage stage;
+    stage_make(&stage);
+    stage_box(&stage, "block", (const double[3]){0.08, 0.04, 0.04}, 0.01, 0.0201)->placement.velocity[2] = -6.0;
+    stage_floor(&stage);
+    ShvHybrid hybrid;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_hybrid_create(&hybrid, NULL, &stage.scene, NULL, &error), error);
+    int32_t seen = 0;
+    for (int step = 0; step < STEPS && seen < 5; step++) {
+        int64_t taken;
+        const int32_t before = hybrid.fragments.count;
+        check_ok(shv_hybrid_advance(&hybrid, stage.scene.duration, 1, &taken, &error), error);
+        for (int32_t i = before; i < hybrid.fragments.count; i++) {
+            const ShvFragment *piece = &hybrid.fragments.items[i];
+            if (piece->mode != SHV_MODE_FRACTURE) continue;
+            const double own = shv_cohesive_dissipated(
+                &hybrid.cohesive, hybrid.fragments.elements + piece->element_begin, piece->element_count);
+            assert_true(piece->growth_sum <= own);
+            assert_true(piece->growth_time >= piece->birth);
+            seen++;
+        }
+    }
+    assert_true(seen >= 5);
+    shv_hybrid_release(&hybrid);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -748,6 +779,7 @@ int main(void)
         cmocka_unit_test(contact_between_fragments_is_the_scenes),
         cmocka_unit_test(events_leave_binned_dust_alone),
         cmocka_unit_test(cracked_bodies_tremble_longer),
+        cmocka_unit_test(pieces_begin_with_their_own_damage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,115 @@
+/* What obstacles close on deforms: no rigid motion can answer them. The oracle is the energy of uniform compression, ½ E ε² V. */
+#include "coupling/stage.h"
+
+#include "coupling/hybrid.h"
+
+/* Plates of 0.1 m over the floor or both of them moving, whose faces are frictionless. */
+typedef struct Plate {
+    ShvKeyframe keyframes[2];
+} Plate;
+
+static const double thickness = 0.02, duration = 0.025;
+
+/* Its face at a height of `from` moves to `to` until the end, and on. */
+static void stage_plate(Stage *stage, Plate *plate, bool above, double from, double to)
+{
+    const double middle = above ? 0.5 * thickness : -0.5 * thickness;
+    ShvObstacleDefinition *obstacle = &stage->obstacles[stage->scene.obstacle_count++];
+    *obstacle = shv_obstacle_default();
+    obstacle->name = above ? "press" : "table";
+    obstacle->shape = SHV_OBSTACLE_BOX;
+    for (int k = 0; k < 3; k++) obstacle->size[k] = k < 2 ? 0.1 : thickness;
+    obstacle->motion = SHV_OBSTACLE_SCRIPTED;
+    plate->keyframes[0] = (ShvKeyframe){0.0, {0.0, 0.0, from + middle}, {0.0, 0.0, 1.0}, 0.0};
+    plate->keyframes[1] = (ShvKeyframe){2.0 * duration, {0.0, 0.0, 2.0 * to - from + middle}, {0.0, 0.0, 1.0}, 0.0};
+    obstacle->keyframes = plate->keyframes;
+    obstacle->keyframe_count = 2;
+}
+
+static void stage_block(Stage *stage, ShvRigidEngine engine)
+{
+    stage_make(stage);
+    stage->material.cohesive_strength = 5e6; /* it does not break */
+    stage->scene.rigid.engine = engine;
+    stage->scene.duration = duration;
+    stage_box(stage, "block", (const double[3]){0.02, 0.02, 0.04}, 0.01, 0.02);
+}
+
+static void advance(ShvHybrid *hybrid, const Stage *stage)
+{
+    int64_t taken = 0;
+    ShvError error = {SHV_OK, ""};
+    check_ok(shv_hybrid_create(hybrid, NULL, &stage->scene, NULL, &error), error);
+    check_ok(shv_hybrid_advance(hybrid, stage->scene.duration, 0, &taken, &error), error);
+}
+
+static void check_compressed(const ShvHybrid *hybrid, double strain, double volume)
+{
+    for (int32_t i = 0; i < hybrid->fragments.count; i++)
+        assert_int_equal(hybrid->fragments.items[i].mode, SHV_MODE_FRACTURE);
+    const double energy = 0.5 * 50e6 * strain * strain * volume;
+    check_near(shv_solid_strain_energy(&hybrid->solid, &hybrid->state), energy, 0.03 * energy);
+}
+
+static void press_block(ShvRigidEngine engine)
+{
+    Stage stage;
+    Plate press;
+    ShvHybrid hybrid;
+    stage_block(&stage, engine);
+    stage_floor(&stage);
+    stage_plate(&stage, &press, true, 0.0401, 0.0396);
+    advance(&hybrid, &stage);
+    check_compressed(&hybrid, 0.01, 1.6e-5);
+    shv_hybrid_release(&hybrid);
+}
+
+static void a_press_strains_what_it_closes_on(void **unused)
+{
+    (void)unused;
+    press_block(SHV_RIGID_BULLET);
+    press_block(SHV_RIGID_ANALYTIC);
+}
+
+/* The floor meets one and the press the other. */
+static void and_what_that_presses(void **unused)
+{
+    (void)unused;
+    Stage stage;
+    Plate press;
+    ShvHybrid hybrid;
+    stage_block(&stage, SHV_RIGID_BULLET);
+    stage.scene.rigid.wake = SHV_WAKE_CONTACT;
+    stage.scene.fracture.quiet_checks = 20;
+    stage_floor(&stage);
+    stage_box(&stage, "other", (const double[3]){0.02, 0.02, 0.04}, 0.01, 0.0601);
+    stage_plate(&stage, &press, true, 0.0802, 0.0792);
+    advance(&hybrid, &stage);
+    check_compressed(&hybrid, 0.01, 3.2e-5);
+    shv_hybrid_release(&hybrid);
+}
+
+/* Obstacles that move alike leave a body between them as much room as it had. */
+static void a_cage_carries_what_is_in_it(void **unused)
+{
+    (void)unused;
+    Stage stage;
+    Plate table, press;
+    ShvHybrid hybrid;
+    stage_block(&stage, SHV_RIGID_BULLET);
+    stage.objects[0].placement.velocity[2] = 0.5;
+    stage_plate(&stage, &table, false, 0.0, 0.5 * duration);
+    stage_plate(&stage, &press, true, 0.04001, 0.04001 + 0.5 * duration);
+    advance(&hybrid, &stage);
+    assert_int_equal(hybrid.fragments.items[0].mode, SHV_MODE_FLIGHT);
+    assert_true(hybrid.fragments.items[0].wake_energy == 0.0);
+    shv_hybrid_release(&hybrid);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_press_strains_what_it_closes_on),
+                                       cmocka_unit_test(and_what_that_presses),
+                                       cmocka_unit_test(a_cage_carries_what_is_in_it)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
