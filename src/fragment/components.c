@@ -425,6 +425,7 @@ static ShvStatus replace(ShvFragments *fragments, const ShvModel *model, ShvStat
     like.birth = state->time;
     like.death = (double)NAN;
     like.last_approach = like.approach_severity = 0.0;
+    like.load = like.borne = 0.0; /* what the whole has borne says nothing of its parts */
     fragments->items[index].mode = SHV_MODE_DEAD;
     fragments->items[index].death = state->time;
     fragments->items[index].node_count = 0;
