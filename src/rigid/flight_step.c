@@ -397,19 +397,32 @@ static double kinetic(const ShvFlightStep *step)
            shv_free_rotation_energy(&step->body->rotation, fragment->orientation, step->body->angular_momentum);
 }
 
-/* After some steps without noticeable motion on supports that do not move, what is left of it is taken and booked. */
-static void come_to_rest(ShvFlightStep *step)
+/* After some steps without noticeable motion on supports that do not move, what is left of it is taken and booked. Whether it has now. */
+static bool come_to_rest(ShvFlightStep *step)
 {
     ShvFlightBody *body = step->body;
     const ShvFragment *fragment = step->fragment;
     const double speed = shv_norm(fragment->velocity) + shv_norm(fragment->angular_velocity) * fragment->radius;
     const bool still = step->held && speed <= still_share * rest_speed(step) && !supports_move(step);
     body->still = still ? body->still + 1 : 0;
-    if (body->still < STILL_STEPS) return;
+    if (body->still < STILL_STEPS) return false;
     step->work.normal -= kinetic(step);
     set_motion(step, shv_vec3(0.0, 0.0, 0.0), shv_vec3(0.0, 0.0, 0.0));
     body->resting = true;
     body->resting_gravity = step->gravity;
+    return true;
+}
+
+/* What supports bear of a body at rest is its weight. */
+static bool wakes_by_weight(const ShvFlightStep *step, ShvRigidContact *contact)
+{
+    *contact = (ShvRigidContact){.fragment = step->body->fragment,
+                                 .obstacle = -1,
+                                 .other = -1,
+                                 .other_mass = HUGE_VAL,
+                                 .time = step->time + step->step,
+                                 .load = step->fragment->mass * shv_norm(step->gravity)};
+    return step->judge && step->judge(step->judge_data, contact);
 }
 
 static bool still_rests(const ShvFlightStep *step)
@@ -436,7 +449,7 @@ bool shv_flight_step_run(ShvFlightStep *step, ShvRigidContact *contact)
         move_on(step, count, stalled && !answered);
         stalled = !answered && step->now - before <= no_progress * step->step;
     }
-    come_to_rest(step);
+    if (come_to_rest(step) && wakes_by_weight(step, contact)) return true;
     uint8_t *last = body->touched;
     body->touched = body->touching;
     body->touching = last;

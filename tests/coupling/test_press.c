@@ -1,4 +1,5 @@
-/* What obstacles close on deforms: no rigid motion can answer them. The oracle is the energy of uniform compression, ½ E ε² V. */
+/* What wakes without an impact. What obstacles close on deforms, as no rigid motion can answer them: the oracle is the energy of uniform
+   compression, ½ E ε² V. What lies on supports bears its weight: the oracle is the stress ¾ ρ g L²/h of a beam. */
 #include "coupling/stage.h"
 
 #include "coupling/hybrid.h"
@@ -106,10 +107,43 @@ static void a_cage_carries_what_is_in_it(void **unused)
     shv_hybrid_release(&hybrid);
 }
 
+/* A beam of the height 20 mm on its ends; whether it wakes, and breaks. */
+static void lay_beam(ShvRigidEngine engine, double length, bool breaks)
+{
+    Stage stage;
+    ShvHybrid hybrid;
+    stage_make(&stage);
+    stage.scene.rigid.engine = engine;
+    stage.scene.duration = 0.08;
+    stage_box(&stage, "beam", (const double[3]){length, 0.02, 0.02}, 0.01, 0.06);
+    for (int side = 0; side < 2; side++) {
+        ShvObstacleDefinition *support = &stage.obstacles[stage.scene.obstacle_count++];
+        *support = shv_obstacle_default();
+        support->name = side == 0 ? "left" : "right";
+        support->shape = SHV_OBSTACLE_BOX;
+        for (int k = 0; k < 3; k++) support->size[k] = k == 0 ? 0.02 : 0.05;
+        support->placement.position[0] = (side - 0.5) * (length - 0.02);
+        support->placement.position[2] = 0.025;
+    }
+    advance(&hybrid, &stage);
+    assert_int_equal(hybrid.fragments.items[0].wake_energy > 0.0 || hybrid.awake.count > 0, breaks);
+    assert_int_equal(hybrid.cohesive.count > 0, breaks);
+    shv_hybrid_release(&hybrid);
+}
+
+static void a_long_beam_breaks_by_its_weight(void **unused)
+{
+    (void)unused;
+    lay_beam(SHV_RIGID_BULLET, 0.5, true); /* 110 kPa, and 4.4 */
+    lay_beam(SHV_RIGID_BULLET, 0.1, false);
+    lay_beam(SHV_RIGID_ANALYTIC, 0.5, true);
+    lay_beam(SHV_RIGID_ANALYTIC, 0.1, false);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_press_strains_what_it_closes_on),
-                                       cmocka_unit_test(and_what_that_presses),
-                                       cmocka_unit_test(a_cage_carries_what_is_in_it)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_press_strains_what_it_closes_on), cmocka_unit_test(and_what_that_presses),
+        cmocka_unit_test(a_cage_carries_what_is_in_it), cmocka_unit_test(a_long_beam_breaks_by_its_weight)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
