@@ -106,14 +106,13 @@ typedef enum ShvRunEvent {
 typedef enum ShvSwitchReason {
     SHV_REASON_NONE, /* no switch */
     SHV_REASON_CONTACT, /* wakes: every new contact does (rigid.wake: contact), or supports hold it and something is near */
-    SHV_REASON_IMPACT,  /* wakes: the estimate of impact stress */
-    SHV_REASON_LOAD,    /* wakes: the estimate of stress under load */
-    SHV_REASON_SPIN,    /* wakes: the estimate of stress by its own rotation */
-    SHV_REASON_AUDIT,   /* wakes: taken for harmless, to see whether that is true (audit_wakes) */
-    SHV_REASON_QUIET,   /* rests: nothing has broken for long enough, and what is dropped is little */
-    SHV_REASON_CHECKS,  /* rests: enough checks without insertion (rigid.wake: contact) */
-    SHV_REASON_LONGEST, /* rests: fracture.longest is over */
-    SHV_REASON_SQUEEZE  /* wakes: obstacles that move close on it from both sides */
+    SHV_REASON_IMPACT, /* wakes: the estimate of impact stress */
+    SHV_REASON_LOAD,   /* wakes: the estimate of stress under load, or obstacles that move close on it */
+    SHV_REASON_SPIN,   /* wakes: the estimate of stress by its own rotation */
+    SHV_REASON_AUDIT,  /* wakes: taken for harmless, to see whether that is true (audit_wakes) */
+    SHV_REASON_QUIET,  /* rests: nothing has broken for long enough, and what is dropped is little */
+    SHV_REASON_CHECKS, /* rests: enough checks without insertion (rigid.wake: contact) */
+    SHV_REASON_LONGEST /* rests: fracture.longest is over */
 } ShvSwitchReason;
 
 typedef struct ShvEventView {

@@ -108,7 +108,7 @@ static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidCon
     if (shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
     if (shv_hybrid_is_squeezed(hybrid, &hybrid->fragments.items[contact->fragment],
                                hybrid->interval_end - hybrid->state.time))
-        return SHV_REASON_SQUEEZE;
+        return SHV_REASON_LOAD;
     const bool audit = hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh &&
                        contact->closing_speed > shv_hybrid_rest_speed(hybrid);
     return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;

@@ -2,6 +2,7 @@
 #include "shiver/export.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/text.h"
@@ -228,43 +229,155 @@ static int far_first(const void *a, const void *b)
     return left->near > right->near ? 1 : (left->item > right->item) - (left->item < right->item);
 }
 
-/* Enters a patch into a grid of two samples a pixel and direction, where it is nearer than what is there. */
-static void enter(const Patch *patch, int64_t number, int32_t columns, int32_t rows, double *near, int64_t *item)
+/* Two a pixel and direction, and which patch is the nearest at each. What else lies there is drawn before it. */
+typedef struct Samples {
+    int32_t columns, rows;
+    double *near;
+    int64_t *item; /* number + 1 of the nearest; 0: none */
+    int64_t *
+        begin; /* patches that are drawn before patch i: before[begin[i]] to before[begin[i + 1] − 1], in any number of times */
+    int64_t *before; /* NULL: they are counted */
+} Samples;
+
+static void take_nearest(Samples *samples, int64_t sample, int64_t number, double here)
+{
+    if (!(here > samples->near[sample])) return;
+    samples->near[sample] = here;
+    samples->item[sample] = number + 1;
+}
+
+/* The entry after a patch's own is where its list ends, so far. */
+static void note_hidden(Samples *samples, int64_t sample, int64_t number, double here)
+{
+    (void)here;
+    const int64_t nearest = samples->item[sample] - 1;
+    if (nearest < 0 || nearest == number) return;
+    if (samples->before) samples->before[samples->begin[nearest + 1]] = number;
+    samples->begin[nearest + 1]++;
+}
+
+typedef void Visit(Samples *samples, int64_t sample, int64_t number, double here);
+
+/* All samples in which a patch lies. */
+static void visit_samples(const Patch *patch, int64_t number, Samples *samples, Visit *visit)
 {
     const ShvScreenPoint *c = patch->corner;
     const double area = area_of(c), left = fmin(c[0].x, fmin(c[1].x, c[2].x)), top = fmin(c[0].y, fmin(c[1].y, c[2].y));
     const double right = fmax(c[0].x, fmax(c[1].x, c[2].x)), bottom = fmax(c[0].y, fmax(c[1].y, c[2].y));
+    const int32_t columns = samples->columns, rows = samples->rows;
     for (int32_t row = (int32_t)fmax(0.0, 2.0 * top); row < fmin(rows, 2.0 * bottom); row++)
         for (int32_t column = (int32_t)fmax(0.0, 2.0 * left); column < fmin(columns, 2.0 * right); column++) {
             const ShvScreenPoint p = {0.5 * column + 0.25, 0.5 * row + 0.25, 0.0};
             const double u = area_of((const ShvScreenPoint[3]){p, c[1], c[2]}) / area,
                          v = area_of((const ShvScreenPoint[3]){c[0], p, c[2]}) / area, w = 1.0 - u - v;
-            const double here = u * c[0].near + v * c[1].near + w * c[2].near;
-            const int64_t sample = (int64_t)row * columns + column;
-            if (u < 0.0 || v < 0.0 || w < 0.0 || !(here > near[sample])) continue;
-            near[sample] = here;
-            item[sample] = number + 1;
+            if (u < 0.0 || v < 0.0 || w < 0.0) continue;
+            visit(samples, (int64_t)row * columns + column, number, u * c[0].near + v * c[1].near + w * c[2].near);
         }
 }
 
-/* Keeps what can be seen, the far ones first. */
-static ShvStatus keep_seen(Svg *svg, ShvError *error)
+static void visit_all(const Svg *svg, Samples *samples, Visit *visit)
 {
-    const int32_t columns = (int32_t)(2.0 * svg->camera.width), rows = (int32_t)(2.0 * svg->camera.height);
-    const size_t samples = (size_t)columns * (size_t)rows;
-    double *near = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *near);
-    int64_t *item = shv_allocate(svg->options.memory, SHV_PART_RECORD, samples, sizeof *item), kept = 0;
-    const ShvStatus status = near && item ? SHV_OK : shv_fail_memory(error, "samples", 16 * samples);
-    for (int64_t i = 0; i < svg->patch_count && status == SHV_OK; i++)
-        enter(&svg->patches[i], i, columns, rows, near, item);
-    for (size_t i = 0; i < samples && status == SHV_OK; i++)
-        if (item[i] > 0) svg->patches[item[i] - 1].seen = true;
+    for (int64_t i = 0; i < svg->patch_count; i++) visit_samples(&svg->patches[i], i, samples, visit);
+}
+
+static void find_nearest(const Svg *svg, Samples *samples)
+{
+    const size_t count = (size_t)samples->columns * (size_t)samples->rows;
+    memset(samples->near, 0, count * sizeof *samples->near);
+    memset(samples->item, 0, count * sizeof *samples->item);
+    visit_all(svg, samples, take_nearest);
+}
+
+/* Those that can be seen, by the distances of their middles. */
+static void keep_seen(Svg *svg, Samples *samples)
+{
+    int64_t kept = 0;
+    find_nearest(svg, samples);
+    for (int64_t i = 0; i < (int64_t)samples->columns * samples->rows; i++)
+        if (samples->item[i] > 0) svg->patches[samples->item[i] - 1].seen = true;
     for (int64_t i = 0; i < svg->patch_count; i++)
         if (svg->patches[i].seen) svg->patches[kept++] = svg->patches[i];
     svg->patch_count = kept;
     qsort(svg->patches, (size_t)kept, sizeof *svg->patches, far_first);
-    shv_release(near);
-    shv_release(item);
+}
+
+/* Lists, for each patch, those behind it: room for all is made when they have been counted. */
+static ShvStatus list_hidden(const Svg *svg, Samples *samples, ShvError *error)
+{
+    const size_t count = (size_t)svg->patch_count;
+    samples->begin = shv_allocate(svg->options.memory, SHV_PART_RECORD, count + 2, sizeof *samples->begin);
+    if (!samples->begin) return shv_fail_memory(error, "patches", count * sizeof *samples->begin);
+    find_nearest(svg, samples);
+    visit_all(svg, samples, note_hidden);
+    for (size_t i = 0; i < count; i++) samples->begin[i + 1] += samples->begin[i];
+    const size_t total = (size_t)samples->begin[count];
+    samples->before = shv_allocate(svg->options.memory, SHV_PART_RECORD, total + 1, sizeof *samples->before);
+    if (!samples->before) return shv_fail_memory(error, "hidden patches", total * sizeof *samples->before);
+    memmove(samples->begin + 1, samples->begin, count * sizeof *samples->begin);
+    visit_all(svg, samples, note_hidden);
+    return SHV_OK;
+}
+
+/* Far ones first, but none before what it hides: a large face is nearer in one place and farther in another than what is small. Where
+   that goes in a circle, the far one comes first. `stack`, `next`: room for as many as there are patches. */
+static void sort_patches(const Svg *svg, const Samples *samples, int64_t *stack, int64_t *next, Patch *sorted)
+{
+    int64_t done = 0;
+    for (int64_t i = 0; i < svg->patch_count; i++) next[i] = -1; /* not begun */
+    for (int64_t i = 0; i < svg->patch_count; i++) {
+        int64_t depth = 0;
+        if (next[i] >= 0) continue;
+        next[i] = samples->begin[i];
+        stack[depth++] = i;
+        while (depth > 0) {
+            const int64_t top = stack[depth - 1];
+            if (next[top] == samples->begin[top + 1]) {
+                sorted[done++] = svg->patches[top];
+                depth--;
+                continue;
+            }
+            const int64_t hidden = samples->before[next[top]++];
+            if (next[hidden] >= 0) continue;
+            next[hidden] = samples->begin[hidden];
+            stack[depth++] = hidden;
+        }
+    }
+}
+
+static ShvStatus order_seen(Svg *svg, Samples *samples, ShvError *error)
+{
+    ShvMemory *memory = svg->options.memory;
+    SHV_TRY(list_hidden(svg, samples, error));
+    const size_t count = (size_t)svg->patch_count + 1;
+    int64_t *stack = shv_allocate(memory, SHV_PART_RECORD, 2 * count, sizeof *stack);
+    Patch *sorted = shv_allocate(memory, SHV_PART_RECORD, count, sizeof *sorted);
+    const bool room = stack && sorted;
+    if (room) {
+        sort_patches(svg, samples, stack, stack + count, sorted);
+        memcpy(svg->patches, sorted, (size_t)svg->patch_count * sizeof *sorted);
+    }
+    shv_release(stack);
+    shv_release(sorted);
+    return room ? SHV_OK : shv_fail_memory(error, "patches", count * sizeof *sorted);
+}
+
+/* Keeps what can be seen, in the order in which it is drawn. */
+static ShvStatus choose_patches(Svg *svg, ShvError *error)
+{
+    ShvMemory *memory = svg->options.memory;
+    Samples samples = {.columns = (int32_t)(2.0 * svg->camera.width), .rows = (int32_t)(2.0 * svg->camera.height)};
+    const size_t count = (size_t)samples.columns * (size_t)samples.rows;
+    samples.near = shv_allocate(memory, SHV_PART_RECORD, count, sizeof *samples.near);
+    samples.item = shv_allocate(memory, SHV_PART_RECORD, count, sizeof *samples.item);
+    ShvStatus status = samples.near && samples.item ? SHV_OK : shv_fail_memory(error, "samples", 16 * count);
+    if (status == SHV_OK) {
+        keep_seen(svg, &samples);
+        status = order_seen(svg, &samples, error);
+    }
+    shv_release(samples.near);
+    shv_release(samples.item);
+    shv_release(samples.begin);
+    shv_release(samples.before);
     return status;
 }
 
@@ -422,7 +535,7 @@ static ShvStatus print_panel(Svg *svg, const Page *page, int32_t index, int64_t 
     svg->patch_count = 0;
     add_pieces(svg);
     add_obstacles(svg);
-    SHV_TRY(keep_seen(svg, error));
+    SHV_TRY(choose_patches(svg, error));
     SHV_TRY(find_shared_edges(svg, error));
     print_patches(svg);
     shv_print(

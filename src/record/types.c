@@ -130,11 +130,10 @@ static const Name EVENT_NAMES[] = {{"wake", SHV_RUN_WAKE},
                                    {"scene", SHV_RUN_SCENE},
                                    {"bin", SHV_RUN_BIN},
                                    {"squeeze", SHV_RUN_SQUEEZE}};
-static const Name REASON_NAMES[] = {{"none", SHV_REASON_NONE},       {"contact", SHV_REASON_CONTACT},
-                                    {"impact", SHV_REASON_IMPACT},   {"load", SHV_REASON_LOAD},
-                                    {"spin", SHV_REASON_SPIN},       {"audit", SHV_REASON_AUDIT},
-                                    {"quiet", SHV_REASON_QUIET},     {"checks", SHV_REASON_CHECKS},
-                                    {"longest", SHV_REASON_LONGEST}, {"squeeze", SHV_REASON_SQUEEZE}};
+static const Name REASON_NAMES[] = {
+    {"none", SHV_REASON_NONE},   {"contact", SHV_REASON_CONTACT}, {"impact", SHV_REASON_IMPACT},
+    {"load", SHV_REASON_LOAD},   {"spin", SHV_REASON_SPIN},       {"audit", SHV_REASON_AUDIT},
+    {"quiet", SHV_REASON_QUIET}, {"checks", SHV_REASON_CHECKS},   {"longest", SHV_REASON_LONGEST}};
 static const Name SHAPE_NAMES[] = {{"plane", SHV_OBSTACLE_PLANE},
                                    {"sphere", SHV_OBSTACLE_SPHERE},
                                    {"box", SHV_OBSTACLE_BOX},

@@ -419,6 +419,22 @@ static void test_interruption(void **state)
     }
 }
 
+/* A wall behind a block, of which a part is nearer than the block is: all of it is drawn first. */
+static void test_what_hides_is_drawn_later(void **state)
+{
+    (void)state;
+    shell_write("wall.yaml",
+                "shiver: 1\nname: wall\nmaterials: {brick: {library: brick}}\n"
+                "objects: {block: {mesh: {box: {size: [60 mm, 60 mm, 60 mm], edge: 30 mm}}, material: brick, "
+                "position: [0, 0, 0.36]}}\n"
+                "obstacles: {wall: {box: {size: [20 mm, 300 mm, 400 mm]}, position: [-0.06, 0, 0.25]}}\n"
+                "duration: 1e-3\n");
+    shell_works("$shiver run wall.yaml --quiet && $shiver export svg wall.h5 --time 0", "wall.svg");
+    shell_works(
+        "sed -n 's/^<path fill=\"\\(#[0-9a-f]*\\)\".*/\\1/p' wall.svg >colours; grep -c $(head -1 colours) colours",
+        "1\n");
+}
+
 static void test_export(void **state)
 {
     (void)state;
@@ -651,6 +667,7 @@ int main(void)
         cmocka_unit_test(test_view),
         cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_what_hides_is_drawn_later),
         cmocka_unit_test(test_probes),
         cmocka_unit_test(test_verify),
         cmocka_unit_test(test_materials),
