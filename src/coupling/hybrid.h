@@ -361,13 +361,12 @@ ShvStatus shv_hybrid_enter_fragment(ShvHybrid *hybrid, int32_t fragment, const S
 void shv_hybrid_leave_fragment(ShvHybrid *hybrid, int32_t fragment);
 void shv_hybrid_place(const ShvHybrid *hybrid, ShvFragment *fragment, const ShvPlacement *placement);
 void shv_hybrid_place_obstacle(ShvObstacle *obstacle, const ShvPlacement *placement);
-/* squeeze.c: whether obstacles that move take more room from a body that can break, in a time, than they leave it; those in flight of
-   which the interval that begins makes it so wake; events of bodies that obstacles which hold their place leave no room; asked at the end
-   of a rigid interval. */
-/* finds what is awake and pressed by obstacles that move, itself or by way of others, which therefore does not rest. */
-void shv_hybrid_find_pressed(ShvHybrid *hybrid);
+/* squeeze.c: whether obstacles that move take more room from a body in flight that can break, in a time, than they leave it; what they
+   close on in the interval that begins wakes; what is awake and pressed by obstacles that move, itself or by way of others, is marked,
+   and does not rest; events of bodies that obstacles which hold their place leave no room, asked at the end of a rigid interval. */
 bool shv_hybrid_is_squeezed(const ShvHybrid *hybrid, const ShvFragment *fragment, double time);
 ShvStatus shv_hybrid_wake_squeezed(ShvHybrid *hybrid, ShvError *error);
+void shv_hybrid_find_pressed(ShvHybrid *hybrid);
 ShvStatus shv_hybrid_find_squeeze(ShvHybrid *hybrid, ShvError *error);
 /* audit.c: one more event. */
 ShvStatus shv_hybrid_log(ShvHybrid *hybrid, const ShvEventView *event, ShvError *error);

@@ -92,15 +92,22 @@ static void find_among(const Side *sides, int32_t count, double slack, Squeeze *
         }
 }
 
+/* Where a rigid fragment is deepest in each obstacle near to it; none where no two of them face each other. */
+static int32_t find_sides(const ShvHybrid *hybrid, const ShvFragment *fragment, const ShvMat3 *turned, double slack,
+                          Side *sides)
+{
+    const int32_t count = list_sides(hybrid, fragment, turned, slack, sides);
+    if (!some_face_each_other(sides, count)) return 0;
+    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, fragment, turned, sides[i].obstacle, slack);
+    return count;
+}
+
 static void find_for_rigid(const ShvHybrid *hybrid, const ShvFragment *fragment, Squeeze *squeeze)
 {
     const ShvMat3 turned = shv_quat_to_matrix(fragment->orientation);
     const double slack = free_of_radius * fragment->radius;
     Side sides[MOST_NEAR];
-    const int32_t count = list_sides(hybrid, fragment, &turned, slack, sides);
-    if (!some_face_each_other(sides, count)) return;
-    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, fragment, &turned, sides[i].obstacle, slack);
-    find_among(sides, count, slack, squeeze);
+    find_among(sides, find_sides(hybrid, fragment, &turned, slack, sides), slack, squeeze);
 }
 
 /* What deforms may be pressed together as it will; obstacles that leave no room for a node do not. */
@@ -147,20 +154,16 @@ static bool close_on(const ShvHybrid *hybrid, const ShvFragment *fragment, const
 
 bool shv_hybrid_is_squeezed(const ShvHybrid *hybrid, const ShvFragment *fragment, double time)
 {
-    if (hybrid->obstacles.count < 2 || !isfinite(fragment->strength) || fragment->dust) return false;
-    ShvFragment fitted = *fragment;
-    if (fragment->mode == SHV_MODE_FRACTURE) shv_fragment_fit(&fitted, &hybrid->fragments, &hybrid->state);
-    const double way = longest_way(hybrid, &fitted, time);
+    if (fragment->mode != SHV_MODE_FLIGHT || !isfinite(fragment->strength) || fragment->dust) return false;
+    const double way = longest_way(hybrid, fragment, time);
     if (!(way > 0.0)) return false;
-    const ShvMat3 turned = shv_quat_to_matrix(fitted.orientation);
-    const double slack = way + free_of_radius * fitted.radius;
+    const ShvMat3 turned = shv_quat_to_matrix(fragment->orientation);
+    const double slack = way + free_of_radius * fragment->radius;
     Side sides[MOST_NEAR];
-    const int32_t count = list_sides(hybrid, &fitted, &turned, slack, sides);
-    if (!some_face_each_other(sides, count)) return false;
-    for (int32_t i = 0; i < count; i++) sides[i] = deepest_in(hybrid, &fitted, &turned, sides[i].obstacle, slack);
+    const int32_t count = find_sides(hybrid, fragment, &turned, slack, sides);
     for (int32_t i = 0; i < count; i++)
         for (int32_t k = i + 1; k < count; k++)
-            if (close_on(hybrid, &fitted, &sides[i], &sides[k], slack, time)) return true;
+            if (close_on(hybrid, fragment, &sides[i], &sides[k], slack, time)) return true;
     return false;
 }
 
@@ -178,6 +181,7 @@ static bool is_pressed(const ShvHybrid *hybrid, const ShvFragment *fragment, dou
     const int32_t count = list_sides(hybrid, &fitted, &turned, slack, sides);
     for (int32_t i = 0; i < count; i++) {
         const ShvObstacle *obstacle = &hybrid->obstacles.items[sides[i].obstacle];
+        if (obstacle->motion != SHV_OBSTACLE_SCRIPTED) continue;
         const Side side = deepest_in(hybrid, &fitted, &turned, sides[i].obstacle, slack);
         const double speed = shv_dot(shv_obstacle_velocity(obstacle, fitted.position), side.normal);
         if (side.gap > slack || !(speed > 0.0)) continue;
@@ -211,8 +215,7 @@ void shv_hybrid_find_pressed(ShvHybrid *hybrid)
         moves = moves || hybrid->obstacles.items[i].motion == SHV_OBSTACLE_SCRIPTED;
     for (int32_t i = 0; i < hybrid->fragments.count && moves; i++) {
         ShvFragment *fragment = &hybrid->fragments.items[i];
-        if (fragment->mode != SHV_MODE_FRACTURE) continue;
-        if (!shv_hybrid_is_squeezed(hybrid, fragment, time) && !is_pressed(hybrid, fragment, time)) continue;
+        if (fragment->mode != SHV_MODE_FRACTURE || !is_pressed(hybrid, fragment, time)) continue;
         fragment->last_pressed = hybrid->state.time;
         any = true;
     }
@@ -224,8 +227,7 @@ ShvStatus shv_hybrid_wake_squeezed(ShvHybrid *hybrid, ShvError *error)
     const double interval = hybrid->interval_end - hybrid->state.time;
     for (int32_t i = 0; i < hybrid->fragments.count; i++) {
         const ShvFragment *fragment = &hybrid->fragments.items[i];
-        if (fragment->mode == SHV_MODE_FLIGHT && shv_hybrid_is_squeezed(hybrid, fragment, interval))
-            SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
+        if (shv_hybrid_is_squeezed(hybrid, fragment, interval)) SHV_TRY(shv_hybrid_wake_alone(hybrid, i, error));
     }
     return shv_awake_refresh(hybrid, error);
 }

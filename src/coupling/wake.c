@@ -128,7 +128,7 @@ ShvStatus shv_hybrid_wake_alone(ShvHybrid *hybrid, int32_t index, ShvError *erro
 {
     const ShvRigidContact none = no_contact(hybrid, index);
     if (hybrid->awake.count == 0) hybrid->state.last_step = 0.0; /* velocities are those of now */
-    hybrid->backend->functions->remove(hybrid->backend, index);
+    if (!hybrid->fragments.items[index].coupled) hybrid->backend->functions->remove(hybrid->backend, index);
     return shv_hybrid_wake(hybrid, &none, error);
 }
 
