@@ -95,23 +95,31 @@ static bool is_approach(const ShvHybrid *hybrid, const ShvRigidContact *contact)
     return hybrid->fragments.items[contact->fragment].fixed && contact->obstacle < 0 && contact->other < 0;
 }
 
-static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+static ShvSwitchReason reason_by_stress(const ShvHybrid *hybrid, const ShvRigidContact *contact)
 {
-    const ShvRigidDefinition *rigid = &hybrid->scene->rigid;
-    const double strength = hybrid->fragments.items[contact->fragment].strength;
-    if (hybrid->fragments.items[contact->fragment].dust) return SHV_REASON_NONE;
-    if (is_approach(hybrid, contact)) return SHV_REASON_CONTACT;
-    if (rigid->wake == SHV_WAKE_CONTACT)
-        return wakes_by_contact(hybrid, contact) ? SHV_REASON_CONTACT : SHV_REASON_NONE;
     if (wakes_by_impact(hybrid, contact)) return SHV_REASON_IMPACT;
     if (wakes_under_load(hybrid, contact)) return SHV_REASON_LOAD;
-    if (shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment])) return SHV_REASON_SPIN;
-    if (shv_hybrid_is_squeezed(hybrid, &hybrid->fragments.items[contact->fragment],
-                               hybrid->interval_end - hybrid->state.time))
-        return SHV_REASON_LOAD;
-    const bool audit = hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh &&
-                       contact->closing_speed > shv_hybrid_rest_speed(hybrid);
-    return audit && isfinite(strength) ? SHV_REASON_AUDIT : SHV_REASON_NONE;
+    return shv_hybrid_wakes_by_spin(hybrid, &hybrid->fragments.items[contact->fragment]) ? SHV_REASON_SPIN
+                                                                                         : SHV_REASON_NONE;
+}
+
+static bool is_audited(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    return hybrid->wake_audit.audited < hybrid->wake_audit.wakes && contact->fresh &&
+           contact->closing_speed > shv_hybrid_rest_speed(hybrid) &&
+           isfinite(hybrid->fragments.items[contact->fragment].strength);
+}
+
+static ShvSwitchReason reason_to_wake(const ShvHybrid *hybrid, const ShvRigidContact *contact)
+{
+    const ShvFragment *fragment = &hybrid->fragments.items[contact->fragment];
+    const bool by_contact = hybrid->scene->rigid.wake == SHV_WAKE_CONTACT;
+    if (fragment->dust) return SHV_REASON_NONE;
+    if (is_approach(hybrid, contact) || (by_contact && wakes_by_contact(hybrid, contact))) return SHV_REASON_CONTACT;
+    const ShvSwitchReason reason = by_contact ? SHV_REASON_NONE : reason_by_stress(hybrid, contact);
+    if (reason != SHV_REASON_NONE) return reason;
+    if (shv_hybrid_is_squeezed(hybrid, fragment, hybrid->interval_end - hybrid->state.time)) return SHV_REASON_LOAD;
+    return !by_contact && is_audited(hybrid, contact) ? SHV_REASON_AUDIT : SHV_REASON_NONE;
 }
 
 bool shv_hybrid_judge(void *hybrid, const ShvRigidContact *contact)

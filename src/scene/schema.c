@@ -822,8 +822,7 @@ static const ShvKey rigid_keys[] = {
          "Which contacts wake a body to fracture mode: those whose stress estimate is high, or every new one "
          "(under Bullet at most one in a rigid time step and body; what cannot break only with `fracture.enabled: "
          "false`). With `stress` what spins faster than it may bear wakes, too. What can break and scripted obstacles "
-         "close on from "
-         "both sides wakes in either case, and does not rest as long as they press it."},
+         "close on from both sides wakes in either case, and does not rest as long as they press it."},
     {"wake_fraction", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_fraction),
      .sentence = "Share of the weakest facet's strength that the estimate must reach."},
     {"wake_factor", SHV_KEY_NUMBER, .range = &positive, .offset = SCENE(rigid.wake_factor),

@@ -52,15 +52,18 @@ static void check_compressed(const ShvHybrid *hybrid, double strain, double volu
     check_near(shv_solid_strain_energy(&hybrid->solid, &hybrid->state), energy, 0.03 * energy);
 }
 
-static void press_block(ShvRigidEngine engine)
+static void press_block(ShvRigidEngine engine, ShvWake wake)
 {
     Stage stage;
     Plate press;
     ShvHybrid hybrid;
     stage_block(&stage, engine);
+    stage.scene.rigid.wake = wake;
     stage_floor(&stage);
     stage_plate(&stage, &press, true, 0.0401, 0.0396);
     advance(&hybrid, &stage);
+    assert_int_equal(hybrid.log.items[0].kind, SHV_RUN_WAKE);
+    assert_int_equal(hybrid.log.items[0].reason, SHV_REASON_LOAD);
     check_compressed(&hybrid, 0.01, 1.6e-5);
     shv_hybrid_release(&hybrid);
 }
@@ -68,8 +71,9 @@ static void press_block(ShvRigidEngine engine)
 static void a_press_strains_what_it_closes_on(void **unused)
 {
     (void)unused;
-    press_block(SHV_RIGID_BULLET);
-    press_block(SHV_RIGID_ANALYTIC);
+    press_block(SHV_RIGID_BULLET, SHV_WAKE_STRESS);
+    press_block(SHV_RIGID_BULLET, SHV_WAKE_CONTACT);
+    press_block(SHV_RIGID_ANALYTIC, SHV_WAKE_STRESS);
 }
 
 /* The floor meets one and the press the other. */
