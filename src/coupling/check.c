@@ -32,13 +32,13 @@ void shv_check_clock_start(ShvCheckClock *clock)
     *clock = (ShvCheckClock){.due = 1, .rate = 1.0};
 }
 
-/* A growth that was seen fades by a tenth a check, since waves come back; and how far above the threshold the criterion may be found,
-   as a share of it: half of the overshoot that the scene is promised. */
-static const double fading_growth = 0.9, overshoot = 1.05;
+/* A growth that was seen fades by a tenth a check, since waves come back. Of the overshoot that the scene is promised, a tenth of the
+   threshold, half is for how far above it the criterion may be found. */
+static const double fading_growth = 0.9, overshoot = 0.1;
 
-/* Fewer steps to the next check as stress grows faster: it should pass the threshold by at most a tenth of it. Where it has,
-   nothing need part all the same, as under a contact, or cracks are on their way: then it matters that no front outruns the
-   checks. */
+/* Fewer steps to the next check as stress grows faster. Where it has passed the threshold nothing need part all the same, as under a
+   contact, or cracks are on their way: then no front may outrun the checks. But where all of a body is stretched fast, what has not
+   parted yet grows on meanwhile, and of neighbours one parts a check. */
 static void set_clock(ShvHybrid *hybrid, double largest)
 {
     enum { RAREST = 10 };
@@ -51,10 +51,11 @@ static void set_clock(ShvHybrid *hybrid, double largest)
         clock->due = fracture->check_every;
         return;
     }
-    const double room = fmax(0.0, overshoot * fracture->threshold - largest);
-    const double steps = clock->rate > 0.0 ? floor(room / clock->rate) : RAREST;
-    const double fewest = room > 0.0 ? 1.0 : shv_front_steps(&hybrid->cohesive, hybrid->steps.last);
-    clock->due = (int32_t)fmin(fmax(steps, fewest), RAREST);
+    const double room = (1.0 + 0.5 * overshoot) * fracture->threshold - largest;
+    const double growth = room > 0.0 ? room : overshoot * fracture->threshold;
+    const double steps = clock->rate > 0.0 ? floor(growth / clock->rate) : RAREST;
+    const double most = room > 0.0 ? RAREST : shv_front_steps(&hybrid->cohesive, hybrid->steps.last);
+    clock->due = (int32_t)fmax(1.0, fmin(steps, fmin(most, RAREST)));
 }
 
 /* The first insertion since a fragment woke is an event; every insertion starts its quiet count afresh. */
