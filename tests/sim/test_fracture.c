@@ -436,13 +436,13 @@ static void test_check_interval(void **state)
     assert_true(rarely.ledger.kinetic + rarely.ledger.strain <= 1.01 * given);
 }
 
-/* A body of ice that flies apart tears everywhere at once, so that checks which wait for fronts to run would let it hold several times
-   its strength, and take half of its motion as what closing faces lose. */
+/* A body of ice that flies apart tears everywhere at once. Checks that wait for fronts to run, or that part one of neighbours alone, let
+   it hold several times its strength, the longer the step the more, and take half of its motion as what closing faces lose. */
 static void test_torn_all_over(void **state)
 {
     (void)state;
     Outcome outcome[2];
-    for (int every = 0; every < 2; every++) {
+    for (int finer = 0; finer < 2; finer++) {
         Stage stage;
         const double size[3] = {0.1, 0.1, 0.1};
         stage_make(&stage);
@@ -454,12 +454,12 @@ static void test_torn_all_over(void **state)
         stage.material.cohesive_strength = 1.5e6;
         stage.material.fracture_energy = 0.96;
         stage.material.unresolved = SHV_UNRESOLVED_TIP_STRENGTH;
-        stage.scene.fracture.check_every = every;
+        if (finer) stage.scene.fracture.safety = 0.3;
         stage.scene.duration = 60e-6;
-        outcome[every] = run(&stage);
+        outcome[finer] = run(&stage);
     }
     assert_true(outcome[1].inserted > 500);
-    check_near(outcome[0].ledger.kinetic / outcome[1].ledger.kinetic, 1.0, 0.03);
+    check_near(outcome[0].ledger.kinetic / outcome[1].ledger.kinetic, 1.0, 0.06); /* 0.75 and 0.88 by such checks */
 }
 
 static void test_extreme_strength(void **state)
