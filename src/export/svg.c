@@ -14,6 +14,8 @@
 enum { PANELS = 4, MOST_PANELS = 24 };
 /* Of the heaviest fragment of a frame: lighter ones may be outside of the picture. */
 static const double LEAST_SHARE = 0.05;
+/* Obstacles that hide more than this share of the pieces are opened towards the viewer, as a drum around them is. */
+static const double MOST_HIDDEN = 0.5;
 static const char *const SUFFIX[] = {".svg"};
 
 /* A face of a body, its corners anticlockwise from outside. */
@@ -30,6 +32,7 @@ typedef struct Patch {
     int64_t item;
     uint32_t colour;
     bool seen;
+    bool away;       /* turned away from the middle of the pieces */
     bool goes_on[3]; /* at the edge from corner k to the next, under a patch that is drawn later */
 } Patch;
 
@@ -135,6 +138,8 @@ static void add_patch(Svg *svg, const Face *face, uint32_t colour)
     if (!seen || !(area_of(patch->corner) > 0.0)) return;
     patch->near = (patch->corner[0].near + patch->corner[1].near + patch->corner[2].near) / 3.0;
     patch->colour = shv_shaded(colour, shade_of(face->corner));
+    const ShvVec3 *x = face->corner, normal = shv_cross(shv_sub(x[1], x[0]), shv_sub(x[2], x[0]));
+    patch->away = shv_dot(normal, shv_sub(svg->camera.centre, x[0])) < 0.0;
     patch->seen = patch->goes_on[0] = patch->goes_on[1] = patch->goes_on[2] = false;
     patch->item = svg->patch_count++;
 }
@@ -288,6 +293,34 @@ static void find_nearest(const Svg *svg, Samples *samples)
     visit_all(svg, samples, take_nearest);
 }
 
+/* Before a sample where pieces are: their number turns negative, as they are hidden. */
+static void note_before(Samples *samples, int64_t sample, int64_t number, double here)
+{
+    (void)number;
+    if (samples->item[sample] > 0 && here > samples->near[sample]) samples->item[sample] *= -1;
+}
+
+/* Where obstacles hide most of the pieces, those that do not move freely are left without what is turned away from these. The patches
+   of pieces come first. */
+static void open_obstacles(Svg *svg, Samples *samples, int64_t of_pieces)
+{
+    const int64_t count = svg->patch_count;
+    int64_t pieces = 0, hidden = 0;
+    svg->patch_count = of_pieces;
+    find_nearest(svg, samples);
+    for (int64_t i = of_pieces; i < count; i++) visit_samples(&svg->patches[i], i, samples, note_before);
+    for (int64_t i = 0; i < (int64_t)samples->columns * samples->rows; i++) {
+        pieces += samples->item[i] != 0;
+        hidden += samples->item[i] < 0;
+    }
+    const bool opened = (double)hidden > MOST_HIDDEN * (double)pieces;
+    for (int64_t i = of_pieces; i < count; i++) {
+        const Patch *patch = &svg->patches[i];
+        const bool is_wall = svg->obstacles[-1 - patch->body].body.motion != SHV_OBSTACLE_FREE;
+        if (!(opened && is_wall && patch->away)) svg->patches[svg->patch_count++] = *patch;
+    }
+}
+
 /* Those that can be seen, by the distances of their middles. */
 static void keep_seen(Svg *svg, Samples *samples)
 {
@@ -361,8 +394,8 @@ static ShvStatus order_seen(Svg *svg, Samples *samples, ShvError *error)
     return room ? SHV_OK : shv_fail_memory(error, "patches", count * sizeof *sorted);
 }
 
-/* Keeps what can be seen, in the order in which it is drawn. */
-static ShvStatus choose_patches(Svg *svg, ShvError *error)
+/* Keeps what can be seen, in the order in which it is drawn; `of_pieces`: how many patches are not of obstacles. */
+static ShvStatus choose_patches(Svg *svg, int64_t of_pieces, ShvError *error)
 {
     ShvMemory *memory = svg->options.memory;
     Samples samples = {.columns = (int32_t)(2.0 * svg->camera.width), .rows = (int32_t)(2.0 * svg->camera.height)};
@@ -371,6 +404,7 @@ static ShvStatus choose_patches(Svg *svg, ShvError *error)
     samples.item = shv_allocate(memory, SHV_PART_RECORD, count, sizeof *samples.item);
     ShvStatus status = samples.near && samples.item ? SHV_OK : shv_fail_memory(error, "samples", 16 * count);
     if (status == SHV_OK) {
+        open_obstacles(svg, &samples, of_pieces);
         keep_seen(svg, &samples);
         status = order_seen(svg, &samples, error);
     }
@@ -534,8 +568,9 @@ static ShvStatus print_panel(Svg *svg, const Page *page, int32_t index, int64_t 
         if (svg->obstacles[i].body.shape == SHV_OBSTACLE_PLANE) print_plane(svg, i);
     svg->patch_count = 0;
     add_pieces(svg);
+    const int64_t of_pieces = svg->patch_count;
     add_obstacles(svg);
-    SHV_TRY(choose_patches(svg, error));
+    SHV_TRY(choose_patches(svg, of_pieces, error));
     SHV_TRY(find_shared_edges(svg, error));
     print_patches(svg);
     shv_print(

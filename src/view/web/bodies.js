@@ -20,6 +20,17 @@ bool inside = place.y >= 0.0 && (place.z <= 0.0 || own.w < 1.5) && abs(poseTexel
 if (own.w < 0.5 || inside) transformed = vec3(0.0);
 `;
 
+// Walls that are opened let the eye in: they are without what is turned away from the middle of the pieces.
+function open(material, uniforms) {
+  material.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, uniforms);
+    shader.fragmentShader = shader.fragmentShader.replace('#include <common>', '#include <common>\nuniform float opened; uniform vec3 middle;')
+      .replace('#include <normal_fragment_begin>', `#include <normal_fragment_begin>
+        if (opened > 0.5 && dot(normal, (viewMatrix * vec4(middle, 1.0)).xyz + vViewPosition) < 0.0) discard;`);
+  };
+  return material;
+}
+
 function move(material, uniforms, fragment) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
@@ -56,6 +67,7 @@ export class Bodies {
     this.poses = new Float32Array(WIDTH * count * 4);
     this.texture = new THREE.DataTexture(this.poses, WIDTH, count, THREE.RGBAFormat, THREE.FloatType);
     this.uniforms = { poses: { value: this.texture }, byFace: { value: 0 } };
+    this.opening = { opened: { value: 0 }, middle: { value: new THREE.Vector3() } };
     this.addPieces();
     this.addHulls();
     this.addObstacles();
@@ -135,13 +147,28 @@ export class Bodies {
       geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(obstacle.triangles), 1));
       const round = obstacle.shape === 'sphere';
       if (round) geometry.computeVertexNormals();
-      const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ flatShading: !round }));
+      const plane = obstacle.shape === 'plane', wall = !plane && obstacle.motion !== 'free';
+      const material = new THREE.MeshLambertMaterial({ flatShading: !round });
+      const mesh = new THREE.Mesh(geometry, wall ? open(material, this.opening) : material);
       mesh.receiveShadow = true;
-      mesh.castShadow = obstacle.shape !== 'plane';
-      mesh.userData.plane = obstacle.shape === 'plane';
+      mesh.castShadow = !plane;
+      mesh.userData = { plane, wall };
       this.scene.add(mesh);
       return mesh;
     });
+  }
+
+  get walls() { return this.obstacles.filter((mesh) => mesh.userData.wall); }
+
+  // Whether a wall is all round the middle of the pieces.
+  get enclosed() {
+    this.obstacles.forEach((mesh, i) => this.showObstacle(mesh, i, { frame: 0, next: 0, share: 0 }));
+    return this.walls.some((mesh) => new THREE.Box3().setFromObject(mesh).containsPoint(this.opening.middle.value));
+  }
+
+  showOpen(on) {
+    this.opening.opened.value = on ? 1 : 0;
+    this.walls.forEach((mesh) => { mesh.castShadow = !on; });
   }
 
   addLights() {
@@ -156,6 +183,7 @@ export class Bodies {
   // Lamp, haze and grid around what is looked at.
   surround(centre, reach) {
     this.reach = reach;
+    this.opening.middle.value.set(...centre);
     this.lamp.position.set(centre[0] - 0.9 * reach, centre[1] - 1.35 * reach, centre[2] + 3 * reach);
     this.lamp.target.position.set(...centre);
     Object.assign(this.lamp.shadow.camera, { left: -2 * reach, right: 2 * reach, top: 2 * reach, bottom: -2 * reach, near: 0.1 * reach, far: 8 * reach });

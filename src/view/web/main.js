@@ -17,7 +17,7 @@ const THEMES = {
 const LASTS = [[5, '5 s'], [10, '10 s'], [20, '20 s'], [60, '1 min'], [180, '3 min'], [0, 'as long as in nature']];
 const SLOW = 0.05, PATIENCE = 4, LEAST_SHARPNESS = 0.5; // s from picture to picture; of them; pixels drawn over pixels shown
 const KEYS = [['space', 'play or pause'], ['← →', 'one frame back or forth'], ['Home End', 'first or last frame'], ['[ ]', 'shorter or longer on the screen'],
-  ['s', 'stretch: each frame as long as the others'], ['c', 'next colour'], ['x', 'convex pieces'], ['d', 'dark or light'], ['r', 'camera back'], ['Esc', 'let go of the piece'], ['?', 'these keys']];
+  ['s', 'stretch: each frame as long as the others'], ['c', 'next colour'], ['x', 'convex pieces'], ['o', 'open walls'], ['d', 'dark or light'], ['r', 'camera back'], ['Esc', 'let go of the piece'], ['?', 'these keys']];
 
 class Viewer {
   constructor(runs) {
@@ -40,6 +40,7 @@ class Viewer {
     this.setColour('piece');
     this.layOut();
     this.resetCamera();
+    this.setOpen(this.bodies.some((bodies) => bodies.enclosed));
     this.follow(new URLSearchParams(location.hash.slice(1)));
     this.last = performance.now();
     requestAnimationFrame((now) => this.tick(now));
@@ -52,6 +53,7 @@ class Viewer {
     $('lasts').value = 10;
     Object.keys(CHOICES).filter((name) => this.runs.every((run) => CHOICES[name].has?.(run) ?? true)).forEach((name) => $('colour').append(new Option(name, name)));
     $('convex-label').hidden = this.runs.every((run) => run.hulls.length === 0);
+    $('open-label').hidden = this.bodies.every((bodies) => bodies.walls.length === 0);
     const table = document.createElement('table');
     KEYS.forEach(([key, what]) => { const row = table.insertRow(); const k = document.createElement('kbd'); k.textContent = key; row.insertCell().append(k); row.insertCell().textContent = what; });
     $('help').append(table);
@@ -59,12 +61,13 @@ class Viewer {
     if (said.length) { const p = document.createElement('p'); p.className = 'hint'; p.textContent = said.join(' · '); $('picked').append(p); }
   }
 
-  // What the page's address asks for: page.html#time=0.02&colour=damage&theme=dark&stretch&convex
+  // What the page's address asks for: page.html#time=0.02&colour=damage&theme=dark&stretch&convex&open=no
   follow(wishes) {
     if (THEMES[wishes.get('theme')]) this.setTheme(wishes.get('theme'));
     if ([...$('colour').options].some((option) => option.value === wishes.get('colour'))) this.setColour(wishes.get('colour'));
     if (wishes.has('stretch')) this.setStretch(true);
     if (wishes.has('convex')) this.setConvex(true);
+    if (wishes.has('open')) this.setOpen(wishes.get('open') !== 'no');
     if (Number.isFinite(parseFloat(wishes.get('time')))) this.clock.time = parseFloat(wishes.get('time'));
   }
 
@@ -74,6 +77,7 @@ class Viewer {
     $('forth').onclick = () => this.step(1);
     $('stretch').onchange = () => this.setStretch($('stretch').checked);
     $('convex').onchange = () => this.setConvex($('convex').checked);
+    $('open').onchange = () => this.setOpen($('open').checked);
     $('colour').onchange = () => this.setColour($('colour').value);
     $('theme').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
     $('ask').onclick = () => { $('help').hidden = !$('help').hidden; };
@@ -90,7 +94,7 @@ class Viewer {
     const next = (select, by) => { select.selectedIndex = (select.selectedIndex + by + select.options.length) % select.options.length; select.onchange?.(); };
     const acts = {
       ' ': () => this.toggle(), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1), Home: () => this.seek(0), End: () => this.seek(1),
-      '[': () => next($('lasts'), -1), ']': () => next($('lasts'), 1), s: () => this.setStretch(!this.clock.stretched), c: () => next($('colour'), 1), x: () => this.setConvex(!$('convex').checked),
+      '[': () => next($('lasts'), -1), ']': () => next($('lasts'), 1), s: () => this.setStretch(!this.clock.stretched), c: () => next($('colour'), 1), x: () => this.setConvex(!$('convex').checked), o: () => this.setOpen(!$('open').checked),
       d: () => $('theme').onclick(), r: () => this.resetCamera(), Escape: () => { $('help').hidden = true; this.pick(-1, -1); }, '?': () => $('ask').onclick(),
     };
     if (!acts[event.key] || (inField && event.key.startsWith('Arrow'))) return;
@@ -114,6 +118,8 @@ class Viewer {
   setStretch(on) { this.clock.stretch(on); $('stretch').checked = on; const t = THEMES[this.theme]; this.curves.make(t.ink, t.rule); this.dirty = true; }
 
   setConvex(on) { $('convex').checked = on; this.bodies.forEach((bodies) => bodies.showHulls(on)); this.dirty = true; }
+
+  setOpen(on) { $('open').checked = on; this.bodies.forEach((bodies) => bodies.showOpen(on)); this.dirty = true; }
 
   setTheme(theme) {
     this.theme = theme;
