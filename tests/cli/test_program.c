@@ -435,6 +435,17 @@ static void test_what_hides_is_drawn_later(void **state)
         "1\n");
 }
 
+/* A wall between the viewer and the block is no more to be seen than one that is far below. */
+static void test_walls_let_the_eye_in(void **state)
+{
+    (void)state;
+    shell_works("for at in '0, -0.1, 0.36' '0, 0, -50'; do $shiver run wall.yaml --quiet --force --output at.h5 "
+                "--set \"obstacles.wall={box: {size: [400 mm, 20 mm, 400 mm]}, position: [$at]}\" && "
+                "$shiver export svg at.h5 --time 0 --force >said && grep '^<path' at.svg >\"$at\"; done; "
+                "cmp '0, -0.1, 0.36' '0, 0, -50' && grep -c '^<path' '0, 0, -50'",
+                "20\n");
+}
+
 static void test_export(void **state)
 {
     (void)state;
@@ -668,6 +679,7 @@ int main(void)
         cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_scenes),
         cmocka_unit_test(test_what_hides_is_drawn_later),
+        cmocka_unit_test(test_walls_let_the_eye_in),
         cmocka_unit_test(test_probes),
         cmocka_unit_test(test_verify),
         cmocka_unit_test(test_materials),

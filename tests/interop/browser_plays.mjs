@@ -89,6 +89,13 @@ try {
   await page.keyboard.press('x');
   check((await picture()) === plain, 'x does not take the convex pieces away');
 
+  // The step is a wall, round nothing: it is opened when asked to be.
+  check(!(await page.isChecked('#open')), 'a wall is open that is round nothing');
+  await page.keyboard.press('o');
+  check((await picture()) !== plain, 'o opens no wall');
+  await page.keyboard.press('o');
+  check((await picture()) === plain, 'o does not close the wall');
+
   // Clicks the piece whose centre is nearest to the viewer; its mass and birth are those of the genealogy.
   await page.keyboard.press('End');
   await settle();

@@ -160,10 +160,14 @@ export class Bodies {
 
   get walls() { return this.obstacles.filter((mesh) => mesh.userData.wall); }
 
-  // Whether a wall is all round the middle of the pieces.
+  // Whether one wall is round all pieces as the run begins.
   get enclosed() {
-    this.obstacles.forEach((mesh, i) => this.showObstacle(mesh, i, { frame: 0, next: 0, share: 0 }));
-    return this.walls.some((mesh) => new THREE.Box3().setFromObject(mesh).containsPoint(this.opening.middle.value));
+    const { run } = this, at = { frame: 0, next: 0, share: 0 }, lines = Array.from({ length: run.count }, (_, line) => line).filter((line) => run.carrierAt(0, line) >= 0);
+    this.obstacles.forEach((mesh, i) => this.showObstacle(mesh, i, at));
+    return this.walls.some((mesh) => {
+      const box = new THREE.Box3().setFromObject(mesh);
+      return lines.every((line) => box.containsPoint(new THREE.Vector3(...run.pose(at, line, this.scratch).slice(0, 3))));
+    });
   }
 
   showOpen(on) {
