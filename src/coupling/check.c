@@ -234,21 +234,16 @@ static ShvStatus check_facets(ShvHybrid *hybrid, double *largest, int32_t *count
     return SHV_OK;
 }
 
-/* Where a crack begins it unloads what is beside it, so that of neighbours one parts a check. What is past this share of the threshold no
-   crack can have unloaded in time; at tips of cracks that run disks part at 1.3 to 1.4 of it. */
-static const double late_share = 1.5;
-
-/* `count` disks' facets have just been inserted, the largest overstress first: what is late parts with them, whatever is beside it. */
-static ShvStatus insert_late(ShvHybrid *hybrid, int32_t count, ShvError *error)
+/* Of neighbours one parts at a time, and what it leaves to the others is looked at again until nothing parts, at once: a crack cannot have
+   unloaded anything yet, and what a check puts off depends on the step. */
+static ShvStatus insert_neighbours(ShvHybrid *hybrid, ShvError *error)
 {
-    const double late = late_share * hybrid->scene->fracture.threshold, *overstress = hybrid->check.overstress;
     const ShvStressSource source = {fill_stress, hybrid};
-    while (count > 0 && overstress[0] > late) {
+    for (int32_t count = 1; count > 0;) {
         const double start = shv_now();
         shv_solid_smooth(&hybrid->solid, &hybrid->state);
         shv_cohesive_face_candidates(&hybrid->cohesive, &hybrid->state, hybrid->check.stress, source,
                                      hybrid->check.candidates, hybrid->check.overstress, &count);
-        while (count > 0 && overstress[count - 1] <= late) count--;
         shv_costs_add(&hybrid->costs, SHV_COST_STRESS, start);
         if (count > 0) SHV_TRY(insert(hybrid, count, error));
     }
@@ -272,5 +267,5 @@ ShvStatus shv_hybrid_check(ShvHybrid *hybrid, ShvError *error)
     set_clock(hybrid, largest);
     if (count == 0) return SHV_OK;
     SHV_TRY(insert(hybrid, count, error));
-    return hybrid->scene->fracture.criterion == SHV_CRITERION_FORCE ? insert_late(hybrid, count, error) : SHV_OK;
+    return hybrid->scene->fracture.criterion == SHV_CRITERION_FORCE ? insert_neighbours(hybrid, error) : SHV_OK;
 }

@@ -581,7 +581,8 @@ static void test_momentum_with_a_free_body(void **state)
         check_near(now.residual, 0.0, 1e-3 * now.largest);
     }
     assert_true(shv_simulation_frame(simulation)->inserted > 0);
-    assert_true(shv_simulation_frame(simulation)->obstacles[0].velocity[0] < 0.3);
+    /* Slower than it would go on with a cube that sticks to it. */
+    assert_true(shv_simulation_frame(simulation)->obstacles[0].velocity[0] < momentum / (0.01 + 0.0096));
     shv_simulation_destroy(simulation);
 }
 
