@@ -283,8 +283,8 @@ static ShvStatus follow_facet(ShvSurfaceList *list, const ShvSurfaceBodies *bodi
     return SHV_OK;
 }
 
-/* The facets of all tets at a node that has come since. Where none of them is listed it is inside, or beside a crack that has failed but
-   not separated: obstacles must not let it through, where they met what it was split from. */
+/* The facets of all tets at a node that has come since. Where none of them is listed it meets what the node does that it was split from,
+   until the cracks round it have separated: an obstacle that held one lets neither through. */
 static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodies, int32_t node, ShvError *error)
 {
     const ShvState *state = bodies->state;
@@ -297,7 +297,7 @@ static ShvStatus follow_node(ShvSurfaceList *list, const ShvSurfaceBodies *bodie
         }
     }
     const int32_t from = list->slot[shv_state_split_from(state, node)];
-    return from >= 0 ? add_node(list, node, fragment, true, error) : SHV_OK;
+    return from >= 0 ? add_node(list, node, fragment, list->nodes[from].inner, error) : SHV_OK;
 }
 
 /* A node that was split, or a copy: it has fewer facets now, and neighbours that it may meet. */
