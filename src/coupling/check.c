@@ -38,7 +38,7 @@ static const double fading_growth = 0.9, overshoot = 0.1;
 
 /* Fewer steps to the next check as stress grows faster. Where it has passed the threshold nothing need part all the same, as under a
    contact, or cracks are on their way: then no front may outrun the checks. But where all of a body is stretched fast, what has not
-   parted yet grows on meanwhile, and of neighbours one parts a check. */
+   parted yet grows on meanwhile. */
 static void set_clock(ShvHybrid *hybrid, double largest)
 {
     enum { RAREST = 10 };

@@ -94,7 +94,7 @@ static void test_split(void **unused)
     ShvHybrid hybrid;
     start(&hybrid, &stage);
     const int32_t known = hybrid.fragments.count;
-    advance_to_cracks(&hybrid, 100);
+    advance_to_cracks(&hybrid, 40);
     assert_int_equal(hybrid.fragments.count, known); /* inserting splits nothing */
     advance_to_split(&hybrid);
     int32_t elements = 0, nodes = 0, splits = 0;
