@@ -1,7 +1,8 @@
 #include "cohesive/cohesive.h"
 #include "cohesive/frame.h"
 
-/* A corner open beyond both has let go of what its neighbours may still hold: final openings, and edges of the facet. */
+/* A corner that has opened or slipped beyond both has let go of what its neighbours may still hold: final openings, and edges of the
+   facet. */
 static const double torn_openings = 10.0, torn_edges = 0.05;
 
 /* Of an equilateral triangle of the facet's area, m. */
@@ -28,11 +29,15 @@ static bool holds(const ShvCohesive *cohesive, int32_t index)
 
 static bool is_torn(const ShvCohesive *cohesive, int32_t index)
 {
-    const double final_opening = cohesive->law[index].final_opening[SHV_NORMAL];
-    double widest = 0.0;
-    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++)
-        widest = shv_larger(widest, cohesive->internal[k].opening.normal);
-    return widest > torn_openings * final_opening && widest > torn_edges * edge_of(cohesive, index);
+    const double *final_opening = cohesive->law[index].final_opening;
+    double opening = 0.0, slip = 0.0;
+    for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
+        opening = shv_larger(opening, cohesive->internal[k].opening.normal);
+        slip = shv_larger(slip, cohesive->internal[k].opening.shear);
+    }
+    const double edge = torn_edges * edge_of(cohesive, index);
+    return (opening > torn_openings * final_opening[SHV_NORMAL] && opening > edge) ||
+           (slip > torn_openings * final_opening[SHV_SHEAR] && slip > edge);
 }
 
 static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)

@@ -349,8 +349,9 @@ void shv_cohesive_settle(ShvCohesive *cohesive, const ShvState *state, int32_t f
 /* ---- bonds (bond.c) ----
    A facet joins its two tets as long as it is intact, or the normal strength that is left at any of its points exceeds a
    hundredth of that at the start: what is left in shear acts as a traction, and holds nothing together. A corner whose nodes
-   are not split has lost nothing. A facet with a corner that is open beyond ten final openings and a twentieth of its edge is
-   torn whole, so that nothing hangs on one corner; what its other points had stored is released. */
+   are not split has lost nothing. A facet with a corner that has opened, or slipped, beyond ten final openings and a
+   twentieth of its edge is torn whole, so that nothing hangs or turns on one corner; what its other points had stored is
+   released. */
 
 /* Share of the initial normal strength below which a point joins nothing. What is left of the energy there is 1e-4 of G for a
    linear law. */

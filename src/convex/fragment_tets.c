@@ -31,7 +31,7 @@ static void measure(ShvFragmentTets *tets, int32_t tet)
     const ShvVec3 sum = shv_add(shv_add(x[0], x[1]), shv_add(x[2], x[3]));
     shv_store3(tets->centroids + 3 * (int64_t)tet, shv_scale(sum, 0.25));
     const double six = shv_dot(shv_sub(x[1], x[0]), shv_cross(shv_sub(x[2], x[0]), shv_sub(x[3], x[0])));
-    tets->volumes[tet] = six / 6.0;
+    tets->volumes[tet] = fabs(six) / 6.0; /* what is inside out fills space as well */
     tets->volume += tets->volumes[tet];
 }
 

@@ -203,7 +203,9 @@ static void draw_back(ShvPolytope *polytope, const ShvHullCluster *cluster)
 void shv_hull_shrink(ShvPolytope *polytope, const ShvHullCluster *cluster)
 {
     *polytope = cluster->polytope;
-    shv_polytope_scale(polytope, cluster->centre, shv_power(cluster->volume / polytope->hull.volume, 1.0 / 3.0));
+    /* tets that overlap, some inside out, can have more volume than their hull */
+    const double share = fmin(cluster->volume / polytope->hull.volume, 1.0);
+    shv_polytope_scale(polytope, cluster->centre, shv_power(share, 1.0 / 3.0));
 }
 
 ShvStatus shv_hull_fit(ShvPolytope *polytope, const ShvHullClusters *clusters, int32_t index,

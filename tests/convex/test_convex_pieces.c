@@ -129,6 +129,30 @@ static void test_flat_tets(void **unused)
     world_end(&world);
 }
 
+/* Tets of which most is inside out, as a bent shard of soft matter can be: what it has of hulls is finite, and within its nodes. */
+static void test_tets_inside_out(void **unused)
+{
+    (void)unused;
+    static const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, 0.1, 0.3, 0.3, 1.0};
+    static const int32_t elements[] = {0, 1, 2, 3, 0, 2, 1, 4};
+    ShvMemory *memory = shv_memory_create();
+    ShvError error;
+    ShvFragmentTets tets;
+    ShvConvexPieces pieces;
+    assert_int_equal(shv_fragment_tets_allocate(&tets, 5, 2, memory, &error), SHV_OK);
+    memcpy(tets.positions, points, sizeof points);
+    memcpy(tets.tets, elements, sizeof elements);
+    shv_fragment_tets_measure(&tets);
+    check_near(tets.volume, (0.1 + 1.0) / 6.0, 1e-12);
+    assert_int_equal(shv_convex_pieces_of_tets(&pieces, &tets, memory, &error), SHV_OK);
+    assert_true(pieces.count > 0 && pieces.volume > 0.0);
+    for (int32_t i = 0; i < 3 * pieces.vertex_begin[pieces.count]; i++)
+        assert_true(pieces.vertices[i] > -1e-9 && pieces.vertices[i] < 1.0 + 1e-9);
+    shv_convex_pieces_release(&pieces);
+    shv_fragment_tets_release(&tets);
+    shv_memory_destroy(memory);
+}
+
 /* Pieces of a plate, level and tilted: none reaches beyond the plate's faces, and where a piece has area on a face its hulls
    lie flush with it, so that it rests flat. */
 static void test_pieces_of_a_plate_stay_flat(void **unused)
@@ -364,6 +388,7 @@ int main(void)
         cmocka_unit_test(test_box_is_its_corners),
         cmocka_unit_test(test_few_tets),
         cmocka_unit_test(test_flat_tets),
+        cmocka_unit_test(test_tets_inside_out),
         cmocka_unit_test(test_pieces_of_a_plate_stay_flat),
         cmocka_unit_test(test_small_pieces),
         cmocka_unit_test(test_pieces_of_a_ball),
