@@ -127,6 +127,7 @@ static const ShvLibraryMaterial materials[] = {
     {.name = "plaster",
      .title = "gypsum plaster, dry",
      .breakable = true,
+     .unresolved = SHV_UNRESOLVED_TIP_STRENGTH,
      .numbers = {{"density", 1200.0, "cast with 0.6 of water; lerncoach.li, strength of plaster", false},
                  {"youngs_modulus", 5e9,
                   "handbook value; about 10 GPa in cast gypsum of more than 30 MPa in compression: " CAST_GYPSUM, true},

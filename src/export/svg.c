@@ -306,6 +306,7 @@ static void open_obstacles(Svg *svg, Samples *samples, int64_t of_pieces)
 {
     const int64_t count = svg->patch_count;
     int64_t pieces = 0, hidden = 0;
+    if (count == of_pieces) return;
     svg->patch_count = of_pieces;
     find_nearest(svg, samples);
     for (int64_t i = of_pieces; i < count; i++) visit_samples(&svg->patches[i], i, samples, note_before);

@@ -454,7 +454,7 @@ static void the_library_fills_in_what_is_left_out(void **state)
     same(own[0].cohesive_strength_shear, plaster.cohesive_strength_shear);
     same(own[0].fracture_energy_shear, plaster.fracture_energy_shear);
     same(own[0].weibull_modulus, plaster.weibull_modulus);
-    assert_int_equal(own[0].unresolved, SHV_UNRESOLVED_KEEP);
+    assert_int_equal(own[0].unresolved, SHV_UNRESOLVED_TIP_STRENGTH);
     assert_false(own[1].breakable);
     same(own[1].youngs_modulus, 210e9);
     assert_int_equal(own[2].unresolved, SHV_UNRESOLVED_TIP_STRENGTH);

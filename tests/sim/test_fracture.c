@@ -459,7 +459,7 @@ static void test_torn_all_over(void **state)
         outcome[finer] = run(&stage);
     }
     assert_true(outcome[1].inserted > 500);
-    check_near(outcome[0].ledger.kinetic / outcome[1].ledger.kinetic, 1.0, 0.06); /* 0.75 and 0.88 by such checks */
+    check_near(outcome[0].ledger.kinetic / outcome[1].ledger.kinetic, 1.0, 0.04); /* 0.75 and 0.88 by such checks */
 }
 
 static void test_extreme_strength(void **state)
