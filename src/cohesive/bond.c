@@ -27,17 +27,20 @@ static bool holds(const ShvCohesive *cohesive, int32_t index)
     return false;
 }
 
+static bool is_wide(const ShvCohesive *cohesive, int32_t index, int component, double opening)
+{
+    return opening > torn_openings * cohesive->law[index].final_opening[component] &&
+           opening > torn_edges * edge_of(cohesive, index);
+}
+
 static bool is_torn(const ShvCohesive *cohesive, int32_t index)
 {
-    const double *final_opening = cohesive->law[index].final_opening;
-    double opening = 0.0, slip = 0.0;
     for (int64_t k = 3 * (int64_t)index; k < 3 * (int64_t)index + 3; k++) {
-        opening = shv_larger(opening, cohesive->internal[k].opening.normal);
-        slip = shv_larger(slip, cohesive->internal[k].opening.shear);
+        const ShvOpening at = cohesive->internal[k].opening;
+        if (is_wide(cohesive, index, SHV_NORMAL, at.normal) || is_wide(cohesive, index, SHV_SHEAR, at.shear))
+            return true;
     }
-    const double edge = torn_edges * edge_of(cohesive, index);
-    return (opening > torn_openings * final_opening[SHV_NORMAL] && opening > edge) ||
-           (slip > torn_openings * final_opening[SHV_SHEAR] && slip > edge);
+    return false;
 }
 
 static void tear(ShvCohesive *cohesive, int32_t index, ShvLedger *ledger)
