@@ -16,7 +16,8 @@ LIMIT = 1200  # s of processor time a run may take
 # ---- what is run ----
 
 BALL = dict(scene="concrete_ball", material="concrete", edge="objects.ball.mesh.ball.edge", set={"duration": 5e-4})
-# The tile of tile_on_floor.yaml half a millimetre above the floor, as if it fell from 1 m; the mug likewise, and filled anew.
+# The tile of tile_on_floor.yaml half a millimetre above the floor, as if it fell from 1 m, with `keep`, which other words stand beside; the mug
+# likewise, with the word that it has, and filled anew.
 TILE = dict(scene="hybrid/tile_on_floor", material="plaster", edge="objects.tile.mesh.box.edge",
             set={"duration": 3e-3, "objects.tile.position": "[0, 0, 0.0357]", "objects.tile.velocity": "[0, 0, -4.43]",
                  "materials.plaster.unresolved": "keep"})
